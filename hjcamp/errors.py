@@ -1,0 +1,48 @@
+"""The errors a user may meet: each says what is wrong, where, what is allowed, and the nearest match."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class HjcampError(Exception):
+    """The work failed (exit code 1)."""
+
+    exit_code = 1
+
+
+class UsageError(HjcampError):
+    """The call or the data are unusable (exit code 2)."""
+
+    exit_code = 2
+
+
+class RigStopped(HjcampError):  # noqa: N818 - it is a state of the rig, not a mistake of the caller
+    """The rig was made safe and the run stopped (exit code 3)."""
+
+    exit_code = 3
+
+
+class Interrupted(HjcampError):  # noqa: N818 - the user asked for it
+    """The user stopped the work at a safe point (exit code 130)."""
+
+    exit_code = 130
+
+
+def nearest(name: str, allowed: Iterable[str]) -> str | None:
+    """Return the allowed name most like ``name``, or None when nothing is near."""
+    matches = difflib.get_close_matches(str(name), sorted(map(str, allowed)), n=1, cutoff=0.5)
+    return matches[0] if matches else None
+
+
+def unknown(kind: str, name: str, allowed: Iterable[str], where: str = "") -> UsageError:
+    """Return the error for a name that is not among the allowed ones.
+
+    ``kind`` is what the name stands for ("effect"), ``where`` the place it was read from.
+    """
+    names = sorted(map(str, allowed))
+    match = nearest(name, names)
+    hint = f"; did you mean '{match}'?" if match else ""
+    place = f" in {where}" if where else ""
+    return UsageError(f"unknown {kind} '{name}'{place}{hint} Allowed: {', '.join(names) or 'none'}")
