@@ -43,6 +43,6 @@ def unknown(kind: str, name: str, allowed: Iterable[str], where: str = "") -> Us
     """
     names = sorted(map(str, allowed))
     match = nearest(name, names)
-    hint = f"; did you mean '{match}'?" if match else ""
+    hint = f"; did you mean '{match}'?" if match else "."
     place = f" in {where}" if where else ""
     return UsageError(f"unknown {kind} '{name}'{place}{hint} Allowed: {', '.join(names) or 'none'}")

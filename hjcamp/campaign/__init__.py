@@ -1,0 +1,1 @@
+"""From configuration to test logs: composing, planning, running and the run folder."""

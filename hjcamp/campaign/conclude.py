@@ -1,0 +1,45 @@
+"""The end of a run: tables, report page, what to do next."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from hjcamp.campaign.folder import RunFolder
+from hjcamp.campaign.runner import RunResult
+from hjcamp.errors import HjcampError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+SHOWN = 5
+
+
+def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
+    """Build the report of what is there and print the tables; raises ``HjcampError`` where tests failed."""
+    total = len(folder.plan.tests)
+    kept = f", {result.kept} were there" if result.kept else ""
+    console.print(f"[bold]{folder.path}[/bold]   {total} tests, {len(result.failures)} failed{kept}")
+    for text, count in sorted(result.warnings.items(), key=lambda item: -item[1])[:SHOWN]:
+        console.print(f"  note    {text} ({count} tests)", style="yellow", markup=False)
+    if result.done + result.kept:
+        _report(folder, console)
+    if result.failures:
+        lines = [f"{test}: {message}" for test, message in result.failures[:SHOWN]]
+        more = [f"... and {len(result.failures) - SHOWN} more: hjcamp show {folder.path}"]
+        text = "\n  ".join(lines + (more if len(result.failures) > SHOWN else []))
+        left = sum(entry["state"] != "done" for entry in folder.manifest["tests"].values())
+        raise HjcampError(f"{len(result.failures)} tests failed\n  {text}\n{left} to go: hjcamp resume {folder.path}")
+
+
+def _report(folder: RunFolder, console: Console) -> None:
+    from hjcamp.report.build import build_report, verdict
+    from hjcamp.report.terminal import summary_table
+
+    report = build_report(folder.path, against="published")
+    console.print(summary_table(report.indicators))
+    sentence = verdict(report.comparison)
+    if sentence:
+        console.print(f"  {sentence}", markup=False)
+    console.print(f"  report  {report.page}", markup=False, soft_wrap=True)
+    console.print(f"  next    hjcamp compare {folder.path}", markup=False, soft_wrap=True)
+    console.print(f"          hjcamp report {folder.path} --check default", markup=False, soft_wrap=True)

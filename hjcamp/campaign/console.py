@@ -1,0 +1,20 @@
+"""The console that runs and commands print to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+WIDTH_OF_FILES = 160
+
+
+def make_console() -> Console:
+    """Return a console: as wide as the terminal, or wide enough for any table where the output goes to a file."""
+    from rich.console import Console
+
+    console = Console(highlight=False, soft_wrap=True)
+    if not console.is_terminal:
+        console.width = max(console.width, WIDTH_OF_FILES)
+    return console

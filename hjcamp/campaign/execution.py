@@ -1,0 +1,141 @@
+"""Make one test: call the backend, write its log. Runs in the runner's process or in a worker."""
+
+from __future__ import annotations
+
+import errno
+import signal
+import threading
+import time
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+import hjcamp
+from hjcamp.campaign.plan import Condition, Plan, PlannedTest
+from hjcamp.campaign.provenance import git_label
+from hjcamp.errors import HjcampError, Interrupted, RigStopped
+
+CHOICES = (
+    "trajectory", "controller", "payload", "orientation", "friction",
+    "pump", "amplifier", "tubing", "backend", "rig", "model",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Job:
+    """One test with all it needs, so that it can be sent to a worker."""
+
+    test: PlannedTest
+    config: dict[str, Any]
+    metadata: dict[str, str]
+    attachment: bytes
+    path: Path
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a test: ``state`` done or failed; ``stops`` is an exit code where the run cannot go on."""
+
+    test: str
+    condition: str
+    state: str
+    seconds: float
+    message: str = ""
+    detail: str = ""
+    stops: int | None = None
+
+
+def make_jobs(plan: Plan, tests: list[PlannedTest], folder: Path) -> list[Job]:
+    """Return the jobs of some tests of a plan; the attachment is written once for each condition."""
+    attachments = {one.name: configuration_text(one).encode() for one in plan.conditions}
+    conditions = {one.name: one for one in plan.conditions}
+    git = git_label()
+    return [
+        Job(
+            test,
+            conditions[test.condition].config,
+            metadata_of(plan, conditions[test.condition], test, git),
+            attachments[test.condition],
+            folder / test.log,
+        )
+        for test in tests
+    ]
+
+
+def configuration_text(condition: Condition) -> str:
+    """Return the resolved configuration of a condition as YAML."""
+    dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+    return str(yaml.dump(condition.config, Dumper=dumper, sort_keys=False, allow_unicode=True))
+
+
+def metadata_of(plan: Plan, condition: Condition, test: PlannedTest, git: str) -> dict[str, str]:
+    """Return the record ``hjcamp.test`` of a log, without what only the backend knows.
+
+    It holds no time and no host: equal tests give equal logs, whenever and wherever they are made.
+    """
+    choices = {group: condition.choices.get(group) or condition.config[group]["name"] for group in CHOICES}
+    return {
+        "campaign": plan.campaign,
+        "condition": condition.name,
+        **choices,
+        "repetition": str(test.repetition),
+        "seed": str(test.seed),
+        "preload_mpa": str(condition.config["procedure"].get("preload_mpa")),
+        "config_sha256": condition.sha256,
+        "version": hjcamp.__version__,
+        **({"git": git} if git else {}),
+    }
+
+
+def execute(job: Job) -> Outcome:
+    """Run one test and write its log under its final name; never raises except for an immediate stop."""
+    from hjcamp import backends
+    from hjcamp.records.log import TestLog
+    from hjcamp.records.write import write_log
+
+    start = time.perf_counter()
+
+    def outcome(state: str, message: str = "", detail: str = "", stops: int | None = None) -> Outcome:
+        seconds = round(time.perf_counter() - start, 4)
+        return Outcome(job.test.id, job.test.condition, state, seconds, message, detail, stops)
+
+    try:
+        columns, extra = backends.run_test(job.config, job.test.seed)
+        job.path.parent.mkdir(parents=True, exist_ok=True)
+        write_log(job.path, TestLog(columns, {**job.metadata, **extra}, {"config.yaml": job.attachment}))
+        return outcome("done", extra.get("warning", ""))
+    except Interrupted as error:
+        return outcome("failed", str(error), stops=error.exit_code)
+    except RigStopped as error:
+        return outcome("failed", str(error), stops=error.exit_code)
+    except (HjcampError, OSError) as error:
+        return outcome("failed", str(error), stops=1 if disk_is_full(error) else None)
+    except MemoryError:
+        return outcome("failed", "not enough memory for this test", stops=1)
+    except Exception as error:
+        message = f"internal error: {type(error).__name__}: {error}"
+        return outcome("failed", message, detail=traceback.format_exc())
+
+
+def execute_in_worker(job: Job) -> Outcome:
+    """Run one test in a worker process, where Ctrl-C is the business of the runner."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    return execute(job)
+
+
+def ignore_interrupts() -> None:
+    """Let a worker live through Ctrl-C: the runner lets it finish the test in hand."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def disk_is_full(error: BaseException | None) -> bool:
+    """Return whether an error, or what caused it, is a full disk."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+            return True
+        error = error.__cause__ or error.__context__
+    return False

@@ -1,0 +1,64 @@
+"""Write a file whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from hjcamp.errors import HjcampError, UsageError
+
+
+def write_atomic(path: Path, content: str | bytes) -> None:
+    """Write to ``NAME.part``, flush to the disk, then take the final name; on failure nothing is left behind."""
+    part = path.with_name(path.name + ".part")
+    data = content.encode() if isinstance(content, str) else content
+    try:
+        with part.open("wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(part, path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write plain values as JSON, whole or not at all."""
+    write_atomic(path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """Return the content of a JSON file; raises ``UsageError`` where it is missing or damaged."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise UsageError(f"{path} is missing") from error
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path} cannot be read: {error}") from error
+    if not isinstance(content, dict):
+        raise UsageError(f"{path} cannot be read: an object is needed")
+    return content
+
+
+@contextmanager
+def disk_errors(place: Path) -> Iterator[None]:
+    """Turn a full or read-only disk into one clear message."""
+    try:
+        yield
+    except OSError as error:
+        raise HjcampError(disk_message(error, place)) from error
+
+
+def disk_message(error: OSError, place: Path) -> str:
+    """Return what to say about a failed write."""
+    if error.errno == errno.ENOSPC:
+        return f"the disk is full: cannot write to {place}. Free space, then go on with: hjcamp resume {place}"
+    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+        return f"cannot write to {place}: {error.strerror}. Choose another folder with run_dir=DIR"
+    return f"cannot write to {place}: {error.strerror or error}"

@@ -1,0 +1,103 @@
+"""Find runs by what they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hjcamp.campaign.files import read_json
+from hjcamp.campaign.lock import is_locked
+from hjcamp.campaign.plan import SCHEMA
+from hjcamp.campaign.values import look_up
+from hjcamp.errors import UsageError
+
+FOLDERS = (Path("runs"), Path("multirun"))
+
+
+@dataclass(frozen=True)
+class FoundRun:
+    """One run folder in short."""
+
+    path: Path
+    plan: dict[str, Any]
+    manifest: dict[str, Any]
+
+    @property
+    def state(self) -> str:
+        """complete, failed, interrupted, new; running only where a process is at work."""
+        state = str(self.manifest.get("state", "new"))
+        return "interrupted" if state == "running" and not is_locked(self.path) else state
+
+    @property
+    def done(self) -> int:
+        """Number of tests that are done."""
+        return sum(entry.get("state") == "done" for entry in self.manifest.get("tests", {}).values())
+
+    @property
+    def started(self) -> str:
+        """Time of the first session, empty before it."""
+        sessions = self.manifest.get("sessions") or [{}]
+        return str(sessions[0].get("started_at") or "")
+
+
+def find_runs(folders: Sequence[Path] = FOLDERS, filters: Sequence[str] = ()) -> list[FoundRun]:
+    """Return the runs under ``folders`` that meet every ``key=value``, newest first.
+
+    A key is ``campaign``, ``state``, a group (``payload``), a parameter (``controller.positive.kp``), or a key of the
+    provenance (``git``, ``host``). A condition that meets it is enough.
+    """
+    wanted = [_split(text) for text in filters]
+    runs = []
+    for folder in folders:
+        for file in sorted(folder.glob("**/plan.json")) if folder.is_dir() else []:
+            found = _read(file.parent)
+            if found is not None and all(_meets(found, key, value) for key, value in wanted):
+                runs.append(found)
+    return sorted(runs, key=lambda run: (run.started, str(run.path)), reverse=True)
+
+
+def _split(text: str) -> tuple[str, str]:
+    key, equals, value = text.partition("=")
+    if not equals or not key:
+        raise UsageError(f"'{text}' is no filter; write KEY=VALUE, for example  payload=brass_8p5g")
+    return key, value
+
+
+def _read(path: Path) -> FoundRun | None:
+    try:
+        plan = read_json(path / "plan.json")
+    except UsageError:
+        return None
+    if plan.get("schema") != SCHEMA:
+        return None
+    try:
+        manifest = read_json(path / "manifest.json")
+    except UsageError:
+        manifest = {}
+    return FoundRun(path, plan, manifest)
+
+
+def _meets(run: FoundRun, key: str, value: str) -> bool:
+    if key == "state":
+        return run.state == value
+    session: Mapping[str, Any] = (run.manifest.get("sessions") or [{}])[-1]
+    for holder in (run.plan, session):
+        if key in holder and not isinstance(holder[key], dict | list):
+            return _same(holder[key], value)
+    return any(
+        _same(one["choices"].get(key), value) or _same(look_up(one["config"], key), value)
+        for one in run.plan["conditions"]
+    )
+
+
+def _same(there: Any, wanted: str) -> bool:
+    if there is None:
+        return wanted in ("null", "none")
+    if isinstance(there, int | float) and not isinstance(there, bool):
+        try:
+            return float(wanted) == float(there)
+        except ValueError:
+            return False
+    return str(there).lower() == wanted.lower() or (len(wanted) >= 7 and str(there).startswith(wanted))

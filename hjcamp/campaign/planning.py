@@ -1,0 +1,157 @@
+"""Make the plan of a run from the call: compose and check every condition, derive every seed."""
+
+from __future__ import annotations
+
+import fnmatch
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.campaign.campaign_file import RUN_KEYS, Campaign, label_of, read_campaign
+from hjcamp.campaign.conditions import Draft, draft_conditions
+from hjcamp.campaign.plan import Condition, Plan, PlannedTest
+from hjcamp.campaign.search_path import extension_folders
+from hjcamp.campaign.values import check_count, check_values
+from hjcamp.errors import UsageError, nearest, unknown
+
+if TYPE_CHECKING:
+    from hjcamp.campaign.composer import Composer, Composition
+
+SINGLE = "single"
+
+
+def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str], composer: Composer) -> Plan:
+    """Return the plan of a run.
+
+    ``asked`` is the composed configuration of the call, ``choice`` the campaign's name in it (None: the one condition
+    that ``asked`` describes), ``lines`` the user's overrides. Raises ``UsageError`` for anything that cannot be run.
+    """
+    repetitions = check_count(asked.get("repetitions"), "repetitions")
+    seed = check_count(asked.get("seed"), "seed", lowest=0)
+    if choice is None:
+        name = "__".join(label_of("", str(asked[group].get("name"))) for group in ("trajectory", "controller"))
+        campaign, drafts = Campaign(SINGLE, "one condition, no campaign", {}, ()), [Draft(name, tuple(lines))]
+    else:
+        campaign = read_campaign(asked["campaign"], choice)
+        campaign, drafts = draft_conditions(campaign, lines, composer)
+    drafts = _selected(drafts, asked.get("conditions"))
+    composed = [composer.compose(draft.overrides) for draft in drafts]
+    conditions = tuple(
+        _condition(draft, composition, repetitions, seed, composer)
+        for draft, composition in zip(drafts, composed, strict=True)
+    )
+    _refuse_equal(conditions)
+    tests = tuple(
+        PlannedTest(
+            f"{condition.name}/rep_{repetition:02d}",
+            condition.name,
+            repetition,
+            seed_of(seed, condition.name, repetition),
+            f"logs/{condition.name}/rep_{repetition:02d}.mcap",
+        )
+        for condition in conditions
+        for repetition in range(1, repetitions + 1)
+    )
+    tables = _tables(asked.get("tables"), composer)
+    decisive = [campaign.name, tables, repetitions, seed, [[one.name, one.config] for one in conditions]]
+    return Plan(
+        campaign.name,
+        campaign.description,
+        tables,
+        repetitions,
+        seed,
+        campaign.fixed,
+        {axis.name: list(axis.cases) for axis in campaign.axes},
+        conditions,
+        tests,
+        sha256_of(decisive),
+    )
+
+
+def check_call(lines: Sequence[str], composer: Composer) -> None:
+    """Raise ``UsageError`` for a call that cannot be run, judging by its first condition: cheap enough for a sweep."""
+    asked = composer.compose(lines)
+    check_count(asked.config.get("repetitions"), "repetitions")
+    check_count(asked.config.get("seed"), "seed", lowest=0)
+    _tables(asked.config.get("tables"), composer)
+    first = asked
+    if choice := asked.choices.get("campaign"):
+        campaign = read_campaign(asked.config["campaign"], choice)
+        drafts = _selected(draft_conditions(campaign, lines, composer)[1], asked.config.get("conditions"))
+        first = composer.compose(drafts[0].overrides)
+    check_values(first.config, f"'{' '.join(lines)}'")
+
+
+def seed_of(seed: int, condition: str, repetition: int) -> int:
+    """Return the seed of one test.
+
+    It follows from the seed of the run, the condition's name and the repetition, so it is the same in any order, on
+    any number of workers, and when a parameter or the backend is changed: runs can be compared test by test.
+    """
+    import numpy as np
+
+    name = int.from_bytes(hashlib.sha256(condition.encode()).digest()[:16], "big")
+    return int(np.random.SeedSequence([seed, name, repetition]).generate_state(2, np.uint64)[0] >> 1)
+
+
+def sha256_of(content: Any) -> str:
+    """Return the hash of plain values, independent of the order of keys."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
+
+
+def _condition(draft: Draft, composition: Composition, repetitions: int, seed: int, composer: Composer) -> Condition:
+    from hjcamp import backends
+    from hjcamp.trajectories import build_trajectory
+
+    config = {key: value for key, value in composition.config.items() if key not in RUN_KEYS}
+    choices = {group: choice for group, choice in composition.choices.items() if choice and group != "campaign"}
+    for group, choice in choices.items():
+        if isinstance(config.get(group), dict):
+            config[group].setdefault("name", choice)
+    where = f"condition '{draft.name}'"
+    check_values(config, where)
+    config["controller_model"] = composer.model(str(config["controller"].get("model")))
+    duration = float(build_trajectory(config["trajectory"], extension_folders("trajectories")).duration)
+    check_test = getattr(backends, "check_test", None)
+    if check_test is not None:
+        check_test(config)
+    sha256 = sha256_of(config)
+    return Condition(draft.name, choices, {**config, "repetitions": repetitions, "seed": seed}, duration, sha256)
+
+
+def _selected(drafts: list[Draft], patterns: Any) -> list[Draft]:
+    if patterns is None:
+        return drafts
+    names = [draft.name for draft in drafts]
+    kept: set[str] = set()
+    for pattern in patterns if isinstance(patterns, list | tuple) else [patterns]:
+        found = fnmatch.filter(names, str(pattern))
+        if not found:
+            match = nearest(str(pattern), names)
+            hint = f"; did you mean '{match}'?" if match else "."
+            raise UsageError(f"conditions: nothing matches '{pattern}'{hint} Allowed: {', '.join(names)}")
+        kept.update(found)
+    return [draft for draft in drafts if draft.name in kept]
+
+
+def _refuse_equal(conditions: Sequence[Condition]) -> None:
+    seen: dict[str, str] = {}
+    for condition in conditions:
+        if condition.sha256 in seen:
+            raise UsageError(
+                f"the campaign varies the same thing twice: the conditions '{seen[condition.sha256]}' and "
+                f"'{condition.name}' have the same configuration"
+            )
+        seen[condition.sha256] = condition.name
+
+
+def _tables(asked: Any, composer: Composer) -> tuple[str, ...]:
+    tables = [asked] if isinstance(asked, str) else list(asked or [])
+    allowed = composer.options("table") if composer.is_group("table") else None
+    for table in tables:
+        if allowed is not None and table not in allowed:
+            raise unknown("table", str(table), allowed, "tables")
+    if len(set(tables)) < len(tables):
+        raise UsageError(f"tables names one table twice: {', '.join(map(str, tables))}")
+    return tuple(map(str, tables))

@@ -1,0 +1,134 @@
+"""Run what is left of a plan: progress, state, stopping, going on."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hjcamp.campaign.execution import Outcome, make_jobs
+from hjcamp.campaign.files import disk_errors
+from hjcamp.campaign.folder import RunFolder
+from hjcamp.campaign.interrupts import StopRequest
+from hjcamp.campaign.lock import run_lock
+from hjcamp.campaign.plan import PlannedTest
+from hjcamp.campaign.workers import available_workers, outcomes
+from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+@dataclass
+class RunResult:
+    """How a run ended: tests made now, tests that were there, failures as (test, message)."""
+
+    path: Path
+    done: int = 0
+    kept: int = 0
+    failures: list[tuple[str, str]] = field(default_factory=list)
+    warnings: dict[str, int] = field(default_factory=dict)
+
+
+def run_plan(
+    folder: RunFolder,
+    console: Console,
+    workers: int | None = None,
+    fail_fast: bool = False,
+    announce: Callable[[str], None] | None = None,
+) -> RunResult:
+    """Make every test of the plan that has no whole log yet.
+
+    A failed test is noted and the run goes on, unless ``fail_fast``. Raises ``Interrupted`` after a stop that was
+    asked for, ``RigStopped`` where the rig was made safe, ``HjcampError`` where it cannot go on (a full disk).
+    """
+    say = announce or (lambda text: console.print(text, style="yellow", highlight=False))
+    with disk_errors(folder.path), run_lock(folder.path):
+        result = RunResult(folder.path)
+        waiting = _waiting(folder, result, say)
+        number, fixed = available_workers(workers, str(folder.plan.conditions[0].config["backend"].get("name")))
+        folder.begin(number)
+        state = "interrupted"
+        try:
+            with StopRequest(say) as request:
+                stopper = _run(folder, result, waiting, (number, fixed), request, console, fail_fast)
+        except KeyboardInterrupt:
+            stopper = None
+        else:
+            state = "complete" if folder.complete else "failed" if result.failures else "interrupted"
+        finally:
+            folder.end(state)
+    left = len(folder.plan.tests) - result.done - result.kept
+    if stopper is not None and stopper.stops is not None:
+        kind = {3: RigStopped, 130: Interrupted}.get(stopper.stops, HjcampError)
+        raise kind(f"{stopper.message}\n{left} tests left; go on with: hjcamp resume {folder.path}")
+    if state == "interrupted" and left:
+        raise Interrupted(
+            f"stopped, {left} of {len(folder.plan.tests)} tests left; go on with: hjcamp resume {folder.path}"
+        )
+    return result
+
+
+def _run(
+    folder: RunFolder,
+    result: RunResult,
+    waiting: list[PlannedTest],
+    workers: tuple[int, bool],
+    request: StopRequest,
+    console: Console,
+    fail_fast: bool,
+) -> Outcome | None:
+    from hjcamp.campaign.progress import progress_bar
+
+    stoppers: list[Outcome] = []
+    jobs = make_jobs(folder.plan, waiting, folder.path)
+    with progress_bar(console, len(folder.plan.tests), result.kept) as advance:
+        for outcome in outcomes(jobs, *workers, stop=lambda: request.asked or bool(stoppers)):
+            if outcome.state == "done":
+                result.done += 1
+                folder.record(outcome.test, "done", seconds=outcome.seconds)
+                if outcome.message:
+                    result.warnings[outcome.message] = result.warnings.get(outcome.message, 0) + 1
+            else:
+                result.failures.append((outcome.test, outcome.message))
+                detail = {"detail": outcome.detail} if outcome.detail else {}
+                folder.record(outcome.test, "failed", message=outcome.message, **detail)
+                if outcome.stops is not None or fail_fast:
+                    stoppers.append(outcome)
+            advance(outcome.test)
+    return stoppers[0] if stoppers else None
+
+
+def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -> list[PlannedTest]:
+    """Return the tests without a whole log; a damaged one is put aside, never overwritten."""
+    waiting = []
+    for test in folder.plan.tests:
+        path = folder.path / test.log
+        if not path.exists():
+            waiting.append(test)
+            folder.manifest["tests"][test.id] = {"state": "planned"}
+            continue
+        problem = _problem(path)
+        if problem is None:
+            result.kept += 1
+            if folder.manifest["tests"][test.id]["state"] != "done":
+                folder.manifest["tests"][test.id] = {"state": "done"}
+            continue
+        aside = path.with_suffix(".mcap.damaged")
+        os.replace(path, aside)
+        say(f"{path} is damaged ({problem}); kept as {aside.name} and repeated")
+        waiting.append(test)
+        folder.manifest["tests"][test.id] = {"state": "planned"}
+    return waiting
+
+
+def _problem(path: Path) -> str | None:
+    from hjcamp.records.read import read_log
+
+    try:
+        read_log(path)
+    except UsageError as error:
+        return str(error)
+    return None

@@ -1,0 +1,106 @@
+"""The command line: finds the commands in ``hjcamp/commands/``, and turns every error into one message."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+import tempfile
+import traceback
+from types import FrameType
+from typing import Annotated, Any
+
+import typer
+
+from hjcamp.commands import Commands
+from hjcamp.errors import HjcampError
+
+INTERRUPTED = 130
+
+
+def show_version(asked: bool) -> None:
+    """Print the version and end."""
+    if asked:
+        from hjcamp import __version__
+
+        print(f"hjcamp {__version__}")
+        raise typer.Exit
+
+
+app = typer.Typer(
+    cls=Commands,
+    pretty_exceptions_enable=False,
+    help="Test campaigns for a water-hydraulic servo joint, and the search for what its model misses.",
+    epilog="First:  hjcamp plan campaign=robustness_vertical   then   hjcamp run campaign=robustness_vertical",
+)
+
+
+@app.callback()
+def root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=show_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """Test campaigns for a water-hydraulic servo joint, and the search for what its model misses."""
+
+
+def main() -> None:
+    """Run the command line and exit with its code."""
+    signal.signal(signal.SIGTERM, _terminated)
+    code = run()
+    try:
+        sys.stdout.flush()
+    except (BrokenPipeError, ValueError):
+        _close_stdout()
+    sys.exit(code)
+
+
+def run(arguments: list[str] | None = None) -> int:
+    """Return the exit code of one call: 0 done, 1 failed, 2 unusable call, 3 rig made safe, 130 interrupted."""
+    try:
+        given = sys.argv[1:] if arguments is None else arguments
+        answer: Any = app(args=given or ["--help"], prog_name="hjcamp", standalone_mode=False)
+        return answer if isinstance(answer, int) and not isinstance(answer, bool) else 0
+    except HjcampError as error:
+        return _say(str(error), error.exit_code)
+    except (KeyboardInterrupt, typer.Abort):
+        return _say("interrupted", INTERRUPTED)
+    except SystemExit as error:
+        return error.code if isinstance(error.code, int) else int(error.code is not None)
+    except BrokenPipeError:
+        _close_stdout()
+        return 0
+    except MemoryError:
+        return _say("not enough memory", 1)
+    except OSError as error:
+        place = f": {error.filename}" if error.filename else ""
+        return _say(f"{error.strerror or error}{place}", 1)
+    except Exception as error:
+        if type(error).__module__.startswith(("click", "typer._click")) and hasattr(error, "format_message"):
+            return _say(f"{error.format_message()}  (see hjcamp --help)", 2)
+        return _say(f"internal error: {type(error).__name__}: {error}{_keep_traceback()}", 1)
+
+
+def _say(text: str, code: int) -> int:
+    with contextlib.suppress(OSError):
+        print(f"hjcamp: {text}", file=sys.stderr)
+    return code
+
+
+def _keep_traceback() -> str:
+    try:
+        with tempfile.NamedTemporaryFile("w", prefix="hjcamp-error-", suffix=".log", delete=False) as stream:
+            traceback.print_exc(file=stream)
+        return f"; details in {stream.name}"
+    except OSError:
+        return ""
+
+
+def _close_stdout() -> None:
+    # Python flushes stdout once more at exit; a closed pipe would print an error there.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _terminated(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt

@@ -1,0 +1,62 @@
+"""The commands: one file each. A file ``NAME.py`` here with ``register(app)`` is the command ``hjcamp NAME``.
+
+The first line of its docstring is its line in ``hjcamp --help``; the file itself is imported only when it is called.
+A trailing underscore is not part of the name (``import_.py``).
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from pathlib import Path
+from typing import Any
+
+import typer
+import typer.main
+from typer.core import TyperCommand, TyperGroup
+
+from hjcamp.errors import unknown
+
+FOLDER = Path(__file__).parent
+
+
+def command_files() -> dict[str, Path]:
+    """Return the name and file of every command."""
+    files = sorted(path for path in FOLDER.glob("*.py") if not path.name.startswith("_"))
+    return {path.stem.rstrip("_"): path for path in files}
+
+
+def one_line(path: Path) -> str:
+    """Return the first line of a file's docstring without importing the file."""
+    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    return text.partition("\n")[0]
+
+
+class Commands(TyperGroup):
+    """A group whose commands are files, imported when they are called."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of all commands."""
+        return list(command_files())
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a stand-in with the command's one line, for help and completion; nothing is imported."""
+        path = command_files().get(cmd_name)
+        return None if path is None else TyperCommand(cmd_name, short_help=one_line(path), help=one_line(path))
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the command that the arguments name; an unknown one is refused with the nearest match."""
+        files = command_files()
+        if args[0] not in files:
+            if ctx.resilient_parsing:
+                return None, None, args
+            raise unknown("command", args[0], files)
+        return args[0], load(files[args[0]]), args[1:]
+
+
+def load(path: Path) -> Any:
+    """Import a command's file and return its command."""
+    module = importlib.import_module(f"{__name__}.{path.stem}")
+    app = typer.Typer(pretty_exceptions_enable=False)
+    module.register(app)
+    return typer.main.get_group(app).commands[path.stem.rstrip("_")]

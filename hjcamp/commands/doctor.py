@@ -1,0 +1,114 @@
+"""Check this installation: versions, folders, caches, the rig's driver; exit code 1 where something is broken."""
+
+from __future__ import annotations
+
+import os
+import platform
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import typer
+
+from hjcamp.errors import HjcampError
+
+Finding = tuple[str, str, str]  # state (good, note, broken), subject, text
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("doctor")(doctor)
+
+
+def doctor() -> None:
+    """Check this installation: versions, folders, caches, the rig's driver; exit code 1 where something is broken."""
+    from hjcamp.campaign.console import make_console
+
+    console = make_console()
+    marks = {"good": "[green]ok[/green]    ", "note": "[yellow]note[/yellow]  ", "broken": "[red]BROKEN[/red]"}
+    broken = 0
+    for check in (versions, configuration, folders, kernel_cache, driver):
+        for state, subject, text in findings(check):
+            broken += state == "broken"
+            console.print(f"{marks[state]} {subject:<14}", end="")
+            console.print(text, markup=False)
+    if broken:
+        raise HjcampError(f"{broken} thing{'s are' if broken > 1 else ' is'} broken")
+
+
+def findings(check: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
+    """Yield what a check finds; a check that fails is a finding."""
+    try:
+        yield from check()
+    except Exception as error:
+        yield "broken", check.__name__.replace("_", " "), f"{type(error).__name__}: {error}"
+
+
+def versions() -> Iterator[Finding]:
+    """Program, Python and packages."""
+    from hjcamp.campaign.provenance import provenance
+
+    facts = provenance()
+    commit = f", commit {facts['git'][:12]}" if facts["git"] else ""
+    changes = " with changes" if facts["git_changes_sha256"] else ""
+    yield (
+        "good",
+        "hjcamp",
+        f"{facts['version']}{commit}{changes}, Python {platform.python_version()}, {facts['system']}",
+    )
+    missing = [name for name, version in facts["packages"].items() if version is None]
+    known = ", ".join(f"{name} {version}" for name, version in facts["packages"].items() if version)
+    yield ("broken" if missing else "good"), "packages", known + (f"; missing: {', '.join(missing)}" if missing else "")
+
+
+def configuration() -> Iterator[Finding]:
+    """Where configuration comes from, and whether it composes."""
+    from hjcamp.campaign.composer import Composer
+    from hjcamp.campaign.search_path import ENVIRONMENT_VARIABLE
+
+    for name in filter(None, os.environ.get(ENVIRONMENT_VARIABLE, "").split(os.pathsep)):
+        if not Path(name).expanduser().is_dir():
+            yield "broken", "configuration", f"{ENVIRONMENT_VARIABLE} names {name}, which is no folder"
+    composer = Composer()
+    composer.compose([])
+    for place in composer.places():
+        yield "good", "configuration", place
+    yield "good", "campaigns", " ".join(composer.options("campaign"))
+
+
+def folders() -> Iterator[Finding]:
+    """Whether runs, the user's cache and the temporary folder can be written."""
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    for subject, folder, state in (
+        ("runs", Path("runs"), "broken"),
+        ("cache", cache, "note"),
+        ("home", Path.home(), "note"),
+        ("temporary", Path(tempfile.gettempdir()), "broken"),
+    ):
+        existing = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if parent.exists())
+        writable = os.access(existing, os.W_OK)
+        text = str(folder) if writable else f"{folder} cannot be written; runs can go elsewhere with run_dir=DIR"
+        yield ("good" if writable else state), subject, text
+
+
+def kernel_cache() -> Iterator[Finding]:
+    """Whether compiled kernels are kept from call to call."""
+    folder = os.environ.get("NUMBA_CACHE_DIR")
+    if os.environ.get("NUMBA_DISABLE_JIT") == "1":
+        yield "note", "kernels", "NUMBA_DISABLE_JIT=1: nothing is compiled, simulations are slow"
+    elif folder and not os.access(folder, os.W_OK):
+        yield "note", "kernels", f"NUMBA_CACHE_DIR={folder} cannot be written: kernels are compiled in every call"
+    else:
+        yield "good", "kernels", f"compiled kernels are kept{f' in {folder}' if folder else ''}"
+
+
+def driver() -> Iterator[Finding]:
+    """Whether the NI-DAQmx driver of a real rig is there."""
+    from nidaqmx.errors import DaqNotFoundError
+    from nidaqmx.system import System
+
+    try:
+        version = System.local().driver_version
+        yield "good", "nidaqmx", f"driver {version.major_version}.{version.minor_version}"
+    except DaqNotFoundError:
+        yield "note", "nidaqmx", "no driver: only backend=simulation and the virtual rig work here"

@@ -1,0 +1,69 @@
+"""Look at, check and recover test logs: hjcamp log info, verify, recover."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hjcamp.errors import HjcampError
+
+Paths = Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    group = typer.Typer(
+        name="log", help="Look at, check and recover test logs.", no_args_is_help=True, pretty_exceptions_enable=False
+    )
+    group.command("info")(info)
+    group.command("verify")(verify)
+    group.command("recover")(recover)
+    app.add_typer(group)
+
+
+def info(paths: Paths) -> None:
+    """Show what logs hold: samples, duration, fields, metadata."""
+    from hjcamp.records.find import find_logs
+    from hjcamp.records.recover import verify_log
+
+    for path in find_logs(paths):
+        found = verify_log(path)
+        print(f"{path}: {found.samples} samples, {found.duration:.3f} s, {'whole' if found.whole else 'NOT WHOLE'}")
+        print(f"  fields       {' '.join(found.fields)}")
+        print(f"  attachments  {' '.join(found.attachments) or 'none'}")
+        for name, value in found.metadata.items():
+            print(f"  {name:<12} {value}")
+
+
+def verify(paths: Paths) -> None:
+    """Check that logs are whole and meet the contract; exit code 1 where one does not."""
+    from hjcamp.records.find import find_logs
+    from hjcamp.records.recover import verify_log
+
+    damaged = 0
+    logs = find_logs(paths)
+    for path in logs:
+        found = verify_log(path)
+        damaged += not found.whole
+        for problem in found.problems:
+            print(f"{path}: {problem}")
+    print(f"{len(logs)} logs, {len(logs) - damaged} whole, {damaged} not")
+    if damaged:
+        raise HjcampError(f"{damaged} of {len(logs)} logs are not whole; try: hjcamp log recover PATH")
+
+
+def recover(
+    path: Annotated[Path, typer.Argument(help="A damaged log or a .part file.")],
+    output: Annotated[Path | None, typer.Option(help="The new log; NAME.recovered.mcap by default.")] = None,
+) -> None:
+    """Write what is whole in a damaged log to a new one."""
+    from hjcamp.records.recover import recover_log
+
+    stem = path.name.removesuffix(".part").removesuffix(".mcap")
+    result = recover_log(path, output or path.with_name(f"{stem}.recovered.mcap"))
+    lost = f"{result.lost} lost" if result.lost_is_exact else f"at least {result.lost} lost"
+    for problem in result.problems:
+        print(f"  {problem}")
+    print(f"{result.path}: {result.kept} samples kept, {lost}")

@@ -1,0 +1,106 @@
+"""Show what a run would do: conditions, tests, duration, configuration. Nothing is run or written."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from hjcamp.commands._complete import complete_override
+
+if TYPE_CHECKING:
+    from hjcamp.campaign.plan import Plan
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("plan")(plan)
+
+
+def plan(
+    overrides: Annotated[list[str] | None, typer.Argument(autocompletion=complete_override)] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="The whole plan as JSON.")] = False,
+    condition: Annotated[
+        str | None, typer.Option("--condition", help="Show the resolved configuration of this condition.")
+    ] = None,
+    cfg: Annotated[bool, typer.Option("--cfg", help="Show the resolved configuration of every condition.")] = False,
+    config_dir: Annotated[Path | None, typer.Option("--config-dir", help="A further folder of groups.")] = None,
+) -> None:
+    """Show what a run would do: conditions, tests, duration, configuration. Nothing is run or written."""
+    made = compose_plan(overrides or [], config_dir)
+    if as_json:
+        print(json.dumps(made.as_json(), indent=1))
+    elif condition is not None or cfg:
+        show_configuration(made, condition)
+    else:
+        show_plan(made)
+
+
+def compose_plan(overrides: list[str], config_dir: Path | None = None) -> Plan:
+    """Return the plan of ``hjcamp run`` with these overrides."""
+    from hjcamp.campaign.composer import Composer, free
+    from hjcamp.campaign.planning import make_plan
+
+    lines = [free(line) for line in overrides]
+    composer = Composer(folder=config_dir)
+    asked = composer.compose(lines)
+    return make_plan(asked.config, asked.choices.get("campaign"), lines, composer)
+
+
+def show_plan(made: Plan) -> None:
+    """Print the plan as a person reads it."""
+    from rich.table import Table
+
+    from hjcamp.campaign.console import make_console
+
+    console = make_console()
+    count = len(made.conditions)
+    console.print(
+        f"[bold]{made.campaign}[/bold]: {count} condition{'s' * (count != 1)} x {made.repetitions} repetitions"
+        f" = {len(made.tests)} tests, {duration_text(made.duration)} of motion"
+    )
+    if made.description:
+        console.print(f"  {made.description}", style="dim", markup=False)
+    console.print(f"  {common_choices(made)}", markup=False)
+    if made.fixed:
+        console.print("  fixed   " + ", ".join(f"{key}={value}" for key, value in made.fixed.items()), markup=False)
+    if made.axes:
+        axes = [f"{name}  {' '.join(labels)}" for name, labels in made.axes.items()]
+        console.print("  varies  " + "\n     x    ".join(axes), markup=False)
+    console.print(f"  tables  {' '.join(made.tables) or 'none but the table of conditions'}", markup=False)
+    table = Table(box=None, header_style="bold")
+    for name in ("condition", "tests", "motion"):
+        table.add_column(name)
+    for one in made.conditions:
+        table.add_row(one.name, str(made.repetitions), f"{one.duration:g} s")
+    console.print(table)
+    console.print("  one condition in full: hjcamp plan ... --condition NAME", style="dim")
+
+
+def common_choices(made: Plan) -> str:
+    """Return the choices that all conditions share."""
+    first, *others = [one.choices for one in made.conditions]
+    shared = [(group, choice) for group, choice in first.items() if all(one.get(group) == choice for one in others)]
+    return ", ".join(f"{group} {choice}" for group, choice in sorted(shared) if "/" not in group)
+
+
+def show_configuration(made: Plan, name: str | None) -> None:
+    """Print the resolved configuration of one condition, or of all."""
+    from hjcamp.campaign.execution import configuration_text
+    from hjcamp.errors import unknown
+
+    names = [one.name for one in made.conditions]
+    if name is not None and name not in names:
+        raise unknown("condition", name, names, f"campaign '{made.campaign}'")
+    chosen: Any = [one for one in made.conditions if name in (None, one.name)]
+    print("\n".join(f"# {one.name}\n{configuration_text(one)}" for one in chosen), end="")
+
+
+def duration_text(seconds: float) -> str:
+    """Return a duration as ``3 min 16 s``."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    parts = [(hours, "h"), (minutes, "min"), (rest, "s")]
+    return " ".join(f"{value} {unit}" for value, unit in parts if value) or "0 s"

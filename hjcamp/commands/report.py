@@ -1,0 +1,51 @@
+"""Make tables and the report page of a run folder or of logs, beside the published values."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hjcamp.errors import HjcampError
+
+SHOWN = 20
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("report")(report)
+
+
+def report(
+    path: Annotated[Path, typer.Argument(help="A run folder or a folder of logs.")],
+    against: Annotated[str | None, typer.Option(help="Values to stand beside: published.")] = "published",
+    check: Annotated[
+        str | None, typer.Option(help="Fail where a mean is outside these tolerances: a YAML file, or default.")
+    ] = None,
+    output: Annotated[Path | None, typer.Option(help="Another folder for tables and page.")] = None,
+) -> None:
+    """Make tables and the report page of a run folder or of logs, beside the published values."""
+    from hjcamp.campaign.console import make_console
+    from hjcamp.report.build import build_report, verdict
+    from hjcamp.report.check import check as check_cells
+    from hjcamp.report.check import read_tolerances
+    from hjcamp.report.terminal import summary_table, terminal_table
+
+    tolerances = None if check is None else read_tolerances(check)
+    made = build_report(path, against=against, output=output)
+    console = make_console()
+    console.print(summary_table(made.indicators))
+    for sheet in made.sheets:
+        console.print(f"\n[bold]{sheet.title}[/bold]")
+        console.print(terminal_table(sheet))
+    if against and (sentence := verdict(made.comparison)):
+        console.print(f"  {sentence}", markup=False)
+    console.print(f"  report  {made.page}", markup=False, soft_wrap=True)
+    if tolerances is not None:
+        violations = check_cells(made.comparison, tolerances)
+        if violations:
+            more = f"\n  ... and {len(violations) - SHOWN} more" if len(violations) > SHOWN else ""
+            lines = "\n  ".join(map(str, violations[:SHOWN]))
+            raise HjcampError(f"{len(violations)} means are outside the tolerances\n  {lines}{more}")
+        console.print("  check   every mean is within the tolerances")

@@ -1,0 +1,34 @@
+"""Go on with a run that was stopped: makes the tests that are missing, keeps those that are whole."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("resume")(resume)
+
+
+def resume(
+    run: Annotated[Path, typer.Argument(help="The run folder.")],
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes; as many as pay off by default.")] = None,
+    fail_fast: Annotated[bool, typer.Option(help="Stop at the first test that fails.")] = False,
+) -> None:
+    """Go on with a run that was stopped: makes the tests that are missing, keeps those that are whole."""
+    from hjcamp.campaign.conclude import conclude
+    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.folder import open_folder
+    from hjcamp.campaign.provenance import code_identity
+    from hjcamp.campaign.runner import run_plan
+
+    console = make_console()
+    folder = open_folder(run)
+    sessions = folder.manifest["sessions"]
+    if sessions and any(sessions[-1].get(key) != value for key, value in code_identity().items()):
+        console.print("the program has changed since this run began; old and new tests may differ", style="yellow")
+    result = run_plan(folder, console, workers, fail_fast)
+    conclude(folder, result, console)

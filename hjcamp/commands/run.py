@@ -1,0 +1,129 @@
+"""Run a campaign: every condition, every repetition, then tables and report. All of Hydra's command line.
+
+hjcamp run campaign=NAME [GROUP=CHOICE ...] [PARAMETER=VALUE ...] [-m] [--cfg job] [--config-dir DIR]
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hjcamp.commands._complete import complete_override
+from hjcamp.errors import HjcampError, UsageError
+
+if TYPE_CHECKING:
+    from hydra.core.override_parser.types import Override
+
+    from hjcamp.campaign.composer import Composer
+
+CHECKED_JOBS = 50
+PASS_EVERYTHING = {"ignore_unknown_options": True, "allow_extra_args": True, "help_option_names": []}
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("run", context_settings=PASS_EVERYTHING, add_help_option=False)(run)
+
+
+def run(
+    arguments: Annotated[
+        list[str] | None, typer.Argument(metavar="OVERRIDES", autocompletion=complete_override)
+    ] = None,
+) -> None:
+    """Run a campaign: every condition, every repetition, then tables and report. All of Hydra's command line."""
+    if arguments and arguments[0] in ("--help", "-h"):
+        arguments = ["--help"]
+    call_hydra(arguments or [])
+
+
+def call_hydra(arguments: list[str]) -> None:
+    """Give the arguments to Hydra, flags before overrides, and raise what its job or Hydra itself reports."""
+    # With it Hydra raises what goes wrong instead of printing it and exiting.
+    os.environ["HYDRA_FULL_ERROR"] = "1"
+    import hydra
+    from hydra._internal.utils import get_args_parser
+
+    from hjcamp.campaign import job as jobs
+    from hjcamp.campaign.composer import COMPOSE_ERRORS, Composer, free, parse_overrides
+    from hjcamp.campaign.explain import explain
+    from hjcamp.campaign.search_path import packaged_root
+
+    parser = get_args_parser()
+    parser.prog = "hjcamp run"
+    parser.error = refuse  # type: ignore[method-assign, assignment]
+    parsed = parser.parse_intermixed_args(arguments)
+    overrides = [free(line) for line in parsed.overrides]
+    flags = without(arguments, parsed.overrides)
+    folder = Path(parsed.config_dir) if parsed.config_dir else None
+    if not (parsed.help or parsed.hydra_help or parsed.shell_completion):
+        lines = parse_overrides(overrides)
+        if parsed.multirun:
+            check_sweep(lines, Composer(folder=folder))
+    jobs.JobEnd.error = None
+    jobs.SweepFolder.path = None
+    before = sys.argv
+    sys.argv = ["hjcamp run", *flags, *overrides]
+    try:
+        hydra.main(version_base="1.3", config_path=str(packaged_root() / "conf"), config_name="config")(jobs.job)()
+    except HjcampError:
+        raise
+    except COMPOSE_ERRORS as error:
+        raise explain(error, overrides, Composer(folder=folder)) from error
+    finally:
+        sys.argv = before
+        discard_empty(jobs.SweepFolder.path)
+    if jobs.JobEnd.error is not None:
+        raise jobs.JobEnd.error
+    if jobs.SweepFolder.path is not None:
+        print(f"the runs of the sweep are in {os.path.relpath(jobs.SweepFolder.path)}")
+
+
+def check_sweep(lines: list[Override], composer: Composer) -> None:
+    """Refuse a sweep with a job that cannot be run, before Hydra writes anything (basic sweeper)."""
+    from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+
+    from hjcamp.campaign.planning import check_call
+
+    if any(line.key_or_group == "hydra/sweeper" for line in lines):
+        return
+    batches = BasicSweeper.split_arguments([line for line in lines if not line.is_hydra_override()], None)
+    for job in [job for batch in batches for job in batch][:CHECKED_JOBS]:
+        check_call(job, composer)
+
+
+def refuse(message: str) -> None:
+    """Report a flag that Hydra does not know."""
+    raise UsageError(f"{message}  (flags: hjcamp run --hydra-help)")
+
+
+def without(arguments: list[str], overrides: list[str]) -> list[str]:
+    """Return the arguments that are no overrides, in order."""
+    left = list(overrides)
+    flags = []
+    for word in arguments:
+        if word in left:
+            left.remove(word)
+        else:
+            flags.append(word)
+    return flags
+
+
+def discard_empty(folder: Path | None) -> None:
+    """Remove what Hydra made for a sweep of which no job came to a run."""
+    if folder is None or not folder.is_dir() or any(folder.glob("*/plan.json")):
+        return
+    try:
+        for child in folder.iterdir():
+            if child.is_dir():
+                child.rmdir()
+            elif child.name == "multirun.yaml":
+                child.unlink()
+        folder.rmdir()
+        folder.parent.rmdir()
+    except OSError:
+        # Something of the user's is in there: it stays.
+        return

@@ -1,0 +1,46 @@
+"""The effect library: one physical effect is one file of this folder, or of the user's own ``effects`` folder."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from hjcamp.errors import UsageError, unknown
+from hjcamp.model.catalogue import scan
+from hjcamp.model.effect import Effect
+
+
+def effect_folders() -> list[Path]:
+    """Return the user's own effect folders: ./effects, then ``effects`` beside the folders of $HJCAMP_CONF."""
+    folders = [Path.cwd() / "effects"]
+    folders += [Path(part) / "effects" for part in os.environ.get("HJCAMP_CONF", "").split(os.pathsep) if part]
+    return [folder for folder in folders if folder.is_dir()]
+
+
+def load_effects(folders: Sequence[Path] | None = None) -> dict[str, type[Effect]]:
+    """Return every effect by name, ours and the user's; a faulty file is refused with what, where and what is allowed."""
+    chosen = effect_folders() if folders is None else list(folders)
+    return scan(Path(__file__).parent, __name__, Effect, chosen)
+
+
+def find_effect(name: str, folders: Sequence[Path] | None = None) -> type[Effect]:
+    """Return the effect called ``name``."""
+    effects = load_effects(folders)
+    if name not in effects:
+        raise unknown("effect", name, effects)
+    return effects[name]
+
+
+def chosen_effects(values: dict[str, dict[str, float]]) -> tuple[list[type[Effect]], dict[str, dict[str, float]]]:
+    """Return the effects of a configuration in alphabetical order, and their checked parameters."""
+    library = load_effects()
+    effects, checked = [], {}
+    for name in sorted(values):
+        if name not in library:
+            raise unknown("effect", name, library, "the configuration's effects")
+        if not isinstance(values[name] or {}, dict):
+            raise UsageError(f"effect {name}: give its parameters as name: value, not {values[name]!r}")
+        effects.append(library[name])
+        checked[name] = library[name].checked(values[name] or {}, "the configuration")
+    return effects, checked

@@ -1,0 +1,78 @@
+"""Find effects, controllers and other one-class files: a folder is scanned, there is no list."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import inspect
+import sys
+import types
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from hjcamp.errors import HjcampError, UsageError
+
+Kind = TypeVar("Kind")
+
+
+def load_module(path: Path) -> types.ModuleType:
+    """Import the file at ``path`` under a name of its own; a mistake in it is one clear message."""
+    digest = hashlib.sha256(str(path.resolve()).encode() + path.read_bytes()).hexdigest()[:12]
+    name = f"hjcamp_file_{path.stem}_{digest}"
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except SyntaxError as problem:
+        del sys.modules[name]
+        raise UsageError(f"{path}: line {problem.lineno}: {problem.msg}") from None
+    except HjcampError as problem:
+        del sys.modules[name]
+        raise UsageError(f"{path}: {problem}") from None
+    except Exception as problem:
+        del sys.modules[name]
+        raise UsageError(f"{path}: cannot be loaded: {type(problem).__name__}: {problem}") from None
+    return module
+
+
+def class_in(path: Path, base: type[Kind], package: str | None = None) -> type[Kind] | None:
+    """Return the class derived from ``base`` that the file defines, or None for a file without one."""
+    module = importlib.import_module(f"{package}.{path.stem}") if package else load_module(path)
+    found = [
+        value
+        for value in vars(module).values()
+        if inspect.isclass(value) and issubclass(value, base) and value is not base and value.__module__ == module.__name__
+    ]
+    if len(found) > 1:
+        names = ", ".join(value.__name__ for value in found)
+        raise UsageError(f"{path}: one file holds one {base.__name__.lower()}, this one holds {names}")
+    if not found:
+        return None
+    found[0].name = path.stem  # type: ignore[attr-defined]
+    return found[0]
+
+
+def scan(package_folder: Path, package: str, base: type[Kind], folders: Sequence[Path] = ()) -> dict[str, type[Kind]]:
+    """Return every class derived from ``base`` by file name: the package's own, then those of the user's ``folders``."""
+    found: dict[str, type[Kind]] = {}
+    for path in sorted(package_folder.glob("*.py")):
+        if not path.stem.startswith("_"):
+            own = class_in(path, base, package)
+            if own is not None:
+                found[path.stem] = own
+    for folder in folders:
+        for path in sorted(folder.glob("*.py")):
+            if path.stem.startswith("_"):
+                continue
+            theirs = class_in(path, base)
+            if theirs is None:
+                raise UsageError(f"{path}: no class derived from {base.__name__} in this file")
+            if path.stem in found:
+                raise UsageError(f"{path}: the name '{path.stem}' is taken; choose another file name")
+            found[path.stem] = theirs
+    return found

@@ -1,0 +1,287 @@
+"""Compose a plant's equations with effects into the flat source of three functions: rates, contact, readings."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import math
+import textwrap
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.errors import UsageError, unknown
+from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Cut, Parameter, State
+from hjcamp.model.plant import Plant
+from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
+
+MATHEMATICS = (
+    "acos asin atan atan2 ceil copysign cos cosh erf exp expm1 floor fmod hypot log log10 log1p pi pow sin sinh sqrt tan tanh"
+).split()
+BUILTINS = ("abs", "min", "max", "float", "int")
+
+
+@dataclass(frozen=True)
+class Composition:
+    """A plant with effects, some of its states driven by measurements (``cut``): names and their positions.
+
+    With ``gated`` every effect has a parameter ``gate.<effect>``; at 0 the effect is absent.
+    """
+
+    plant: type[Plant]
+    effects: tuple[type[Effect], ...] = ()
+    cut: Cut = Cut("whole")
+    gated: bool = False
+
+    def __post_init__(self) -> None:
+        for effect in self.effects:
+            check_effect(effect, self.plant)
+
+    @cached_property
+    def vocabulary(self) -> Vocabulary:
+        """The plant's slots and signals."""
+        return read_vocabulary(self.plant)
+
+    @cached_property
+    def states(self) -> dict[str, State]:
+        """All states by full name: the plant's, then ``effect.state``."""
+        found = dict(self.plant.states)
+        for effect in self.effects:
+            found.update({f"{effect.name}.{name}": state for name, state in effect.states.items()})
+        return found
+
+    @cached_property
+    def parameters(self) -> dict[str, Parameter]:
+        """All parameters by full name: the plant's, then ``effect.parameter``, then the gates."""
+        found = dict(self.plant.parameters)
+        for effect in self.effects:
+            found.update({f"{effect.name}.{name}": parameter for name, parameter in effect.parameters.items()})
+        if self.gated:
+            found.update({f"gate.{effect.name}": Parameter("1", 0.0) for effect in self.effects})
+        return found
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs in the input vector: the plant's, then the slopes of the driven states."""
+        plain = [name for name in self.plant.inputs if name not in ("time", "direction")]
+        return (*plain, *(f"slope_{state}" for state in self.cut.driven))
+
+    @cached_property
+    def has_contact(self) -> bool:
+        """Whether the contact is simulated (its velocity is not driven)."""
+        velocity = self.plant.contact.velocity
+        return velocity not in self.cut.slopes and velocity not in self.cut.driven
+
+    def rates_source(self) -> str:
+        """Return the source of ``rates(time, direction, z, u, p, f)``."""
+        lines = self._body()
+        for index, name in enumerate(self.states):
+            lines.append(f"f[{index}] = {self._rate(name)}")
+        return _function("rates(time, direction, z, u, p, f)", lines)
+
+    def predict_source(self, pattern: NDArray[np.bool_]) -> str:
+        """Return the source of ``predict``: rates into ``before`` and the state after one step into ``a``.
+
+        Equations and sparse product stand in one function so that everything stays in registers.
+        """
+        lines = self._body()
+        for index, name in enumerate(self.states):
+            lines += [f"f{index} = {self._rate(name)}", f"before[{index}] = f{index}"]
+        for i, row in enumerate(pattern):
+            lines.append(f"a[{i}] = z[{i}] + ({_product('p1', i, row, 'f')})")
+        return _function("predict(time, direction, z, u, p, p1, a, before)", lines)
+
+    def correct_source(self, pattern: NDArray[np.bool_]) -> str:
+        """Return the source of ``correct``: add the second-order correction to ``a`` and return its size."""
+        lines = [line.replace(" = z[", " = a[") for line in self._body()]
+        lines += [f"b{index} = before[{index}]" for index in range(len(self.states))]
+        for index, name in enumerate(self.states):
+            lines.append(f"g{index} = {self._rate(name)} - ({_product('e', index, pattern[index], 'b')})")
+        lines.append("worst = 0.0")
+        for index, row in enumerate(pattern):
+            lines += [
+                f"c = {_product('p2', index, row, 'g')}",
+                f"a[{index}] += c",
+                f"size = abs(c) / {list(self.states.values())[index].resolution!r}",
+                "if not size <= worst:",
+                "    worst = size",
+            ]
+        lines.append("return worst")
+        return _function("correct(time, direction, a, u, p, e, p2, before)", lines)
+
+    def contact_source(self) -> str:
+        """Return the source of ``contact(time, direction, z, u, p)``: push, limit, locks, and 1 where a limiter acts."""
+        contact = self.plant.contact
+        lines = self._body()
+        tests = [f"not ({low} <= {value} <= {high})" for value, low, high in self.vocabulary.limits]
+        lines.append(f"limits = 1.0 if {' or '.join(tests) or 'False'} else 0.0")
+        lines.append(f"return {contact.push}, {contact.limit}, {contact.locks}, limits")
+        return _function("contact(time, direction, z, u, p)", lines)
+
+    def readings_source(self) -> str:
+        """Return the source of ``readings(time, direction, z, u, p, out)``: what the sensors see, in channel order."""
+        lines = self._body()
+        for index, channel in enumerate(self.plant.channels):
+            lines.append(f"out[{index}] = {channel.signal}")
+        return _function("readings(time, direction, z, u, p, out)", lines)
+
+    def signals_source(self) -> str:
+        """Return the source of ``signals(time, direction, z, u, p, out)``: every slot and signal, in order."""
+        lines = self._body()
+        for index, name in enumerate(self.vocabulary.signals):
+            lines.append(f"out[{index}] = {name}")
+        return _function("signals(time, direction, z, u, p, out)", lines)
+
+    def memory_source(self) -> str:
+        """Return the source of ``begin`` (starts of own states) and ``remember`` (their once-per-sample updates)."""
+        starts, updates = self._body(), self._body()
+        for effect in self.effects:
+            for name in effect.states:
+                index = list(self.states).index(f"{effect.name}.{name}")
+                if name in effect.starts:
+                    starts.append(f"z[{index}] = {self._call(effect, f'start_{name}', effect.starts[name])}")
+                else:
+                    starts.append(f"z[{index}] = {effect.states[name].start!r}")
+                if name in effect.updates:
+                    updates.append(f"next_{index} = {self._call(effect, f'next_{name}', effect.updates[name])}")
+        updates += [line.replace(" = ", "] = ", 1).split(" = ")[0].replace("next_", "z[") + f" = {line.split(' = ')[0]}"
+                    for line in updates if line.startswith("next_")]
+        return _function("begin(time, direction, z, u, p)", starts) + _function(
+            "remember(time, direction, z, u, p)", updates
+        )
+
+    def terms_source(self) -> str:
+        """Return the source of every effect's functions, copied so that the kernel's hash sees their text."""
+        parts = []
+        for effect in self.effects:
+            groups = {"": effect.terms, "d_": effect.rates, "next_": effect.updates, "start_": effect.starts}
+            for prefix, functions in groups.items():
+                parts += [_copied(f"{effect.name}__{prefix}{name}", function) for name, function in functions.items()]
+        return "\n".join(parts)
+
+    def _body(self) -> list[str]:
+        lines = [f"s_{_local(name)} = z[{index}]" for index, name in enumerate(self.states)]
+        lines += [f"p_{_local(name)} = p[{index}]" for index, name in enumerate(self.parameters)]
+        lines += [f"u_{name} = u[{index}]" for index, name in enumerate(self.inputs)]
+        lines += ["u_time = time", "u_direction = direction"]
+        lines += [f"s_{state} = u_slope_{driven}" for state, driven in self.cut.slopes.items()]
+        for line in self.vocabulary.statements:
+            target = f"d_{line.target}" if line.mark == "rate" else line.target
+            lines.append(f"{target} = {line.expression}")
+            if line.mark == "slot":
+                lines += self._effects_on(line)
+        return lines
+
+    def _effects_on(self, line: Statement) -> list[str]:
+        adding, changing = [], []
+        for effect in self.effects:
+            if line.target not in effect.terms:
+                continue
+            function = effect.terms[line.target]
+            call = self._call(effect, line.target, function)
+            if line.target in inspect.signature(function).parameters:
+                changing += self._gate(effect, f"{line.target} = {call}")
+            else:
+                adding += self._gate(effect, f"{line.target} = {line.target} + {call}")
+        return adding + changing
+
+    def _gate(self, effect: type[Effect], line: str) -> list[str]:
+        return [f"if p_gate_{effect.name} != 0.0:", f"    {line}"] if self.gated else [line]
+
+    def _rate(self, name: str) -> str:
+        if name in self.cut.driven:
+            return f"u_slope_{name}"
+        if name in self.cut.slopes or name in self.cut.frozen:
+            return "0.0"
+        if "." not in name:
+            return f"d_{name}"
+        effect_name, own = name.split(".")
+        effect = next(effect for effect in self.effects if effect.name == effect_name)
+        if own not in effect.rates:
+            return "0.0"
+        call = self._call(effect, f"d_{own}", effect.rates[own])
+        return f"({call} if p_gate_{effect.name} != 0.0 else 0.0)" if self.gated else call
+
+    def _call(self, effect: type[Effect], term: str, function: Callable[..., float]) -> str:
+        names = [self._resolve(effect, argument) for argument in inspect.signature(function).parameters]
+        return f"{effect.name}__{term}({', '.join(names)})"
+
+    def _resolve(self, effect: type[Effect], argument: str) -> str:
+        if argument in effect.states:
+            return f"s_{effect.name}_{argument}"
+        if argument in effect.parameters:
+            return f"p_{effect.name}_{argument}"
+        if argument in self.vocabulary.signals:
+            return argument
+        if argument in self.plant.states:
+            return f"s_{argument}"
+        if argument in self.plant.parameters:
+            return f"p_{argument}"
+        return f"u_{argument}"
+
+
+def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
+    """Refuse an effect whose slots, arguments or order do not fit the plant, with the nearest allowed name."""
+    vocabulary = read_vocabulary(plant)
+    where = f"effect {effect.name or effect.__name__}"
+    everywhere = {*effect.states, *effect.parameters, *plant.states, *plant.parameters, *plant.inputs}
+    for term, function in effect.terms.items():
+        if term not in vocabulary.slots:
+            raise unknown("slot", term, vocabulary.slots, where)
+        before = {*vocabulary.known_before(term), term}
+        for argument in inspect.signature(function).parameters:
+            if argument in everywhere or argument in before:
+                continue
+            if argument in vocabulary.signals:
+                raise UsageError(
+                    f"{where}: term '{term}' uses '{argument}', which is computed later than the slot '{term}'. "
+                    f"Allowed there: {', '.join(sorted(before | everywhere))}"
+                )
+            raise unknown("name", argument, before | everywhere, f"{where}, term '{term}'")
+    for prefix, group in (("d_", effect.rates), ("next_", effect.updates), ("start_", effect.starts)):
+        for own, function in group.items():
+            for argument in inspect.signature(function).parameters:
+                allowed = everywhere | set(vocabulary.signals)
+                if argument not in allowed:
+                    raise unknown("name", argument, allowed, f"{where}, method '{prefix}{own}'")
+    for function in (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()):
+        _check_globals(function, where)
+
+
+def _check_globals(function: Callable[..., float], where: str) -> None:
+    code = function.__code__
+    for name in code.co_names:
+        if name not in MATHEMATICS and name not in BUILTINS:
+            raise unknown("function or constant", name, [*MATHEMATICS, *BUILTINS], f"{where}, method '{function.__name__}'")
+
+
+def _copied(name: str, function: Callable[..., float]) -> str:
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    definition = tree.body[0]
+    assert isinstance(definition, ast.FunctionDef)
+    definition.name = name
+    definition.decorator_list = []
+    definition.returns = None
+    for argument in definition.args.args:
+        argument.annotation = None
+    return "@inlined\n" + ast.unparse(definition) + "\n\n"
+
+
+def _function(signature: str, lines: Sequence[str]) -> str:
+    mark = "inlined" if signature.split("(")[0] in ("predict", "correct", "contact", "readings") else "hot"
+    return f"@{mark}\ndef {signature}:\n" + "".join(f"    {line}\n" for line in lines or ["pass"]) + "\n\n"
+
+
+def _product(matrix: str, i: int, row: NDArray[np.bool_], vector: str) -> str:
+    return " + ".join(f"{matrix}[{i}, {j}] * {vector}{j}" for j in range(len(row)) if row[j])
+
+
+def _local(name: str) -> str:
+    return name.replace(".", "_")
+
+
+assert all(hasattr(math, name) for name in MATHEMATICS)

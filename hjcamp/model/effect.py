@@ -1,0 +1,107 @@
+"""The base class of all physical effects: one effect is one class in one file."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+from typing import ClassVar
+
+from hjcamp.errors import UsageError, unknown
+from hjcamp.model.parameter import Parameter, State, declared
+
+SUBSYSTEMS = ("pump", "lines", "joint", "sensors")
+RESERVED = ("subsystem", "same_as", "examples")
+
+
+class Effect:
+    """A physical effect that a plant's published equations leave out.
+
+    A subclass declares its ``subsystem``, its parameters and its own states as class attributes, and one static
+    method per slot that it acts on. The method's name is the slot; its arguments are named after the signals, states,
+    inputs and parameters that it uses. A term that takes its slot's own name transforms it, otherwise it adds.
+    ``d_z`` gives the rate of the own state ``z``, ``next_z`` its new value once per sample, ``start_z`` where it starts.
+    """
+
+    subsystem: ClassVar[str] = ""
+    name: ClassVar[str] = ""
+    parameters: ClassVar[dict[str, Parameter]] = {}
+    states: ClassVar[dict[str, State]] = {}
+    terms: ClassVar[dict[str, Callable[..., float]]] = {}
+    rates: ClassVar[dict[str, Callable[..., float]]] = {}
+    updates: ClassVar[dict[str, Callable[..., float]]] = {}
+    starts: ClassVar[dict[str, Callable[..., float]]] = {}
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        where = f"effect {cls.__name__}"
+        if cls.subsystem not in SUBSYSTEMS:
+            raise unknown("subsystem", cls.subsystem, SUBSYSTEMS, where)
+        cls.parameters = declared(cls, Parameter)
+        cls.states = declared(cls, State)
+        cls.terms, cls.rates, cls.updates, cls.starts = {}, {}, {}, {}
+        groups = {"d_": cls.rates, "next_": cls.updates, "start_": cls.starts}
+        for name, value in vars(cls).items():
+            if name.startswith("__") or name in RESERVED or isinstance(value, Parameter | State):
+                continue
+            if not isinstance(value, staticmethod):
+                if callable(value):
+                    raise UsageError(f"{where}: '{name}' must be a static method (write @staticmethod above it)")
+                continue
+            function = value.__func__
+            for prefix, group in groups.items():
+                if name.startswith(prefix):
+                    owned = name.removeprefix(prefix)
+                    if owned not in cls.states:
+                        raise unknown("own state", owned, cls.states, f"{where}, method '{name}'")
+                    group[owned] = function
+                    break
+            else:
+                cls.terms[name] = function
+        for owned in cls.states:
+            if (owned in cls.rates) == (owned in cls.updates):
+                raise UsageError(f"{where}: state '{owned}' needs exactly one of d_{owned} and next_{owned}")
+        if not cls.terms:
+            raise UsageError(f"{where}: no term; write one static method named after a slot")
+        if not cls.parameters:
+            raise UsageError(f"{where}: no Parameter; an effect needs at least one")
+
+    @classmethod
+    def equation(cls) -> str:
+        """Return the equation of the docstring (the text of its ``.. math::`` block), or an empty string."""
+        lines = inspect.cleandoc(cls.__doc__ or "").splitlines()
+        text: list[str] = []
+        inside = False
+        for line in lines:
+            if line.startswith(".. math::"):
+                inside = True
+                text.append(line.removeprefix(".. math::").strip())
+            elif inside and line.startswith("   "):
+                text.append(line.strip())
+            elif inside and line.strip():
+                break
+        return " ".join(part for part in text if part)
+
+    @classmethod
+    def defaults(cls) -> dict[str, float]:
+        """Return the default value of every parameter, in SI units."""
+        return {name: parameter.default for name, parameter in cls.parameters.items()}
+
+    @classmethod
+    def checked(cls, values: dict[str, float], where: str = "") -> dict[str, float]:
+        """Return ``values`` completed by the defaults; refuse unknown names, non-finite values and values out of bounds."""
+        full = cls.defaults()
+        place = f"effect {cls.name}" + (f" ({where})" if where else "")
+        for name, value in values.items():
+            if name not in cls.parameters:
+                raise unknown("parameter", name, cls.parameters, place)
+            low, high = cls.parameters[name].bounds
+            try:
+                number = float(value)
+            except (TypeError, ValueError):
+                raise UsageError(f"{place}: {name} = {value!r} is not a number") from None
+            if not math.isfinite(number) or not low <= number <= high:
+                unit = cls.parameters[name].unit
+                raise UsageError(f"{place}: {name} = {number:g} {unit} is outside {low:g} ... {high:g} {unit}")
+            full[name] = number
+        return full

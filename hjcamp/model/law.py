@@ -1,0 +1,120 @@
+"""Control laws and procedures: one class whose ``step`` runs once per sample, on the rig and inside the kernel alike.
+
+``step(sample, parameter, memory)`` is plain Python; the generator turns the three namespaces into a flat function, so
+the simulator runs the very text that the rig runs.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.errors import unknown
+from hjcamp.model.parameter import Parameter, declared
+
+
+@dataclass(frozen=True)
+class Memory:
+    """What a law remembers from sample to sample: one number, or ``size`` numbers."""
+
+    start: float = 0.0
+    size: int = 1
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+
+
+class Law:
+    """The base class: ``parameters`` and ``memories`` by name, ``samples`` the arguments, ``results`` the returned values."""
+
+    name: ClassVar[str] = ""
+    samples: ClassVar[tuple[str, ...]] = ()
+    results: ClassVar[tuple[str, ...]] = ()
+    parameters: ClassVar[dict[str, Parameter]] = {}
+    memories: ClassVar[dict[str, Memory]] = {}
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls.parameters = declared(cls, Parameter)
+        cls.memories = declared(cls, Memory)
+
+    @classmethod
+    def vector(cls, values: dict[str, float]) -> NDArray[np.float64]:
+        """Return the parameter vector in order of declaration, completed by the defaults."""
+        for name in values:
+            if name not in cls.parameters:
+                raise unknown("parameter", name, cls.parameters, f"{cls.name}")
+        return np.array([float(values.get(name, parameter.default)) for name, parameter in cls.parameters.items()])
+
+    @classmethod
+    def fresh_memory(cls) -> NDArray[np.float64]:
+        """Return the memory vector at the start of a test."""
+        parts = [np.full(memory.size, memory.start) for memory in cls.memories.values()]
+        return np.concatenate(parts) if parts else np.zeros(1)
+
+
+class _Flatten(ast.NodeTransformer):
+    def __init__(self, law: type[Law]) -> None:
+        self.law = law
+        self.offsets: dict[str, int] = {}
+        offset = 0
+        for name, memory in law.memories.items():
+            self.offsets[name] = offset
+            offset += memory.size
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        value = node.value
+        if isinstance(value, ast.Attribute) and isinstance(value.value, ast.Name) and value.value.id == "memory":
+            place = f"m[{self._memory(value.attr)} + ({ast.unparse(self.visit(node.slice))})]"
+            return _expression(place, node.ctx)
+        return self.generic_visit(node)
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        if not isinstance(node.value, ast.Name):
+            return self.generic_visit(node)
+        if node.value.id == "memory":
+            return _expression(f"m[{self._memory(node.attr)}]", node.ctx)
+        if node.value.id == "parameter":
+            if node.attr not in self.law.parameters:
+                raise unknown("parameter", node.attr, self.law.parameters, f"law {self.law.__name__}")
+            return _expression(f"c[{list(self.law.parameters).index(node.attr)}]", node.ctx)
+        if node.value.id == "sample":
+            if node.attr not in self.law.samples:
+                raise unknown("sample quantity", node.attr, self.law.samples, f"law {self.law.__name__}")
+            return _expression(node.attr, node.ctx)
+        return self.generic_visit(node)
+
+    def _memory(self, name: str) -> int:
+        if name not in self.offsets:
+            raise unknown("memory", name, self.offsets, f"law {self.law.__name__}")
+        return self.offsets[name]
+
+
+def _expression(text: str, context: Any) -> ast.expr:
+    node = ast.parse(text, mode="eval").body
+    if isinstance(context, ast.Store):
+        assert isinstance(node, ast.Subscript)
+        node.ctx = ast.Store()
+    return node
+
+
+def law_source(law: type[Law], function: str) -> str:
+    """Return the source of ``function(<samples>, c, m)`` with ``c`` the parameters and ``m`` the memory."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(law.step)))  # type: ignore[attr-defined]
+    definition = tree.body[0]
+    assert isinstance(definition, ast.FunctionDef)
+    names = [*law.samples, "c", "m"]
+    definition.name = function
+    definition.decorator_list = []
+    definition.returns = None
+    definition.args.args = [ast.arg(name) for name in names]
+    body = [_Flatten(law).visit(line) for line in definition.body]
+    definition.body = [line for line in body if not (isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant))]
+    return "@inlined\n" + ast.unparse(ast.fix_missing_locations(tree)) + "\n\n\n"

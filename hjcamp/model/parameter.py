@@ -1,0 +1,121 @@
+"""What plants, effects and controllers declare as class attributes: parameters, states, inputs, channels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from hjcamp.errors import UsageError
+
+PRIORS = ("uniform", "log-uniform", "normal")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A constant of the model: unit (SI), default, bounds and, for fitting, the prior over the bounds.
+
+    ``shape`` marks a parameter that enters non-linearly (a length, a time constant): it is fitted from several starts.
+    ``off`` is the value at which the effect that owns it vanishes, if there is one.
+    """
+
+    unit: str
+    default: float
+    bounds: tuple[float, float] = (float("-inf"), float("inf"))
+    prior: str = "uniform"
+    text: str = ""
+    shape: bool = False
+    off: float | None = None
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+        where = f"{owner.__name__}.{name}"
+        low, high = self.bounds
+        if not low < high:
+            raise UsageError(f"{where}: bounds ({low:g}, {high:g}) are not in rising order")
+        if not low <= self.default <= high:
+            raise UsageError(f"{where}: default {self.default:g} is outside its bounds ({low:g}, {high:g})")
+        if self.prior not in PRIORS:
+            raise UsageError(f"{where}: unknown prior '{self.prior}'; allowed: {', '.join(PRIORS)}")
+        if self.prior == "log-uniform" and low <= 0:
+            raise UsageError(f"{where}: a log-uniform prior needs a lower bound above zero, not {low:g}")
+
+
+@dataclass(frozen=True)
+class State:
+    """A quantity that the model integrates.
+
+    ``resolution`` is the local error that one sample may make, ``typical`` the size at which the model is linearised.
+    """
+
+    unit: str
+    resolution: float
+    typical: float
+    start: float = 0.0
+    text: str = ""
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+
+
+@dataclass(frozen=True)
+class Input:
+    """A quantity that is given for each sample: a command, a flow, a measured motion."""
+
+    unit: str
+    default: float = 0.0
+    text: str = ""
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A measured column of the test log and the signal that predicts it.
+
+    ``log_scale`` is the value in the log's unit of one SI unit; ``counts`` names the parameter that holds the
+    resolution of a counting sensor (SI), ``noise`` the one that holds the standard deviation of an analog one.
+    """
+
+    field: str
+    signal: str
+    subsystem: str
+    log_scale: float
+    counts: str | None = None
+    noise: str | None = None
+    required: bool = True
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Where dry friction holds: ``velocity`` stays zero while the ``push`` is within ``limit`` and ``locks`` is not 0."""
+
+    velocity: str
+    push: str
+    limit: str
+    locks: str
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A view that drives part of the plant with measurements: each state in ``driven`` follows a channel.
+
+    ``driven`` maps a state to the channel field that it follows; ``slopes`` maps a state to the driven state whose
+    rate it is; the states in ``frozen`` are not needed then.
+    """
+
+    name: str
+    driven: dict[str, str] = field(default_factory=dict)
+    slopes: dict[str, str] = field(default_factory=dict)
+    frozen: tuple[str, ...] = ()
+
+
+def declared(owner: type, kind: type) -> dict[str, Any]:
+    """Return the class attributes of type ``kind``, base classes first, in order of declaration."""
+    found: dict[str, Any] = {}
+    for base in reversed(owner.__mro__):
+        found.update({name: value for name, value in vars(base).items() if isinstance(value, kind)})
+    return found

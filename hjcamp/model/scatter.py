@@ -1,0 +1,51 @@
+"""How one repetition differs from the next: friction, initial pressures, sensor noise, all from the test's seed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Standard deviations of a rig's repetitions; friction is relative, pressures in Pa, the correlation time in s."""
+
+    friction_between: float = 0.03
+    friction_within: float = 0.03
+    friction_correlation: float = 0.2
+    initial_pressure: float = 3e3
+
+
+@dataclass(frozen=True)
+class Draw:
+    """What one seed gives for one test: factors on friction (n), noise (n, channels), offsets of pressures and counts."""
+
+    friction: Array
+    noise: Array
+    pressures: Array
+    phases: Array
+
+
+def coloured(generator: np.random.Generator, samples: int, correlation: float) -> Array:
+    """Return (samples,) of a stationary first-order process of unit variance; ``correlation`` in samples."""
+    from scipy.signal import lfilter
+
+    keep = float(np.exp(-1.0 / max(correlation, 1e-9)))
+    start = generator.standard_normal()
+    kicks = generator.standard_normal(samples) * np.sqrt(1.0 - keep**2)
+    return np.asarray(lfilter([1.0], [1.0, -keep], kicks, zi=[keep * start])[0])
+
+
+def draw(seed: int, samples: int, noise: Array, scatter: Scatter, period: float = 1e-3) -> Draw:
+    """Draw one test; ``noise`` (channels,) holds the standard deviation of each analog channel, 0 for the others."""
+    generator = np.random.default_rng(seed)
+    between = np.exp(scatter.friction_between * generator.standard_normal())
+    within = coloured(generator, samples, scatter.friction_correlation / period)
+    friction = between * np.exp(scatter.friction_within * within)
+    pressures = scatter.initial_pressure * generator.standard_normal(2)
+    phases = generator.uniform(0.0, 1.0, len(noise))
+    return Draw(friction, generator.standard_normal((samples, len(noise))) * noise, pressures, phases)

@@ -1,0 +1,165 @@
+"""A composed model ready to run: names to vectors, propagators, one closed-loop test or one replay."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.errors import HjcampError, unknown
+from hjcamp.model import driving
+from hjcamp.model.compose import Composition
+from hjcamp.model.kernel import LEVELS, copied, kernel_source, load_kernel
+from hjcamp.model.law import Law, law_source
+
+Array = NDArray[np.float64]
+PERIOD = 1e-3
+RECORDED = ("phase", "reference", "command", "pid", "feedforward", "dither")
+
+
+@dataclass(frozen=True)
+class ClosedLoop:
+    """What one test needs beyond the model: laws with their parameters, reference, sensors and the draws of its seed.
+
+    ``reference`` (n, 4): angle, velocity, acceleration, feedforward in rad; ``delay`` in s; ``noise`` (samples,
+    channels) and ``scatter`` (samples) hold one row for each sample that the test may last.
+    """
+
+    control: Array
+    procedure: Array
+    reference: Array
+    dither: Array
+    delay: float
+    preload_area: float
+    counts: Array
+    phases: Array
+    noise: Array
+    scatter: Array
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """A composition compiled into one kernel, with a controller and a procedure where it runs closed loops."""
+
+    composition: Composition
+    controller: type[Law] | None = None
+    procedure: type[Law] | None = None
+
+    @cached_property
+    def source(self) -> str:
+        """The text of the kernel."""
+        composition = self.composition
+        inputs = composition.inputs
+        fields = [channel.field for channel in composition.plant.channels]
+        states = list(composition.states)
+        driven = list(composition.cut.driven)
+        lines = [
+            f"READINGS = {len(fields)}",
+            f"PRESSURE1 = {fields.index('pressure1_mpa')}",
+            f"PRESSURE2 = {fields.index('pressure2_mpa')}",
+            f"ARM = {fields.index('arm_deg')}",
+            f"COMMAND = {inputs.index('command')}",
+            f"DITHER = {inputs.index('dither')}",
+            f"PRELOAD = {inputs.index('preload_flow')}",
+            f"SCATTER = {inputs.index('friction_scatter')}",
+            f"DRIVEN_STATES = {tuple(states.index(name) for name in driven)}",
+            f"DRIVEN_INPUTS = {tuple(inputs.index('slope_' + name) for name in driven)}",
+        ]
+        text = "\n".join(lines) + "\n\n\n"
+        if self.controller is not None and self.procedure is not None:
+            text += law_source(self.controller, "control") + law_source(self.procedure, "procedure")
+            text += copied(driving, ("measure", "closed_loop"))
+        else:
+            text += copied(driving, ("replay",))
+        return kernel_source(composition, text)
+
+    @cached_property
+    def kernel(self) -> ModuleType:
+        """The imported kernel."""
+        return load_kernel(self.source)
+
+    @property
+    def states(self) -> list[str]:
+        """Names of the states in order."""
+        return list(self.composition.states)
+
+    def vector(self, values: Mapping[str, float]) -> Array:
+        """Return the parameter vector for ``values`` by full name, completed by the defaults."""
+        known = self.composition.parameters
+        for name in values:
+            if name not in known:
+                raise unknown("parameter", name, known, f"the model of {self.composition.plant.name}")
+        return np.array([float(values.get(name, parameter.default)) for name, parameter in known.items()])
+
+    def inputs(self) -> Array:
+        """Return the input vector at its defaults."""
+        known = self.composition.plant.inputs
+        return np.array([known[name].default if name in known else 0.0 for name in self.composition.inputs])
+
+    def begin(self, start: Mapping[str, float], p: Array) -> Array:
+        """Return the state vector for the given plant states; own states of effects start as they declare."""
+        z = np.zeros(len(self.states))
+        for name, value in start.items():
+            z[self.states.index(name)] = value
+        if any("." in name for name in self.states):
+            self.kernel.begin(0.0, 0.0, z, self.inputs(), p)
+        return z
+
+    def propagators(self, z: Array, p: Array) -> Array:
+        """Return the exact steps of the linear part in each regime, linearised about ``z``."""
+        n = len(self.states)
+        out = np.empty((3, LEVELS + 1, 3, n, n))
+        self.kernel.prepare(z, self.inputs(), p, PERIOD, out)
+        return out
+
+    def run(self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Array | None = None) -> dict[str, Any]:
+        """Run one test from its preload to its release; return the recorded columns in SI units by name."""
+        assert self.controller is not None and self.procedure is not None
+        z = self.begin(start, p)
+        steps = self.propagators(z, p) if propagators is None else propagators
+        channels = self.composition.plant.channels
+        record = np.zeros((len(test.noise), len(RECORDED) + len(channels)))
+        work = np.zeros((4, max(len(self.states), len(channels), 8)))
+        procedure_memory = self.procedure.fresh_memory()
+        whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
+        count = self.kernel.closed_loop(
+            z, self.inputs(), p, steps, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
+            procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
+            test.counts, test.phases, test.noise, test.scatter, record, work,
+        )  # fmt: skip
+        phase = int(procedure_memory[list(self.procedure.memories).index("phase")])
+        if count < 0 or phase > 5:
+            reached = record[: count if count >= 0 else None, 0]
+            raise HjcampError(
+                f"the test never left phase {int(reached[-1]) if len(reached) else 0} (0 preload, 1 pressure adjustment, "
+                "2 rest, 3 control, 4 release); check procedure.preload_mpa, the adjustment and procedure.phase_limit_s"
+            )
+        record = record[:count]
+        if not np.all(np.isfinite(record)):
+            where = int(np.argmax(~np.all(np.isfinite(record), axis=1)))
+            raise HjcampError(f"the simulation left its valid range after {where * PERIOD:.3f} s; check the parameters")
+        columns: dict[str, Any] = {name: record[:, index] for index, name in enumerate(RECORDED)}
+        columns.update({channel.field: record[:, len(RECORDED) + i] for i, channel in enumerate(channels)})
+        columns["steps"], columns["events"] = work[2, 1], work[2, 2]
+        return columns
+
+    def replay(
+        self, start: Mapping[str, float], p: Array, driven: Array, propagators: Array | None = None, time: float = 0.0
+    ) -> Array:
+        """Drive the plant with measured values of the cut's driven states (n, driven); return its readings (n, channels), SI."""
+        z = self.begin(start, p)
+        steps = self.propagators(z, p) if propagators is None else propagators
+        out = np.empty((len(driven), len(self.composition.plant.channels)))
+        work = np.zeros((3, max(len(self.states), 8)))
+        self.kernel.replay(z, self.inputs(), p, steps, PERIOD, 0.0, 0, len(driven), time, driven, out, work)
+        return out
+
+    def signals(self, names: Sequence[str]) -> list[int]:
+        """Return the positions of the named signals in the output of the kernel's ``signals``."""
+        order = list(self.composition.vocabulary.signals)
+        return [order.index(name) for name in names]

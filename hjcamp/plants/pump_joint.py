@@ -1,0 +1,178 @@
+"""The pump-driven joint of chapter 4: motor-cylinder pump, two lines, slider-pulley joint, sensors."""
+
+from __future__ import annotations
+
+import math
+
+from hjcamp.model.marks import limited, signal, slot
+from hjcamp.model.parameter import Channel, Contact, Cut, Input, Parameter, State
+from hjcamp.model.plant import Plant
+
+INFINITE = float("inf")
+
+
+class PumpJoint(Plant):
+    """Two pump cylinders push water through flexible lines into two cylinders that turn an arm by string and pulley.
+
+    States are gauge pressures, displacements and velocities in SI units. Within one friction regime (held, moving in
+    the positive or in the negative direction) the published equations are linear. Sources: thesis 4.3 - 4.5.
+    """
+
+    name = "pump_joint"
+    subsystems = ("pump", "lines", "joint", "sensors")
+
+    pump_position = State("m", 1e-9, 1e-3, text="travel of the pump motor's nut")
+    pump_velocity = State("m/s", 1e-6, 0.01, text="speed of the pump motor's nut")
+    pump_acceleration = State("m/s^2", 1e-4, 1.0, text="acceleration of the pump motor's nut")
+    pressure1 = State("Pa", 5.0, 1e4, text="pressure of line 1 as if the water could not part")
+    pressure2 = State("Pa", 5.0, 1e4, text="pressure of line 2 as if the water could not part")
+    slider_position = State("m", 1e-9, 1e-3, text="travel of the sliders")
+    slider_velocity = State("m/s", 2e-6, 0.01, text="speed of the sliders")
+
+    command = Input("rad", text="command to the pump's position loop, after the delay")
+    dither = Input("V", text="dither added to the pump motor voltage")
+    preload_flow = Input("m^3/s", text="flow from the preload cylinders into each line")
+    friction_scatter = Input("1", 1.0, text="factor on static and Coulomb friction at this instant")
+    direction = Input("1", text="friction regime: 0 held, +1 and -1 moving")
+    time = Input("s", text="time since the start of the command phase")
+
+    pump_gain = Parameter("m/(rad*s^3)", 350.9, text="numerator of the pump's transfer function (4.3.4)")
+    pump_a2 = Parameter("1/s", 245.0, text="its coefficient of s^2 (4.3.4)")
+    pump_a1 = Parameter("1/s^2", 35700.0, text="its coefficient of s (4.3.4)")
+    pump_a0 = Parameter("1/s^3", 2205000.0, text="its constant coefficient (4.3.4)")
+    pump_speed_limit = Parameter("m/s", 0.060, text="largest speed of the pistons (4.3.5)")
+    pump_acceleration_limit = Parameter("m/s^2", INFINITE, text="largest acceleration of the pistons")
+    dither_gain = Parameter("rad/V", 0.628, text="pump command equivalent to one volt at the motor")
+    pump_lead = Parameter("m/rad", 1e-3 / (2 * math.pi), text="travel of the pistons for one radian of the motor (3.8)")
+    pump_area = Parameter("m^2", math.pi / 4 * 6.35e-3**2, text="bore area of a pump cylinder (4.4.1)")
+    joint_area = Parameter("m^2", math.pi / 4 * 4.0e-3**2, text="bore area of a joint cylinder (4.4.1)")
+    line_stiffness = Parameter("Pa/m^3", 2.57e13, (1e11, 1e16), "log-uniform", "dp/dV of one line (4.4.3)")
+    vapour_pressure = Parameter("Pa", -99e3, text="gauge pressure below which the water parts")
+    pulley_radius = Parameter("m", 3.41e-3, text="pitch radius of the pulley (3.6)")
+    moving_mass = Parameter("kg", 0.0185, (1e-3, 10.0), "log-uniform", "effective mass at the sliders (4.5.2)")
+    static_positive = Parameter("N", 7.20, (0.05, 60.0), "log-uniform", "static friction, positive direction (4.5.1.4)")
+    coulomb_positive = Parameter("N", 5.27, (0.05, 60.0), "log-uniform", "Coulomb friction, positive direction")
+    viscous_positive = Parameter("N*s/m", 23.5, (0.0, 1000.0), text="viscous friction, positive direction")
+    static_negative = Parameter("N", 4.03, (0.05, 60.0), "log-uniform", "static friction, negative direction (4.5.1.3)")
+    coulomb_negative = Parameter("N", 2.97, (0.05, 60.0), "log-uniform", "Coulomb friction, negative direction")
+    viscous_negative = Parameter("N*s/m", 17.2, (0.0, 1000.0), text="viscous friction, negative direction")
+    encoder_count = Parameter("rad", 2 * math.pi / 1024, text="one count of the arm encoder (3.7)")
+    pump_count = Parameter("rad", 2 * math.pi / 4096, text="one count of the pump motor encoder")
+    pressure_noise = Parameter("Pa", 700.0, text="standard deviation of a pressure sample")
+
+    channels = (
+        Channel("arm_deg", "arm_reading", "joint", 180 / math.pi, counts="encoder_count"),
+        Channel("pressure1_mpa", "pressure1_reading", "lines", 1e-6, noise="pressure_noise"),
+        Channel("pressure2_mpa", "pressure2_reading", "lines", 1e-6, noise="pressure_noise"),
+        Channel("pump_deg", "pump_reading", "pump", 180 / math.pi, counts="pump_count", required=False),
+    )
+    contact = Contact(velocity="slider_velocity", push="push", limit="friction_static", locks="friction_locks")
+    base_parameters = (
+        "static_positive",
+        "coulomb_positive",
+        "viscous_positive",
+        "static_negative",
+        "coulomb_negative",
+        "viscous_negative",
+        "line_stiffness",
+    )
+    cuts = (
+        Cut("whole"),
+        Cut(
+            "pump",
+            driven={"pump_position": "pump_deg"},
+            slopes={"pump_velocity": "pump_position"},
+            frozen=("pump_acceleration",),
+        ),
+        Cut(
+            "lines",
+            driven={"pump_position": "pump_deg", "slider_position": "arm_deg"},
+            slopes={"pump_velocity": "pump_position", "slider_velocity": "slider_position"},
+            frozen=("pump_acceleration",),
+        ),
+    )
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):  # type: ignore[no-untyped-def]
+        """Give the rate of every state from states, parameters and inputs."""
+        # --- Motor-cylinder pump (4.3): x / theta = gain / (s^3 + a2 s^2 + a1 s + a0)
+        pump_command = slot(drive.command + parameter.dither_gain * drive.dither, "rad", "command of the pump motor")
+        motor_velocity = signal(
+            limited(state.pump_velocity, -parameter.pump_speed_limit, parameter.pump_speed_limit),
+            "m/s",
+            "speed of the pump motor's nut",
+        )
+        rate.pump_position = motor_velocity
+        rate.pump_velocity = limited(
+            state.pump_acceleration, -parameter.pump_acceleration_limit, parameter.pump_acceleration_limit
+        )
+        rate.pump_acceleration = (
+            parameter.pump_gain * pump_command
+            - parameter.pump_a2 * state.pump_acceleration
+            - parameter.pump_a1 * state.pump_velocity
+            - parameter.pump_a0 * state.pump_position
+        )
+        piston_velocity = slot(motor_velocity, "m/s", "speed of the pump pistons")
+
+        # --- Lines (4.4.3.15, 4.4.3.16): dp = dp/dV (A1 dx - A2 dy); water parts at the vapour pressure
+        pressure1 = slot(limited(state.pressure1, parameter.vapour_pressure, 1e9), "Pa", "pressure of line 1 at the pump")
+        pressure2 = slot(limited(state.pressure2, parameter.vapour_pressure, 1e9), "Pa", "pressure of line 2 at the pump")
+        stiffness1 = slot(parameter.line_stiffness, "Pa/m^3", "dp/dV of line 1")
+        stiffness2 = slot(parameter.line_stiffness, "Pa/m^3", "dp/dV of line 2")
+        leak1 = slot(0.0, "m^3/s", "flow lost from line 1")
+        leak2 = slot(0.0, "m^3/s", "flow lost from line 2")
+        cross_flow = slot(0.0, "m^3/s", "flow from line 1 to line 2")
+        slider_flow = signal(parameter.joint_area * state.slider_velocity, "m^3/s", "flow into joint cylinder 1")
+        pump_flow = signal(parameter.pump_area * piston_velocity, "m^3/s", "flow from pump cylinder 1")
+        rate.pressure1 = stiffness1 * (pump_flow - slider_flow + drive.preload_flow - leak1 - cross_flow)
+        rate.pressure2 = stiffness2 * (slider_flow - pump_flow + drive.preload_flow - leak2 + cross_flow)
+        joint_pressure1 = slot(pressure1, "Pa", "pressure in joint cylinder 1")
+        joint_pressure2 = slot(pressure2, "Pa", "pressure in joint cylinder 2")
+
+        # --- Joint (4.5): m dv/dt = (p1 - p2) A2 + load - friction, held while |push| <= static friction
+        slider_angle = signal(state.slider_position / parameter.pulley_radius, "rad", "angle of the pulley (3.6.4)")
+        arm_angle = slot(slider_angle, "rad", "angle of the arm")
+        load_force = slot(0.0, "N", "outside force on the sliders, positive in the positive direction")
+        push = signal(
+            (joint_pressure1 - joint_pressure2) * parameter.joint_area + load_force,
+            "N",
+            "force on the sliders before friction (4.4.3.16)",
+        )
+        forward = signal(
+            1.0 if drive.direction > 0.0 or (drive.direction == 0.0 and push > 0.0) else 0.0,
+            "1",
+            "1 where the friction of the positive direction applies",
+        )
+        speed = signal(abs(state.slider_velocity), "m/s", "speed of the sliders without sign")
+        friction_static = slot(
+            drive.friction_scatter * (parameter.static_positive if forward > 0.0 else parameter.static_negative),
+            "N",
+            "static friction",
+        )
+        friction_coulomb = slot(
+            drive.friction_scatter * (parameter.coulomb_positive if forward > 0.0 else parameter.coulomb_negative),
+            "N",
+            "Coulomb friction",
+        )
+        friction_viscous = slot(
+            parameter.viscous_positive if forward > 0.0 else parameter.viscous_negative, "N*s/m", "viscous friction"
+        )
+        friction_locks = slot(1.0, "1", "0 where friction never holds the slider rigidly")
+        friction = slot(
+            drive.direction * friction_coulomb + friction_viscous * state.slider_velocity,
+            "N",
+            "friction on the moving sliders (4.5.1.2)",
+        )
+        mass = slot(parameter.moving_mass, "kg", "effective mass at the sliders")
+        slider_acceleration = signal(
+            (push - friction) / mass if drive.direction != 0.0 else 0.0, "m/s^2", "acceleration of the sliders (4.5.2.3)"
+        )
+        rate.slider_position = state.slider_velocity
+        rate.slider_velocity = slider_acceleration
+
+        # --- Sensors (3.7, 3.9)
+        arm_reading = slot(arm_angle, "rad", "angle seen by the arm encoder")
+        pressure1_reading = slot(pressure1, "Pa", "pressure seen by sensor 1")
+        pressure2_reading = slot(pressure2, "Pa", "pressure seen by sensor 2")
+        pump_reading = slot(state.pump_position / parameter.pump_lead, "rad", "angle seen by the pump motor encoder")
+        return arm_reading, pressure1_reading, pressure2_reading, pump_reading

@@ -1,0 +1,1 @@
+"""Test logs: write, read, verify, recover, find and import them."""

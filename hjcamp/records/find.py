@@ -1,0 +1,73 @@
+"""Find logs in run folders and other folders, read them, and group the repetitions of one test."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from hjcamp.errors import UsageError
+from hjcamp.records.log import TestLog
+from hjcamp.records.read import read_log
+
+SUFFIX = ".mcap"
+HARDWARE: tuple[str, ...] = ("pump", "amplifier", "tubing")
+
+
+def find_logs(paths: Sequence[str | Path]) -> list[Path]:
+    """Return the log files that ``paths`` stand for, sorted, each once.
+
+    A path is a run folder (its ``logs/``), a folder of logs at any depth, or a log file. Raises UsageError for
+    a path that is missing, a folder without logs, and no paths at all.
+    """
+    if not paths:
+        raise UsageError("no logs were named: give a run folder, a folder of logs, or log files")
+    found: dict[Path, Path] = {}
+    for path in map(Path, paths):
+        for log in _logs_at(path):
+            found.setdefault(log.resolve(), log)
+    return sorted(found.values())
+
+
+def _logs_at(path: Path) -> list[Path]:
+    try:
+        if path.is_file():
+            return [path]
+        if not path.is_dir():
+            raise UsageError(f"{path}: there is no such file or folder")
+        folder = path / "logs" if (path / "logs").is_dir() else path
+        logs = [log for log in folder.rglob(f"*{SUFFIX}") if log.is_file()]
+        if not logs:
+            parts = len(list(folder.rglob(f"*{SUFFIX}.part")))
+            unfinished = f"; {parts} unfinished ones (*.part) can be recovered: hjcamp log recover" if parts else ""
+            raise UsageError(f"{folder}: there are no logs (*{SUFFIX}) in this folder{unfinished}")
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from error
+    return logs
+
+
+def read_logs(paths: Sequence[str | Path]) -> list[TestLog]:
+    """Return the test logs that ``paths`` stand for, in the order of ``find_logs``; raises as ``read_log`` does."""
+    return [read_log(path) for path in find_logs(paths)]
+
+
+def group_by_condition(logs: Iterable[TestLog]) -> dict[str, list[TestLog]]:
+    """Return the logs by condition: those in one list are repetitions of each other."""
+    groups: dict[str, list[TestLog]] = {}
+    for log in logs:
+        groups.setdefault(log.condition_key, []).append(log)
+    return groups
+
+
+def refuse_mixed_hardware(logs: Iterable[TestLog]) -> None:
+    """Raise UsageError where logs name different pumps, amplifiers or tubings: one model fits one rig."""
+    first: dict[str, TestLog] = {}
+    for log in logs:
+        for name in HARDWARE:
+            if name not in log.metadata:
+                continue
+            other = first.setdefault(name, log)
+            if other.metadata[name] != log.metadata[name]:
+                raise UsageError(
+                    f"mixed hardware: {name} is '{other.metadata[name]}' in {other.path} and "
+                    f"'{log.metadata[name]}' in {log.path}; analyse the tests of each rig alone"
+                )

@@ -1,0 +1,52 @@
+"""Read a test log, whoever wrote it, and refuse what is no whole test."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hjcamp.errors import UsageError
+from hjcamp.records.check import check_log
+from hjcamp.records.chunks import Damaged
+from hjcamp.records.log import METADATA_NAME, TestLog
+from hjcamp.records.samples import SampleDecoder, Samples
+from hjcamp.records.scan import Scan, load, scan
+
+
+def read_log(path: str | Path, validate_crcs: bool = True) -> TestLog:
+    """Return the test log in a file, protobuf or JSON.
+
+    Raises UsageError, one line with the file, the fault, the place and what to do, for a file that is missing,
+    no MCAP file, truncated, damaged or too large, and for samples that are no whole test at 1 kHz.
+    """
+    source = Path(path)
+    found, samples = read_samples(source, validate_crcs)
+    check_log(samples.columns, str(source))
+    return TestLog(samples.columns, metadata_of(found), attachments_of(found), source)
+
+
+def read_samples(path: Path, validate_crcs: bool = True) -> tuple[Scan, Samples]:
+    """Return what a whole file holds, without asking whether the samples are a whole test."""
+    data = load(path)
+    try:
+        found = scan(data, validate_crcs)
+        decoder = SampleDecoder(found, str(path))
+        for stretch in found.stretches:
+            decoder.add(stretch)
+    except Damaged as fault:
+        raise UsageError(f"{path}: {fault}; what is whole in it can be saved: hjcamp log recover {path}") from fault
+    found.stretches.clear()
+    return found, decoder.result()
+
+
+def metadata_of(found: Scan) -> dict[str, str]:
+    """Return the metadata record of the test; empty where the file has none."""
+    merged: dict[str, str] = {}
+    for record in found.metadata:
+        if record.name == METADATA_NAME:
+            merged |= record.metadata
+    return merged
+
+
+def attachments_of(found: Scan) -> dict[str, bytes]:
+    """Return the attachments by name."""
+    return {record.name: record.data for record in found.attachments}

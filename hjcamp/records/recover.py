@@ -1,0 +1,151 @@
+"""Verify a log, and recover what is whole in a damaged or unfinished one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hjcamp.errors import UsageError
+from hjcamp.records.check import check_log, check_names
+from hjcamp.records.container import CHANNEL, Container
+from hjcamp.records.layout import encode
+from hjcamp.records.log import COMMAND_PHASE, SAMPLE_S, TOPIC
+from hjcamp.records.read import metadata_of, read_samples
+from hjcamp.records.salvage import Salvage, decode_salvage, salvage
+from hjcamp.records.samples import MOST_SAMPLES, Samples
+from hjcamp.records.scan import load
+from hjcamp.records.schema import descriptor_set, field_number
+from hjcamp.records.write import CHUNK_BYTES, whole_file
+
+RECOVERY_METADATA = "hjcamp.recovery"
+SAMPLE_NS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What a log holds and what is wrong with it; ``whole`` means that ``read_log`` takes it. Duration in s."""
+
+    path: Path
+    whole: bool
+    samples: int
+    duration: float
+    fields: tuple[str, ...]
+    metadata: dict[str, str]
+    attachments: tuple[str, ...]
+    problems: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """Samples kept and lost; where the file does not say how many it held, ``lost`` is the least possible."""
+
+    path: Path
+    kept: int
+    lost: int
+    lost_is_exact: bool
+    problems: tuple[str, ...]
+
+
+def verify_log(path: str | Path) -> Verification:
+    """Return a report on one log; raises UsageError only where there is no MCAP file to report on."""
+    source = Path(path)
+    data = load(source)
+    try:
+        found, samples = read_samples(source)
+        check_log(samples.columns, str(source))
+        return _verification(source, True, samples, Salvage(found, _remarks(samples)))
+    except UsageError as fault:
+        problem = str(fault).removeprefix(f"{source}: ")
+    result = salvage(data)
+    try:
+        samples = decode_salvage(result, str(source)).result()
+    except UsageError:
+        samples = Samples({}, np.empty(0, np.uint64))
+    result.problems = list(dict.fromkeys([problem, *result.problems]))
+    return _verification(source, False, samples, result)
+
+
+def _remarks(samples: Samples) -> list[str]:
+    remarks = list(samples.notes)
+    phase = samples.columns.get("phase")
+    zero = int(np.argmax(phase == COMMAND_PHASE)) if phase is not None else 0
+    if abs(start := samples.columns["time_s"][zero]) > SAMPLE_S:
+        remarks.append(f"the command phase starts at time {start:.6g} s instead of 0")
+    return remarks
+
+
+def _verification(path: Path, whole: bool, samples: Samples, result: Salvage) -> Verification:
+    return Verification(
+        path=path,
+        whole=whole,
+        samples=len(samples.log_time),
+        duration=len(samples.log_time) * SAMPLE_S,
+        fields=tuple(samples.columns),
+        metadata=metadata_of(result.found),
+        attachments=tuple(record.name for record in result.found.attachments),
+        problems=tuple(result.problems),
+    )
+
+
+def recover_log(path: str | Path, out: str | Path) -> Recovery:
+    """Write what is whole in ``path`` to the new log ``out``, with all metadata and attachments.
+
+    Raises UsageError where nothing can be recovered or ``out`` exists, HjcampError where the disk refuses.
+    """
+    source, target = Path(path), Path(out)
+    if target.exists():
+        raise UsageError(f"{target}: exists already; give the recovered log another name")
+    result = salvage(load(source))
+    decoder = decode_salvage(result, str(source))
+    try:
+        samples = _without_duplicates(decoder.result())
+        check_names(samples.columns, str(source))
+    except UsageError as fault:
+        reason = str(fault).removeprefix(f"{source}: ")
+        raise UsageError(f"{source}: nothing can be recovered: {reason}") from fault
+    kept = len(samples.log_time)
+    lost, exact = _lost(result, samples.log_time)
+    recovery = Recovery(target, kept, lost, exact, tuple(dict.fromkeys(result.problems)))
+    _write(target, samples, result, {"source": source.name, "kept": str(kept), "lost": str(lost)})
+    return recovery
+
+
+def _without_duplicates(samples: Samples) -> Samples:
+    times, rows = np.unique(samples.log_time, return_index=True)
+    if len(times) == len(samples.log_time):
+        return samples
+    return Samples({name: values[rows] for name, values in samples.columns.items()}, times, samples.notes)
+
+
+def _lost(result: Salvage, log_time: np.ndarray) -> tuple[int, bool]:
+    """Return the number of lost samples and whether the file's own statistics say so."""
+    channels = [channel.id for channel in result.found.channels.values() if channel.topic == TOPIC]
+    declared = (result.messages_declared or {}).get(channels[0])
+    if declared is not None and len(log_time) <= declared <= MOST_SAMPLES:
+        return declared - len(log_time), True
+    first, last = int(log_time[0]), int(log_time[-1])
+    for start, end in result.lost_spans:
+        if first - MOST_SAMPLES * SAMPLE_NS < start and end < last + MOST_SAMPLES * SAMPLE_NS:
+            first, last = min(first, start), max(last, end)
+    return max(0, round((last - first) / SAMPLE_NS) + 1 - len(log_time)), False
+
+
+def _write(target: Path, samples: Samples, result: Salvage, note: dict[str, str]) -> None:
+    names = tuple(samples.columns)
+    messages = encode(
+        tuple(field_number(name) for name in names), list(samples.columns.values()), samples.log_time, CHANNEL, 0
+    )
+    size = CHUNK_BYTES // messages.itemsize
+    with whole_file(target) as stream:
+        container = Container(stream)
+        for record in result.found.metadata:
+            container.add_metadata(record.name, record.metadata)
+        container.add_metadata(RECOVERY_METADATA, note)
+        for attachment in result.found.attachments:
+            container.add_attachment(attachment.name, attachment.media_type, attachment.data, attachment.log_time)
+        container.add_channel(TOPIC, descriptor_set(names))
+        for start in range(0, len(messages), size):
+            container.add_chunk(messages[start : start + size])
+        container.finish()

@@ -1,0 +1,132 @@
+"""Make the report of a run: indicators, tables, figures and the page, from the logs alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import polars as pl
+
+from hjcamp.errors import UsageError, unknown
+from hjcamp.report.declared import TableDefinition, declared_tables
+from hjcamp.report.figures import draw_condition
+from hjcamp.report.formats import to_latex, to_markdown
+from hjcamp.report.indicators import COLUMNS, indicators_frame
+from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
+from hjcamp.report.page import build_page
+from hjcamp.report.published import CONDITION
+from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
+from hjcamp.report.spread import gather
+from hjcamp.report.store import replace_file, write_frame
+from hjcamp.report.tables import FAR_OFF, against_published, build_table, by_condition
+
+if TYPE_CHECKING:
+    from hjcamp.records.log import TestLog
+
+AGAINST = ("published",)
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was made: the frames in memory, and where the page is."""
+
+    run_dir: Path
+    page: Path
+    indicators: pl.DataFrame
+    tables: dict[str, pl.DataFrame]
+    sheets: list[Sheet]
+    comparison: pl.DataFrame
+
+
+def build_report(
+    run_dir: Path, *, against: str | None = None, output: Path | None = None, logs: Sequence[TestLog] | None = None
+) -> Report:
+    """Write ``tables/`` and ``report.html`` of a run folder, or of a folder of logs, each file whole or not at all.
+
+    With ``against="published"`` the published values stand beside. ``output`` is another folder for the files, ``logs``
+    are the logs where they have been read already. `UsageError` where there is no log, a log that cannot be read, or an
+    unknown ``against`` or table.
+    """
+    from hjcamp.records.find import find_logs
+    from hjcamp.records.read import read_log
+
+    if against is not None and against not in AGAINST:
+        raise unknown("comparison", against, AGAINST, "--against")
+    run_dir, target = Path(run_dir), Path(output or run_dir)
+    if target.is_file():
+        raise UsageError(f"{target} is a file; name the folder for tables and page with output (--output DIR)")
+    read = list(logs) if logs is not None else [read_log(path) for path in find_logs([run_dir])]
+    if not read:
+        raise UsageError(f"{run_dir}: there are no test logs to report on")
+    origin = read_origin(run_dir)
+    read = in_plan_order(read, origin)
+    indicators = indicators_frame(read)
+    definitions = _with_rows(declared_tables(origin.tables), indicators)
+    tables = {one.name: build_table(indicators, one, against) for one in definitions}
+    sheets = [arrange(tables[one.name], one) for one in definitions]
+    comparison = against_published(indicators, definitions)
+    write_frame(target / "tables", "indicators", indicators.select(COLUMNS))
+    for name, sheet in zip(tables, sheets, strict=True):
+        write_frame(target / "tables", name, tables[name].drop(pl.selectors.ends_with("_decimals")))
+        replace_file(target / "tables" / f"{name}.md", to_markdown(sheet))
+        replace_file(target / "tables" / f"{name}.tex", to_latex(sheet))
+    all_sheets = [*sheets, arrange_conditions(by_condition(indicators, against))]
+    html = _page(run_dir, origin, read, all_sheets, verdict(comparison) if against else "")
+    replace_file(target / "report.html", html)
+    return Report(run_dir, target / "report.html", indicators, tables, sheets, comparison)
+
+
+def in_plan_order(logs: Sequence[TestLog], origin: RunOrigin) -> list[TestLog]:
+    """Return the logs sorted by the conditions of the plan, then by repetition; others after them as they came."""
+    place = {name: number for number, name in enumerate(origin.condition_order)}
+
+    def key(log: TestLog) -> tuple[int, int]:
+        repetition = log.metadata.get("repetition", "")
+        return place.get(log.condition_key, len(place)), int(repetition) if repetition.isdecimal() else 0
+
+    return sorted(logs, key=key) if place else list(logs)
+
+
+def _with_rows(definitions: Sequence[TableDefinition], indicators: pl.DataFrame) -> list[TableDefinition]:
+    return [one for one in definitions if build_table(indicators, one).height]
+
+
+def verdict(comparison: pl.DataFrame) -> str:
+    """Return one sentence on how far the means are from the published ones; empty where nothing compares."""
+    if not comparison.height:
+        return ""
+    same_cell = [name for name in (*CONDITION, "indicator") if name in comparison.columns]
+    cells = comparison.drop_nulls("difference_in_std").unique(same_cell, keep="first")
+    outside = cells.filter(pl.col("difference_in_std").abs() > FAR_OFF).height
+    if not cells.height:
+        return f"{comparison.height} published values stand beside; they have no published deviation."
+    return (
+        f"{cells.height - outside} of {cells.height} means lie within {FAR_OFF:g} published standard deviations of the"
+        f" published mean; {outside} do not."
+    )
+
+
+def _page(run_dir: Path, origin: RunOrigin, logs: Sequence[TestLog], sheets: Sequence[Sheet], verdict_text: str) -> str:
+    groups: dict[str, list[TestLog]] = {}
+    for log in logs:
+        groups.setdefault(log.condition_key, []).append(log)
+    pictures = {}
+    for name, members in groups.items():
+        picture = draw_condition(gather(name, members))
+        pictures[name] = (picture, f"{len(members)} test{'s' if len(members) > 1 else ''}")
+    states = states_of_tests(origin)
+    unfinished = [f"{count} {state}" for state, count in states.items() if state != "done"]
+    campaign = str(origin.plan.get("campaign") or logs[0].metadata.get("campaign") or "Test logs")
+    facts = [run_dir.resolve().name, f"{len(logs)} tests", f"{len(groups)} conditions", *unfinished]
+    return build_page(
+        title=campaign,
+        facts=[*facts, *filter(None, [str(origin.plan.get("description") or "")])],
+        verdict=verdict_text,
+        sheets=sheets,
+        pictures=pictures,
+        origin=origin_facts(origin, logs),
+        command=origin.command,
+        configuration=origin.config_text,
+    )

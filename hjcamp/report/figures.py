@@ -1,0 +1,129 @@
+"""One picture per condition: angle, error, pressures and command over time, with the spread of the repetitions."""
+
+from __future__ import annotations
+
+import io
+import re
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjcamp.report.spread import Condition
+
+# Colours of Okabe and Ito, told apart by colour-blind readers; the page puts its own shades in their place.
+INK = "#1b1f24"
+GRID = "#d0d4d9"
+BLUE = "#0072b2"
+RED = "#d55e00"
+GREEN = "#009e73"
+WIDTH, HEIGHT = 7.4, 6.6
+LEFT, RIGHT, TOP, BOTTOM, GAP = 0.1, 0.98, 0.965, 0.065, 0.045
+
+
+class Curve(NamedTuple):
+    """One signal in a panel."""
+
+    signal: str
+    label: str
+    colour: str
+    dashed: bool = False
+
+
+class Panel(NamedTuple):
+    """One panel: its quantity with unit, and the curves that may be in it."""
+
+    title: str
+    curves: tuple[Curve, ...]
+    share: float = 1.0
+
+
+PANELS = (
+    Panel("Arm angle (deg)", (Curve("arm_deg", "measured", BLUE), Curve("reference_deg", "reference", INK, True)), 1.4),
+    Panel("Error (deg)", (Curve("error_deg", "reference − measured", BLUE),)),
+    Panel("Pressure (MPa gauge)", (Curve("pressure1_mpa", "line 1", BLUE), Curve("pressure2_mpa", "line 2", RED))),
+    Panel(
+        "Pump command (deg)",
+        (
+            Curve("command_deg", "command", BLUE),
+            Curve("pid_deg", "feedback part", RED),
+            Curve("feedforward_deg", "feedforward part", GREEN),
+        ),
+    ),
+)
+
+
+SETTINGS: dict[str, Any] = {"svg.fonttype": "none", "font.size": 9.0, "path.simplify_threshold": 0.2}
+
+
+def draw_condition(condition: Condition) -> str:
+    """Return the picture of one condition as SVG text: mean as a line, range of the repetitions as a band."""
+    import matplotlib
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    with matplotlib.rc_context(SETTINGS | {"svg.hashsalt": condition.name}):  # type: ignore[arg-type]
+        buffer = io.StringIO()
+        canvas = FigureCanvasSVG(build_figure(condition))
+        canvas.print_svg(buffer, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    return tidy(buffer.getvalue())
+
+
+def build_figure(condition: Condition) -> Any:
+    """Return the matplotlib figure of one condition, for any canvas."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, HEIGHT))
+    figure.patch.set_visible(False)
+    panels = [panel for panel in PANELS if any(curve.signal in condition.signals for curve in panel.curves)]
+    shares = sum(panel.share for panel in panels)
+    usable = TOP - BOTTOM - GAP * (len(panels) - 1)
+    bottom = TOP + GAP
+    for panel in panels:
+        height = usable * panel.share / shares
+        bottom -= height + GAP
+        _draw_panel(figure.add_axes((LEFT, bottom, RIGHT - LEFT, height)), panel, condition, last=panel is panels[-1])
+    return figure
+
+
+def _draw_panel(axes: Any, panel: Panel, condition: Condition, last: bool) -> None:
+    present = [curve for curve in panel.curves if curve.signal in condition.signals]
+    for curve in present:
+        spread = condition.signals[curve.signal]
+        if condition.tests > 1 and not curve.dashed:
+            axes.fill_between(
+                condition.time, spread.lowest, spread.highest, color=curve.colour, alpha=0.22, linewidth=0.0
+            )
+        style = (0, (4, 2.5)) if curve.dashed else "-"
+        axes.plot(condition.time, spread.mean, color=curve.colour, linewidth=1.2, linestyle=style, label=curve.label)
+    if len(condition.time):
+        axes.set_xlim(0.0, float(np.ceil((condition.time[-1] + condition.time[0]) * 100.0) / 100.0))
+    axes.margins(y=0.08)
+    axes.set_ylabel(panel.title, color=INK, fontsize=8.5)
+    axes.yaxis.set_label_coords(-0.08, 0.5)
+    axes.locator_params(axis="y", nbins=5)
+    axes.grid(True, axis="y", color=GRID, linewidth=0.5)
+    axes.set_axisbelow(True)
+    axes.patch.set_visible(False)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side in ("left", "bottom"))
+        spine.set_color(INK)
+        spine.set_linewidth(0.7)
+    axes.tick_params(colors=INK, labelsize=8, width=0.7, length=3)
+    if len(present) > 1:
+        axes.legend(
+            loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3, fontsize=8, frameon=False, labelcolor=INK,
+            borderaxespad=0.0, borderpad=0.0, handlelength=1.8, columnspacing=1.4,
+        )  # fmt: skip
+    # An axis without labels costs as much to draw as one with them: only the last panel has one.
+    axes.xaxis.set_visible(last)
+    if last:
+        axes.set_xlabel("Time (s)", color=INK, fontsize=8.5)
+
+
+def tidy(svg: str) -> str:
+    """Return the drawing without prologue, comments and the group names that several pictures of a page would share."""
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<!--.*?-->", "", svg, flags=re.DOTALL)
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r' id="[\w.]+_\d+"', "", svg)
+    svg = re.sub(r"(\d+\.\d{2})\d+", r"\1", svg)
+    return re.sub(r"\n\s*", "\n", svg)

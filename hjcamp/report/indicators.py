@@ -1,0 +1,104 @@
+"""The four numbers that judge a test: RMSE1, RMSE2, largest error and steady state error (thesis 5.2.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import polars as pl
+
+    from hjcamp.records.log import TestLog
+
+CHOICES = ("trajectory", "controller", "payload", "orientation", "pump", "amplifier", "tubing", "friction")
+INDICATORS = ("rmse1_deg", "rmse2_deg", "e_max_deg", "sse_deg")
+COLUMNS = ("campaign", *CHOICES, "repetition", *INDICATORS)
+
+START_LEFT_OUT = 0.25
+SETTLING_TIME = 0.2
+
+
+def indicators_of(log: TestLog) -> dict[str, Any]:
+    r"""Return one row: the contract's columns, and the ``condition`` that the test repeats.
+
+    With the error e = desired - measured arm angle (deg) of the n samples of the command phase (thesis 5.2.5.1 and 2):
+
+    .. math:: RMSE1 = \sqrt{\tfrac{1}{n} \sum e_i^2}, \quad e_{max} = \max |e_i|
+
+    RMSE2 leaves out the first 0.25 s. The steady state error is the mean of e from 0.2 s after the reference last
+    changed to the end, for cycloids only; it is negative where the arm is beyond a positive reference, as in Table
+    5.4.2 (5.2.5: error = desired - output). What a log cannot give is None.
+    """
+    row: dict[str, Any] = {"condition": log.condition_key, "campaign": log.metadata.get("campaign")}
+    row |= choices_of(log)
+    row["repetition"] = _whole_number(log.metadata.get("repetition"))
+    return row | _error_indicators(log, row["trajectory"] or "")
+
+
+def _error_indicators(log: TestLog, trajectory: str) -> dict[str, float | None]:
+    values: dict[str, float | None] = dict.fromkeys(INDICATORS)
+    command = log.command_phase
+    if "reference_deg" not in command or not len(command["time_s"]):
+        return values
+    time, reference = command["time_s"], command["reference_deg"]
+    error = reference - command["arm_deg"]
+    values["rmse1_deg"] = _root_mean_square(error)
+    values["rmse2_deg"] = _root_mean_square(error[time >= START_LEFT_OUT - 1e-9])
+    values["e_max_deg"] = float(np.max(np.abs(error)))
+    changes = np.flatnonzero(np.diff(reference))
+    if trajectory.startswith("cycloid") and changes.size:
+        settled = error[time >= time[changes[-1] + 1] + SETTLING_TIME - 1e-9]
+        values["sse_deg"] = float(np.mean(settled)) if settled.size else None
+    return values
+
+
+def _root_mean_square(error: NDArray[np.float64]) -> float | None:
+    return float(np.sqrt(np.mean(error**2))) if error.size else None
+
+
+def choices_of(log: TestLog) -> dict[str, str | None]:
+    """Return the choice of each group: from the metadata, else from the attached configuration, else None."""
+    missing = [group for group in CHOICES if group not in log.metadata]
+    attached = _configuration(log.attachments.get("config.yaml", b"")) if missing else {}
+    return {group: log.metadata.get(group) or _named(attached.get(group)) for group in CHOICES}
+
+
+def _named(group: object) -> str | None:
+    name = group.get("name") if isinstance(group, dict) else group
+    return str(name) if name is not None else None
+
+
+@lru_cache(maxsize=64)
+def _configuration(attachment: bytes) -> dict[str, Any]:
+    """Return the attached configuration; a damaged one counts as absent, because the samples are still good."""
+    try:
+        config = yaml.load(attachment, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except (yaml.YAMLError, UnicodeDecodeError):
+        return {}
+    return config if isinstance(config, dict) else {}
+
+
+def _whole_number(text: str | None) -> int | None:
+    try:
+        return int(text) if text is not None else None
+    except ValueError:
+        return None
+
+
+def indicators_frame(logs: Iterable[TestLog]) -> pl.DataFrame:
+    """Return one row per log: ``condition`` and the contract's columns, in the order of the logs."""
+    return frame_of(indicators_of(log) for log in logs)
+
+
+def frame_of(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
+    """Return rows of `indicators_of` as a frame with fixed types, also where there are none."""
+    import polars as pl
+
+    schema: dict[str, Any] = {"condition": pl.String, "campaign": pl.String} | dict.fromkeys(CHOICES, pl.String)
+    schema |= {"repetition": pl.Int64} | dict.fromkeys(INDICATORS, pl.Float64)
+    return pl.DataFrame(list(rows), schema=schema)

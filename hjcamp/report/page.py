@@ -1,0 +1,128 @@
+"""The report page: one self-contained HTML file, light and dark, with nothing to fetch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from pathlib import Path
+from string import Template
+
+from hjcamp.report import figures
+from hjcamp.report.sheet import Cell, Sheet
+
+STYLE = Path(__file__).with_name("page.css")
+#: The page's own shades, which follow light and dark, in place of the colours of the drawing.
+SHADES = {
+    figures.INK: "currentColor",
+    figures.GRID: "var(--grid)",
+    figures.BLUE: "var(--blue)",
+    figures.RED: "var(--red)",
+    figures.GREEN: "var(--green)",
+}
+PAGE = Template("""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>$title</title>
+<style>
+$style</style>
+</head>
+<body>
+<h1>$title</h1>
+<p class="soft">$facts</p>
+$verdict
+<h2 id="tables">Tables</h2>
+$tables
+<h2 id="pictures">Conditions</h2>
+<p class="soft">Lines are means over the repetitions, bands run from the lowest to the highest of them.</p>
+<nav>
+$links
+</nav>
+$pictures
+<h2 id="origin">Where this comes from</h2>
+<div class="scroll"><table>
+$origin
+</table></div>
+$again
+$configuration
+</body>
+</html>
+""")
+
+
+def build_page(
+    *,
+    title: str,
+    facts: Sequence[str],
+    verdict: str,
+    sheets: Sequence[Sheet],
+    pictures: Mapping[str, tuple[str, str]],
+    origin: Sequence[tuple[str, str]],
+    command: str,
+    configuration: str,
+) -> str:
+    """Return the HTML of the report; every text is escaped.
+
+    ``pictures`` maps a condition to its SVG and caption, ``origin`` are name and value of what made the run,
+    ``command`` runs it again.
+    """
+    numbered = {name: f"condition-{number}" for number, name in enumerate(pictures, start=1)}
+    again = f"<h3>Run it again</h3>\n<pre>{escape(command)}</pre>" if command else ""
+    shown = f"<details><summary>Configuration as asked</summary>\n<pre>{escape(configuration)}</pre></details>"
+    return PAGE.substitute(
+        title=escape(title),
+        style=STYLE.read_text(encoding="utf-8"),
+        facts=escape(" · ".join(facts)),
+        verdict=f'<p class="verdict">{escape(verdict)}</p>' if verdict else "",
+        tables="\n".join(table_html(sheet) for sheet in sheets),
+        links="\n".join(f'<a href="#{anchor}">{escape(name)}</a>' for name, anchor in numbered.items()),
+        pictures="\n".join(
+            picture_html(name, numbered[name], svg, caption) for name, (svg, caption) in pictures.items()
+        ),
+        origin="\n".join(
+            f'<tr><td>{escape(name)}</td><td class="fact">{escape(value)}</td></tr>' for name, value in origin
+        ),
+        again=again,
+        configuration=shown if configuration else "",
+    )
+
+
+def table_html(sheet: Sheet) -> str:
+    """Return one sheet as a heading, a table and its notes."""
+    headers = "".join(
+        f'<th{_class("published" if header == "published" else "")} scope="col">{escape(header)}</th>'
+        for header in sheet.headers
+    )
+    rows = "\n".join(_row_html(row, len(sheet.headers)) for row in sheet.rows)
+    source = [f"Layout: {sheet.source}. Mean ± sample standard deviation, deg."] if sheet.source else []
+    notes = "".join(f"<li>{escape(note)}</li>" for note in [*source, *sheet.notes])
+    return (
+        f'<h3 id="{escape(sheet.name)}">{escape(sheet.title)}</h3>\n<div class="scroll"><table>\n'
+        f"<thead><tr>{headers}</tr></thead>\n<tbody>\n{rows}\n</tbody></table></div>\n"
+        + (f'<ul class="notes">{notes}</ul>' if notes else "")
+    )
+
+
+def _row_html(row: Sequence[Cell], width: int) -> str:
+    if row[0].kind == "block":
+        return f'<tr><td class="block" colspan="{width}">{escape(row[0].text)}</td></tr>'
+    return "<tr>" + "".join(_cell_html(cell) for cell in row) + "</tr>"
+
+
+def _cell_html(cell: Cell) -> str:
+    name = "far" if cell.mark else "published" if cell.kind == "published" else ""
+    return f"<td{_class(name)}>{escape(f'{cell.text} {cell.mark}'.strip())}</td>"
+
+
+def _class(name: str) -> str:
+    return f' class="{name}"' if name else ""
+
+
+def picture_html(name: str, anchor: str, svg: str, caption: str) -> str:
+    """Return one condition's picture with its colours handed to the page."""
+    for colour, shade in SHADES.items():
+        svg = svg.replace(colour, shade)
+    svg = svg.replace("<svg ", f'<svg role="img" aria-label="{escape(name)}: angle, error, pressures, command" ', 1)
+    heading = f'<h3 id="{anchor}">{escape(name)}</h3>'
+    return f"{heading}\n<figure>\n<figcaption>{escape(caption)}</figcaption>\n{svg}</figure>"

@@ -1,0 +1,180 @@
+"""Arrange an aggregated table for the eye: rows, columns, published values beside, marks where far off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import polars as pl
+
+from hjcamp.report.declared import Column, TableDefinition
+from hjcamp.report.indicators import CHOICES, INDICATORS
+from hjcamp.report.published import CONDITION, MEASURED_WITH, published_cells
+from hjcamp.report.tables import FAR_OFF
+
+TITLES = {"rmse1_deg": "RMSE1", "rmse2_deg": "RMSE2", "e_max_deg": "|e|max", "sse_deg": "SSE"}
+FAR_OFF_NOTE = f"▲ ▼: more than {FAR_OFF:g} published standard deviations above or below the published mean."
+NO_TEST = "–"
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell: its text, what it is, and a mark (▲ above, ▼ below the published value)."""
+
+    text: str
+    kind: Literal["key", "value", "published", "block"] = "value"
+    mark: str = ""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A table ready to be written; a row of one ``block`` cell is a heading inside it."""
+
+    name: str
+    title: str
+    source: str
+    headers: list[str]
+    rows: list[list[Cell]]
+    notes: list[str]
+
+
+def arrange(table: pl.DataFrame, definition: TableDefinition) -> Sheet:
+    """Return a declared table (of `hjcamp.report.tables.build_table`) as a sheet."""
+    rows = table.to_dicts()
+    if definition.across:
+        sheet = _arrange_across(rows, definition, _shown_keys(table, definition))
+    else:
+        sheet = _arrange_plain(rows, definition, _shown_keys(table, definition))
+    return sheet
+
+
+def arrange_conditions(table: pl.DataFrame) -> Sheet:
+    """Return the frame of `hjcamp.report.tables.by_condition` as a sheet: only the choices that vary."""
+    keys = [name for name in CHOICES if table[name].n_unique() > 1]
+    alone = not keys or table.select(keys).is_duplicated().any()
+    names = [name for name in INDICATORS if table[f"{name}_mean"].is_not_null().any()]
+    definition = TableDefinition(
+        name="conditions",
+        title="All conditions",
+        indicators=names or list(INDICATORS),
+        by={},
+        where={},
+        notes=["Mean ± sample standard deviation over n tests, deg."],
+    )
+    return _arrange_plain(table.to_dicts(), definition, ["condition", *keys] if alone else keys)
+
+
+def _shown_keys(table: pl.DataFrame, definition: TableDefinition) -> list[str]:
+    across = {group for column in definition.across for group in column.where}
+    candidates = [name for name in table.columns if name in (*CHOICES, "campaign", "condition") and name not in across]
+    return [name for name in candidates if name in definition.by or table[name].n_unique() > 1]
+
+
+def _arrange_plain(rows: Sequence[dict[str, Any]], definition: TableDefinition, keys: Sequence[str]) -> Sheet:
+    compared = [
+        name for name in definition.indicators if any(row.get(f"{name}_published_mean") is not None for row in rows)
+    ]
+    headers = [*keys, "n"]
+    for name in definition.indicators:
+        headers += [_title(name, definition), *(["published"] if name in compared else [])]
+    body = []
+    for row in rows:
+        cells = [Cell(str(row[key] or ""), "key") for key in keys]
+        cells.append(Cell(str(row["n"])))
+        for name in definition.indicators:
+            cells += _pair(row, name, definition, name in compared)
+        body.append(cells)
+    return _sheet(definition, headers, body, bool(compared))
+
+
+def _arrange_across(rows: Sequence[dict[str, Any]], definition: TableDefinition, keys: Sequence[str]) -> Sheet:
+    compared = any(row.get(f"{name}_published_mean") is not None for row in rows for name in definition.indicators)
+    columns = [column for column in definition.across if any(_matches(row, column) for row in rows)]
+    headers = list(keys)
+    for column in columns:
+        headers += [column.title, *(["published"] if compared else [])]
+    headers += [column.title for column in definition.from_print]
+    body: list[list[Cell]] = []
+    for name in definition.indicators:
+        groups: dict[tuple[str, ...], list[dict[str, Any]]] = {}
+        for row in rows:
+            if row[f"{name}_mean"] is not None:
+                groups.setdefault(tuple(str(row[key] or "") for key in keys), []).append(row)
+        body += [[Cell(f"{_title(name, definition)}, deg", "block")]] if groups else []
+        for values, members in groups.items():
+            cells = [Cell(value, "key") for value in values]
+            for column in columns:
+                member = next((row for row in members if _matches(row, column)), None)
+                nothing = [Cell(NO_TEST), *([Cell("", "published")] if compared else [])]
+                cells += _pair(member, name, definition, compared) if member else nothing
+            for column in definition.from_print:
+                cells.append(
+                    Cell(_printed(dict(zip(keys, values, strict=True)), column, name, definition), "published")
+                )
+            body.append(cells)
+    return _sheet(definition, headers, body, compared)
+
+
+def _sheet(definition: TableDefinition, headers: list[str], body: list[list[Cell]], compared: bool) -> Sheet:
+    notes = list(definition.notes)
+    if any(cell.mark for row in body for cell in row) and compared:
+        notes.append(FAR_OFF_NOTE)
+    return Sheet(definition.name, definition.title, definition.source, headers, body, notes)
+
+
+def _title(name: str, definition: TableDefinition) -> str:
+    return f"|{TITLES[name]}|" if name in definition.magnitudes else TITLES[name]
+
+
+def _pair(row: dict[str, Any], name: str, definition: TableDefinition, compared: bool) -> list[Cell]:
+    mean, std = row[f"{name}_mean"], row[f"{name}_std"]
+    if mean is not None and name in definition.magnitudes:
+        mean = abs(mean)
+    text = " ".join(part for part in (with_deviation(mean, std, 2), row.get(f"{name}_arrow") or "") if part)
+    cells = [Cell(text, "value", far_off(row, name))]
+    if compared:
+        printed = row[f"{name}_published_mean"]
+        if printed is not None and name in definition.magnitudes:
+            printed = abs(printed)
+        shown = with_deviation(printed, row[f"{name}_published_std"], row[f"{name}_decimals"] or 1)
+        cells.append(Cell(shown if printed is not None else "", "published"))
+    return cells
+
+
+def far_off(row: dict[str, Any], name: str) -> str:
+    """Return ▲ or ▼ where a mean is more than two published deviations above or below the published one, else nothing.
+
+    A difference that the rounding of the print could explain is never marked.
+    """
+    in_std, difference = row.get(f"{name}_difference_in_std"), row.get(f"{name}_difference")
+    if in_std is None or difference is None or abs(in_std) <= FAR_OFF:
+        return ""
+    if abs(difference) <= 0.5 * 10.0 ** -(row.get(f"{name}_decimals") or 1):
+        return ""
+    return "▲" if difference > 0 else "▼"
+
+
+def with_deviation(mean: float | None, std: float | None, decimals: int) -> str:
+    """Return "mean ± std" with the decimals of the mean; a dash where there is no mean."""
+    if mean is None or math.isnan(mean):
+        return NO_TEST
+    # A tiny negative number must not show as -0.00.
+    shown = f"{round(mean, decimals) + 0.0:.{decimals}f}"
+    return shown if std is None else f"{shown} ± {std:.2f}"
+
+
+def _matches(row: dict[str, Any], column: Column) -> bool:
+    return all(row.get(group) == name for group, name in column.where.items())
+
+
+def _printed(keys: dict[str, str], column: Column, name: str, definition: TableDefinition) -> str:
+    fixed = {group: names[0] for group, names in definition.where.items() if len(names) == 1}
+    wanted = {**MEASURED_WITH, **fixed, **keys, **column.where, "indicator": name}
+    cells = published_cells().filter(pl.col("table").is_in(definition.published))
+    for group, value in wanted.items():
+        cells = cells.filter(pl.col(group) == value) if group in (*CONDITION, "indicator") else cells
+    if not cells.height:
+        return NO_TEST
+    return with_deviation(cells["mean"][0], cells["std"][0], cells["decimals"][0])

@@ -1,0 +1,100 @@
+"""Find the kinds of trajectory by scanning folders, and build one from its configuration."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import MISSING, fields
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from hjcamp.errors import UsageError, unknown
+from hjcamp.trajectories.base import Trajectory
+
+OWN_FOLDER = Path(__file__).parent
+
+
+def build_trajectory(config: Mapping[str, Any], folders: Sequence[Path] = ()) -> Trajectory:
+    """Return the trajectory that a resolved ``trajectory`` group describes: ``kind``, ``name`` and parameters.
+
+    ``folders`` are a user's own folders of kinds. `UsageError` for an unknown kind or parameter, a missing one, or a
+    value that is not allowed.
+    """
+    if not isinstance(config, Mapping):
+        raise UsageError(f"trajectory is {config!r}; a kind with its parameters is needed")
+    kinds = find_kinds(folders)
+    kind = config.get("kind")
+    if kind is None:
+        raise UsageError(f"trajectory.kind is missing. Allowed: {', '.join(sorted(kinds))}")
+    if kind not in kinds:
+        raise unknown("trajectory kind", str(kind), kinds, "trajectory.kind")
+    chosen = kinds[kind]
+    parameters = {name: value for name, value in config.items() if name not in ("name", "kind")}
+    known = {field.name: field for field in fields(chosen) if field.init}
+    for name in parameters:
+        if name not in known:
+            raise unknown("trajectory parameter", str(name), known, f"kind '{kind}'")
+    for name, field in known.items():
+        if name not in parameters and field.default is MISSING and field.default_factory is MISSING:
+            raise UsageError(f"trajectory.{name} is missing; kind '{kind}' needs it")
+    return chosen(**parameters)
+
+
+def find_kinds(folders: Sequence[Path] = ()) -> dict[str, type[Trajectory]]:
+    """Return kind name -> class, from this folder and then from ``folders`` (a folder that is not there is empty).
+
+    A file's name is the kind's name. `UsageError` where a user's file cannot be read, holds no kind, or takes the name
+    of another.
+    """
+    kinds = dict(_own_kinds())
+    for folder in folders:
+        for path in _files(Path(folder)):
+            found = _classes_of(_load(path, path.stat().st_mtime_ns))
+            if not found:
+                raise UsageError(f"{path} defines no trajectory: a class that inherits hjcamp.trajectories.Trajectory")
+            if path.stem in kinds:
+                raise UsageError(f"{path}: the trajectory kind '{path.stem}' is already there; choose another name")
+            kinds[path.stem] = found[0]
+    return kinds
+
+
+@lru_cache(maxsize=1)
+def _own_kinds() -> dict[str, type[Trajectory]]:
+    modules = (importlib.import_module(f"{__package__}.{path.stem}") for path in _files(OWN_FOLDER))
+    return {found[0].kind: found[0] for found in map(_classes_of, modules) if found}
+
+
+def _files(folder: Path) -> Iterable[Path]:
+    return sorted(path for path in folder.glob("*.py") if not path.name.startswith("_"))
+
+
+def _classes_of(module: ModuleType) -> list[type[Trajectory]]:
+    return [
+        value
+        for value in vars(module).values()
+        if isinstance(value, type) and issubclass(value, Trajectory) and value.__module__ == module.__name__
+        if value is not Trajectory
+    ]
+
+
+@lru_cache(maxsize=256)
+def _load(path: Path, changed: int) -> ModuleType:
+    """Import a user's file; ``changed`` is its time of change, so that an edited file is read anew."""
+    name = f"hjcamp_user_trajectories.{path.stem}"
+    specification = importlib.util.spec_from_file_location(name, path)
+    if specification is None or specification.loader is None:
+        raise UsageError(f"{path} cannot be read as Python")
+    module = importlib.util.module_from_spec(specification)
+    sys.modules[name] = module
+    try:
+        specification.loader.exec_module(module)
+    except SyntaxError as error:
+        raise UsageError(f"{path}, line {error.lineno}: {error.msg}") from error
+    except Exception as error:
+        raise UsageError(f"{path} cannot be loaded: {type(error).__name__}: {error}") from error
+    finally:
+        sys.modules.pop(name, None)
+    return module

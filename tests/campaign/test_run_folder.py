@@ -1,0 +1,143 @@
+"""Run folders: made whole, found again, refused for another configuration, locked."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import yaml
+
+from hjcamp.campaign.composer import Composer
+from hjcamp.campaign.files import write_atomic
+from hjcamp.campaign.finding import find_runs
+from hjcamp.campaign.folder import folder_for, open_folder
+from hjcamp.campaign.lock import is_locked, run_lock
+from hjcamp.campaign.plan import Plan
+from hjcamp.campaign.planning import make_plan
+from hjcamp.errors import HjcampError, UsageError
+
+
+@pytest.fixture(scope="module")
+def plan(composer: Composer) -> Plan:
+    return make_plan(composer.compose(["repetitions=2"]).config, None, ["repetitions=2"], composer)
+
+
+def test_a_new_folder_says_what_was_asked(plan: Plan, empty_folder: Path) -> None:
+    folder, goes_on = folder_for(plan, {"seed": 1}, ["seed=1"], None)
+    assert not goes_on
+    assert folder.path.parent == Path("runs/single")
+    assert yaml.safe_load((folder.path / "config.yaml").read_text()) == {"overrides": ["seed=1"], "seed": 1}
+    assert json.loads((folder.path / "plan.json").read_text())["tests"][0]["log"] == "logs/ramp_pos__pid/rep_01.mcap"
+    assert set(json.loads((folder.path / "manifest.json").read_text())["tests"]) == {test.id for test in plan.tests}
+    assert not list(folder.path.rglob("*.part"))
+
+
+def test_an_unfinished_run_goes_on(plan: Plan, empty_folder: Path) -> None:
+    first, _ = folder_for(plan, {}, [], None)
+    first.begin(1)
+    first.end("interrupted")
+    again, goes_on = folder_for(plan, {}, [], None)
+    assert goes_on and again.path == first.path
+    first.end("complete")
+    new, goes_on = folder_for(plan, {}, [], None)
+    assert not goes_on and new.path != first.path
+
+
+def test_a_run_of_other_code_does_not_go_on_by_itself(plan: Plan, empty_folder: Path) -> None:
+    first, _ = folder_for(plan, {}, [], None)
+    first.begin(1)
+    first.manifest["sessions"][-1]["git"] = "another commit"
+    first.end("interrupted")
+    assert not folder_for(plan, {}, [], None)[1]
+
+
+def test_another_configuration_is_refused_and_named(plan: Plan, composer: Composer, empty_folder: Path) -> None:
+    folder_for(plan, {}, [], Path("mine"))
+    before = (empty_folder / "mine" / "plan.json").read_bytes()
+    lines = ["repetitions=2", "controller.positive.kp=2"]
+    other = make_plan(composer.compose(lines).config, None, lines, composer)
+    with pytest.raises(UsageError, match=r"controller\.positive\.kp: 1\.05 there, 2 here"):
+        folder_for(other, {}, [], Path("mine"))
+    assert (empty_folder / "mine" / "plan.json").read_bytes() == before
+    assert folder_for(replace(plan, description="words"), {}, [], Path("mine"))[1]
+
+
+def test_what_is_no_run_folder_is_refused(plan: Plan, empty_folder: Path) -> None:
+    (empty_folder / "file").touch()
+    with pytest.raises(UsageError, match="not a run folder"):
+        folder_for(plan, {}, [], Path("file"))
+    with pytest.raises(UsageError, match="not found"):
+        open_folder(Path("nothing"))
+    with pytest.raises(UsageError, match=r"plan\.json is missing"):
+        open_folder(empty_folder)
+
+
+def test_a_damaged_manifest_is_made_anew(plan: Plan, empty_folder: Path) -> None:
+    folder, _ = folder_for(plan, {}, [], Path("mine"))
+    (folder.path / "manifest.json").write_text("{")
+    assert open_folder(folder.path).manifest["state"] == "new"
+    (folder.path / "plan.json").write_text("{")
+    with pytest.raises(UsageError, match=r"plan\.json cannot be read"):
+        open_folder(folder.path)
+
+
+def test_one_process_at_a_time(empty_folder: Path) -> None:
+    hold = (
+        "import sys; from pathlib import Path; from hjcamp.campaign.lock import run_lock\n"
+        "with run_lock(Path(sys.argv[1])): print('held', flush=True); sys.stdin.read()"
+    )
+    root = str(Path(__file__).parents[2])
+    with subprocess.Popen(
+        [sys.executable, "-c", hold, str(empty_folder)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        cwd=root,
+        text=True,
+    ) as other:
+        assert other.stdout is not None and other.stdout.readline() == "held\n"
+        assert is_locked(empty_folder)
+        with pytest.raises(UsageError, match=f"another run is at work.*{other.pid}"), run_lock(empty_folder):
+            pass
+        other.kill()
+    assert not is_locked(empty_folder)
+    with run_lock(empty_folder):
+        pass
+
+
+def test_a_failed_write_leaves_the_old_file(empty_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    target = empty_folder / "file"
+    write_atomic(target, "old")
+
+    def refuse(descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", refuse)
+    with pytest.raises(OSError, match="No space"):
+        write_atomic(target, "new")
+    assert target.read_text() == "old"
+    assert [path.name for path in empty_folder.iterdir()] == ["file"]
+
+
+def test_a_full_disk_is_said(plan: Plan, empty_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", refuse)
+    with pytest.raises(HjcampError, match="the disk is full"):
+        folder_for(plan, {}, [], Path("mine"))
+    assert not (empty_folder / "mine" / "plan.json").exists()
+
+
+def test_runs_are_found_by_what_they_hold(plan: Plan, empty_folder: Path) -> None:
+    folder, _ = folder_for(plan, {}, [], None)
+    folder.begin(1)
+    for filters in (["campaign=single"], ["payload=none"], ["controller.positive.kp=1.05"], ["state=interrupted"]):
+        assert [run.path for run in find_runs(filters=filters)] == [folder.path], filters
+    for filters in (["payload=brass_8p5g"], ["controller.positive.kp=1"], ["payload=none", "seed=2"]):
+        assert find_runs(filters=filters) == [], filters
+    with pytest.raises(UsageError, match="KEY=VALUE"):
+        find_runs(filters=["payload"])

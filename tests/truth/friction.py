@@ -1,0 +1,101 @@
+"""Dry friction of the joint: elastic-plastic asperities whose strength weakens with slip and heals at rest."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from truth.plant import Plant
+
+# Four asperity groups of equal strength that yield at growing travel (relative to `bristle_travel`).
+YIELD_TRAVEL = np.array([0.25, 0.5, 1.0, 1.5])
+HEALING_TIME = 3e-3
+AGEING_SLIP = 20e-6
+AGEING_START = 0.1
+
+
+@njit
+def asperity_step(
+    stretch: np.ndarray, slip: float, upper: float, lower: float, stiffness: np.ndarray
+) -> tuple[float, bool]:
+    """Move the asperities by `slip` (m); return their force (N) and whether all of them slide.
+
+    Parallel Jenkins elements (spring and slider), returned to the yield surface after each trial step: Iwan 1966,
+    doi:10.1115/1.3625199; return mapping as in Simo and Hughes, Computational Inelasticity, ch. 1.
+    They stick truly and give presliding travel with hysteresis; the published law is the limit of no travel.
+    """
+    force = 0.0
+    yielded = 0
+    count = stretch.shape[0]
+    for group in range(count):
+        trial = stretch[group] + slip
+        top = upper / count / stiffness[group]
+        bottom = -lower / count / stiffness[group]
+        if trial >= top:
+            trial = top
+            yielded += 1
+        elif trial <= bottom:
+            trial = bottom
+            yielded -= 1
+        stretch[group] = trial
+        force += stiffness[group] * trial
+    return force, abs(yielded) == count
+
+
+@njit
+def contact_step(contact: float, age: float, slip_speed: float, plant: Plant, step: float) -> tuple[float, float]:
+    """Advance the state of the contact: 1 healed, 0 weakened, and its age (s).
+
+    c' = [(1 - c) - (v/v_w)^2 c]/tau, so that sliding steadily c = 1/(1 + (v/v_w)^2), the curve of Hess and Soom 1990
+    (doi:10.1115/1.2920239). Age: psi' = 1 - |v| psi/D, the ageing law of Dieterich 1979 (doi:10.1029/JB084iB05p02161).
+    """
+    ratio = slip_speed / plant.weakening_speed
+    rate = step / HEALING_TIME
+    contact = (contact + rate) / (1 + rate * (1 + ratio * ratio))
+    age = (age + step) / (1 + step * slip_speed / AGEING_SLIP)
+    return contact, age
+
+
+@njit
+def surface_level(angle: float, worked: float, plant: Plant) -> float:
+    """Return the factor on all dry friction at an arm angle (rad) after `worked` joules of friction.
+
+    A misaligned rod presses its bushing in step with the pulley: a fundamental and a weaker second harmonic.
+    Warming: the shaft and bushing approach a new level as the friction work fills their heat capacity.
+    """
+    level = 1.0
+    if plant.angle_amplitude != 0.0:
+        harmonic = math.sin(angle + plant.angle_phase) + 0.25 * math.sin(2 * angle + 1.7 * plant.angle_phase)
+        level += plant.angle_amplitude * harmonic
+    if plant.warming_share != 0.0:
+        level += plant.warming_share * (1 - math.exp(-worked / plant.warming_energy))
+    return level
+
+
+@njit
+def added_force(angle: float, pressure_sum: float, plant: Plant) -> float:
+    """Return what adds to the dry friction of either direction (N).
+
+    Lip seals are pressed on by the line pressure: F = c (p1 + p2 - p_ref) (Mueller and Nau, Fluid Sealing, 1998).
+    Detent: a bump of 3 deg width at one angle.
+    """
+    extra = plant.seal_coefficient * (pressure_sum - plant.seal_reference_pressure)
+    if plant.detent_force != 0.0:
+        distance = (angle - plant.detent_angle) / math.radians(3.0)
+        extra += plant.detent_force * math.exp(-0.5 * distance * distance)
+    return extra
+
+
+@njit
+def dry_strength(
+    coulomb: float, static: float, contact: float, age: float, level: float, extra: float, relief: float, plant: Plant
+) -> float:
+    """Return the strength of the contact in one direction (N): from static (healed) to Coulomb (weakened).
+
+    Dither takes a share of static friction, below Coulomb friction when it is large: with slip it then rises to it, as
+    friction averaged over a vibration does (Thomsen 1999, doi:10.1006/jsvi.1999.2407).
+    """
+    excess = static * (1 - relief) - coulomb
+    if plant.ageing_per_decade != 0.0:
+        excess += plant.ageing_per_decade * static * math.log10(1 + age / AGEING_START)
+    return max(level * (coulomb + excess * contact) + extra, 0.05 * coulomb)
