@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from hjcamp.campaign.folder import RunFolder
@@ -12,6 +14,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 SHOWN = 5
+NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
 def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
@@ -19,8 +22,8 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
     total = len(folder.plan.tests)
     kept = f", {result.kept} were there" if result.kept else ""
     console.print(f"[bold]{folder.path}[/bold]   {total} tests, {len(result.failures)} failed{kept}")
-    for text, count in sorted(result.warnings.items(), key=lambda item: -item[1])[:SHOWN]:
-        console.print(f"  note    {text} ({count} tests)", style="yellow", markup=False)
+    for text, count in grouped(result.warnings)[:SHOWN]:
+        console.print(f"  note    {text} ({count} test{'s' * (count != 1)})", style="yellow", markup=False)
     if result.done + result.kept:
         _report(folder, console)
     if result.failures:
@@ -29,6 +32,19 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
         text = "\n  ".join(lines + (more if len(result.failures) > SHOWN else []))
         left = sum(entry["state"] != "done" for entry in folder.manifest["tests"].values())
         raise HjcampError(f"{len(result.failures)} tests failed\n  {text}\n{left} to go: hjcamp resume {folder.path}")
+
+
+def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:
+    """Return warnings that differ only in their numbers as one, in the words of the most frequent; most tests first."""
+    groups: dict[str, list[tuple[str, int]]] = {}
+    for text, count in warnings.items():
+        groups.setdefault(NUMBER.sub("#", text), []).append((text, count))
+    examples = [(max(members, key=lambda member: member[1])[0], members) for members in groups.values()]
+    found = [
+        (text if len(members) == 1 else f"{text}, and alike", sum(count for _, count in members))
+        for text, members in examples
+    ]
+    return sorted(found, key=lambda item: -item[1])
 
 
 def _report(folder: RunFolder, console: Console) -> None:

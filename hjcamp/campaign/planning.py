@@ -36,10 +36,8 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
         campaign = read_campaign(asked["campaign"], choice)
         campaign, drafts = draft_conditions(campaign, lines, composer)
     drafts = _selected(drafts, asked.get("conditions"))
-    composed = [composer.compose(draft.overrides) for draft in drafts]
     conditions = tuple(
-        _condition(draft, composition, repetitions, seed, composer)
-        for draft, composition in zip(drafts, composed, strict=True)
+        _condition(draft, composer.compose(draft.overrides), repetitions, seed, composer) for draft in drafts
     )
     _refuse_equal(conditions)
     tests = tuple(

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import platform
 import subprocess
+from collections.abc import Iterable
 from datetime import UTC, datetime
-from functools import lru_cache
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import hjcamp
+from hjcamp.campaign.search_path import extension_folders
 
 PACKAGES = ("hydra-core", "mcap", "numba", "numpy", "polars", "protobuf", "scipy")
 
 
-@lru_cache(maxsize=1)
+@cache
 def provenance() -> dict[str, Any]:
     """Return commit, hash of uncommitted changes (None where clean), versions, host and user."""
     return {
         "version": hjcamp.__version__,
         **git_state(Path(hjcamp.__file__).resolve().parent.parent),
+        "own_code_sha256": own_code_sha256(),
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in PACKAGES},
         "host": platform.node(),
@@ -32,8 +36,8 @@ def provenance() -> dict[str, Any]:
 
 
 def code_identity() -> dict[str, Any]:
-    """Return the part of the provenance that decides results: version, commit, changes."""
-    return {key: provenance()[key] for key in ("version", "git", "git_changes_sha256")}
+    """Return the part of the provenance that decides results: version, commit, changes, the user's own code."""
+    return {key: provenance()[key] for key in ("version", "git", "git_changes_sha256", "own_code_sha256")}
 
 
 def git_label() -> str:
@@ -49,9 +53,26 @@ def git_state(folder: Path) -> dict[str, Any]:
     commit = _git(folder, "rev-parse", "HEAD")
     changes = _git(folder, "diff", "HEAD", "--no-ext-diff", "--", "hjcamp", "conf", "campaigns")
     untracked = _git(folder, "ls-files", "--others", "--exclude-standard", "--", "hjcamp", "conf", "campaigns")
-    dirty = (changes or "") + (untracked or "")
-    digest = hashlib.sha256(dirty.encode()).hexdigest() if dirty.strip() else None
+    new_files = [folder / name for name in (untracked or "").splitlines()]
+    digest = files_sha256(new_files, changes or "") if (changes or "").strip() or new_files else None
     return {"git": commit.strip() if commit else None, "git_changes_sha256": digest}
+
+
+def files_sha256(files: Iterable[Path], text: str = "") -> str:
+    """Return the hash of ``text`` and of the names and contents of some files; one that cannot be read has none."""
+    digest = hashlib.sha256(text.encode())
+    for file in files:
+        digest.update(file.name.encode())
+        with contextlib.suppress(OSError):
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def own_code_sha256() -> str | None:
+    """Return the hash of the user's own effects and trajectories, None where there are none."""
+    folders = [folder for name in ("effects", "trajectories") for folder in extension_folders(name)]
+    files = [file for folder in folders for file in sorted(folder.glob("*.py"))]
+    return files_sha256(files) if files else None
 
 
 def utc_now() -> str:

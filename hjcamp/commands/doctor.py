@@ -64,7 +64,7 @@ def versions() -> Iterator[Finding]:
 def configuration() -> Iterator[Finding]:
     """Where configuration comes from, and whether it composes."""
     from hjcamp.campaign.composer import Composer
-    from hjcamp.campaign.search_path import ENVIRONMENT_VARIABLE
+    from hjcamp.campaign.search_path import ENVIRONMENT_VARIABLE, configuration_folders
 
     for name in filter(None, os.environ.get(ENVIRONMENT_VARIABLE, "").split(os.pathsep)):
         if not Path(name).expanduser().is_dir():
@@ -73,6 +73,9 @@ def configuration() -> Iterator[Finding]:
     composer.compose([])
     for place in composer.places():
         yield "good", "configuration", place
+    for folder in configuration_folders():
+        if (folder / "config.yaml").is_file():
+            yield "note", "configuration", f"{folder / 'config.yaml'} replaces the program's own config.yaml"
     yield "good", "campaigns", " ".join(composer.options("campaign"))
 
 

@@ -1,4 +1,4 @@
-"""The two sample loops that a kernel can carry: closed loop with procedure and controller, and replay of a log."""
+"""The two sample loops that a kernel can carry: closed loop with procedure and controller, and following a log."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 N = 0
+VELOCITY = 0
+OBSERVED_STATES: Any = ()
 READINGS = 0
 PRESSURE1 = 0
 PRESSURE2 = 0
@@ -18,6 +20,7 @@ SCATTER = 0
 DRIVEN_STATES: Any = ()
 DRIVEN_INPUTS: Any = ()
 readings: Any = None
+begin: Any = None
 remember: Any = None
 move: Any = None
 control: Any = None
@@ -95,10 +98,12 @@ def closed_loop(  # type: ignore[no-untyped-def]
     return -1
 
 
-def replay(z, u, p, propagator, h, direction, first, last, start, driven, out, work):  # type: ignore[no-untyped-def]
-    """Drive the plant with measurements from sample ``first`` to ``last``; fill ``out`` with its readings (SI).
+def follow(  # type: ignore[no-untyped-def]
+    z, u, p, propagator, h, restart, time, driven, observed, velocity, dither, scatter, out, ideal, work
+):
+    """Drive the plant along measured motion; fill ``out`` with its readings and ``ideal`` with its observed states.
 
-    ``driven`` (n, inputs): the measured value of every driven state. ``start`` is the time of sample 0.
+    Where ``restart`` is 2 a test begins, where it is 1 the observed states are set to what was measured.
     """
     fast = (
         propagator[0, 0, 0], propagator[0, 0, 1], propagator[0, 0, 2],
@@ -106,13 +111,26 @@ def replay(z, u, p, propagator, h, direction, first, last, start, driven, out, w
         propagator[2, 0, 0], propagator[2, 0, 1], propagator[2, 0, 2],
     )  # fmt: skip
     a, before, counter = work[0], work[1], work[2]
-    for k in range(first, last):
-        time = start + k * h
-        following = min(k + 1, last - 1)
+    direction = 0.0
+    n = len(time)
+    for k in range(n):
+        u[DITHER] = dither[k]
+        u[SCATTER] = scatter[k]
+        if restart[k] > 0:
+            for i in range(len(OBSERVED_STATES)):
+                z[OBSERVED_STATES[i]] = observed[k, i]
+            z[VELOCITY] = velocity[k]
+            direction = np.sign(velocity[k])
+            counter[4] = 1.0
+            if restart[k] == 2:
+                counter[0] = 0.0
+                begin(time[k], direction, z, u, p)
+        ends = k + 1 == n or restart[k + 1] == 2
         for i in range(len(DRIVEN_STATES)):
             z[DRIVEN_STATES[i]] = driven[k, i]
-            u[DRIVEN_INPUTS[i]] = (driven[following, i] - driven[k, i]) / h
-        readings(time, direction, z, u, p, out[k])
-        remember(time, direction, z, u, p)
-        direction = move(time, direction, z, u, p, fast, propagator, h, a, before, counter)
-    return direction
+            u[DRIVEN_INPUTS[i]] = 0.0 if ends else (driven[k + 1, i] - driven[k, i]) / h
+        readings(time[k], direction, z, u, p, out[k])
+        for i in range(len(OBSERVED_STATES)):
+            ideal[k, i] = z[OBSERVED_STATES[i]]
+        remember(time[k], direction, z, u, p)
+        direction = move(time[k], direction, z, u, p, fast, propagator, h, a, before, counter)

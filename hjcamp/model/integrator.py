@@ -102,7 +102,7 @@ def attempt(time, span, direction, z, u, p, e, p1, p2, a, before, counter):  # t
 
 def trial(time, h, direction, z, u, p, e, p1, p2, a, before, counter):  # type: ignore[no-untyped-def]
     """Try one whole sample in regime ``direction``; return True where it is accurate and the regime goes on."""
-    if not attempt(time, h, direction, z, u, p, e, p1, p2, a, before, counter) <= 1.0:
+    if not attempt(time, h, direction, z, u, p, e, p1, p2, a, before, counter) <= counter[5]:
         return False
     if CONTACT:
         if direction == 0.0:
@@ -155,7 +155,7 @@ def advance(time, direction, z, u, p, propagator, h, a, before, counter):  # typ
     """Move ``z`` on by one sample in as many steps as accuracy and the ends of regimes ask for.
 
     ``counter``: 0 level that accuracy asks for, 1 steps, 2 events, 3 largest correction accepted at the finest level,
-    4 whether a limiter acts.
+    4 whether a limiter acts, 5 the correction that is accepted, in units of the states' resolution.
     """
     ticks = 1 << LEVELS
     tick = h / ticks
@@ -173,7 +173,7 @@ def advance(time, direction, z, u, p, propagator, h, a, before, counter):  # typ
         now = time + tick * done
         steps = propagator[regime, level]
         error = attempt(now, span, direction, z, u, p, steps[0], steps[1], steps[2], a, before, counter)
-        if not error <= 1.0 and level < LEVELS:
+        if not error <= counter[5] and level < LEVELS:
             level += 1
             accuracy = level if not searching else accuracy
             continue
@@ -192,7 +192,7 @@ def advance(time, direction, z, u, p, propagator, h, a, before, counter):  # typ
             z[i] = a[i]
         done += length
         counter[1] += 1.0
-        if error > 1.0 and error > counter[3]:
+        if error > counter[5] and error > counter[3]:
             counter[3] = error
         counter[4] = contact(now + span, direction, z, u, p)[3]
         if ended:
@@ -200,7 +200,7 @@ def advance(time, direction, z, u, p, propagator, h, a, before, counter):  # typ
             counter[2] += 1.0
             searching = False
             level = accuracy
-        elif not searching and error < 0.1 and accuracy > 0:
+        elif not searching and error < 0.1 * counter[5] and accuracy > 0:
             accuracy -= 1
             level = accuracy
         elif not searching:

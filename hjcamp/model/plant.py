@@ -15,6 +15,7 @@ class Plant:
     channels: ClassVar[tuple[Channel, ...]] = ()
     contact: ClassVar[Contact]
     cuts: ClassVar[tuple[Cut, ...]] = ()
+    observed: ClassVar[dict[str, tuple[str, str | None]]] = {}
     base_parameters: ClassVar[tuple[str, ...]] = ()
     states: ClassVar[dict[str, State]] = {}
     parameters: ClassVar[dict[str, Parameter]] = {}

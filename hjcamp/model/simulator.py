@@ -43,6 +43,34 @@ class ClosedLoop:
 
 
 @dataclass(frozen=True)
+class Course:
+    """Measured motion along which a model is driven: one or more tests one after the other, n samples ``period`` apart.
+
+    ``restart`` (n): 2 where a test begins, 1 where the observed states are set anew, else 0. ``driven`` (n, driven
+    states) and ``observed`` (n, the plant's observed states) in SI; ``velocity`` (n) of the contact, 0 where it rests;
+    ``scatter`` (n) factor on friction.
+    """
+
+    period: float
+    restart: NDArray[np.int64]
+    time: Array
+    driven: Array
+    observed: Array
+    velocity: Array
+    dither: Array
+    scatter: Array
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Readings (n, channels) in SI, the observed states (n, observed) that belong to them, and the steps taken."""
+
+    readings: Array
+    ideal: Array
+    steps: float
+
+
+@dataclass(frozen=True)
 class Simulator:
     """A composition compiled into one kernel, with a controller and a procedure where it runs closed loops."""
 
@@ -68,6 +96,7 @@ class Simulator:
             f"PRELOAD = {inputs.index('preload_flow')}",
             f"SCATTER = {inputs.index('friction_scatter')}",
             f"DRIVEN_STATES = {tuple(states.index(name) for name in driven)}",
+            f"OBSERVED_STATES = {tuple(states.index(name) for name in composition.plant.observed)}",
             f"DRIVEN_INPUTS = {tuple(inputs.index('slope_' + name) for name in driven)}",
         ]
         text = "\n".join(lines) + "\n\n\n"
@@ -75,7 +104,7 @@ class Simulator:
             text += law_source(self.controller, "control") + law_source(self.procedure, "procedure")
             text += copied(driving, ("measure", "closed_loop"))
         else:
-            text += copied(driving, ("replay",))
+            text += copied(driving, ("follow",))
         return kernel_source(composition, text)
 
     @cached_property
@@ -110,11 +139,11 @@ class Simulator:
             self.kernel.begin(0.0, 0.0, z, self.inputs(), p)
         return z
 
-    def propagators(self, z: Array, p: Array) -> Array:
+    def propagators(self, z: Array, p: Array, period: float = PERIOD) -> Array:
         """Return the exact steps of the linear part in each regime, linearised about ``z``."""
         n = len(self.states)
         out = np.empty((3, LEVELS + 1, 3, n, n))
-        self.kernel.prepare(z, self.inputs(), p, PERIOD, out)
+        self.kernel.prepare(z, self.inputs(), p, period, out)
         return out
 
     def run(self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Array | None = None) -> dict[str, Any]:
@@ -125,6 +154,7 @@ class Simulator:
         channels = self.composition.plant.channels
         record = np.zeros((len(test.noise), len(RECORDED) + len(channels)))
         work = np.zeros((4, max(len(self.states), len(channels), 8)))
+        work[2, 5] = 1.0
         procedure_memory = self.procedure.fresh_memory()
         whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
         count = self.kernel.closed_loop(
@@ -148,16 +178,25 @@ class Simulator:
         columns["steps"], columns["events"] = work[2, 1], work[2, 2]
         return columns
 
-    def replay(
-        self, start: Mapping[str, float], p: Array, driven: Array, propagators: Array | None = None, time: float = 0.0
-    ) -> Array:
-        """Drive the plant with measured values of the cut's driven states (n, driven); return its readings (n, channels), SI."""
-        z = self.begin(start, p)
-        steps = self.propagators(z, p) if propagators is None else propagators
-        out = np.empty((len(driven), len(self.composition.plant.channels)))
-        work = np.zeros((3, max(len(self.states), 8)))
-        self.kernel.replay(z, self.inputs(), p, steps, PERIOD, 0.0, 0, len(driven), time, driven, out, work)
-        return out
+    def follow(self, p: Array, course: Course, propagators: Array | None = None, tolerance: float = 1.0) -> Followed:
+        """Drive the plant along ``course`` with the measured values of the cut's driven states.
+
+        ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
+        """
+        states, channels = len(self.states), len(self.composition.plant.channels)
+        z = np.zeros(states)
+        if propagators is None:
+            for name, value in zip(self.composition.plant.observed, course.observed[0], strict=True):
+                z[self.states.index(name)] = value
+            propagators = self.propagators(z, p, course.period)
+        readings, ideal = np.empty((len(course.time), channels)), np.empty(course.observed.shape)
+        work = np.zeros((3, max(states, 8)))
+        work[2, 5] = tolerance
+        self.kernel.follow(
+            z, self.inputs(), p, propagators, course.period, course.restart, course.time, course.driven, course.observed,
+            course.velocity, course.dither, course.scatter, readings, ideal, work,
+        )  # fmt: skip
+        return Followed(readings, ideal, work[2, 1])
 
     def signals(self, names: Sequence[str]) -> list[int]:
         """Return the positions of the named signals in the output of the kernel's ``signals``."""

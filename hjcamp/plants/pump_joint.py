@@ -67,6 +67,12 @@ class PumpJoint(Plant):
         Channel("pump_deg", "pump_reading", "pump", 180 / math.pi, counts="pump_count", required=False),
     )
     contact = Contact(velocity="slider_velocity", push="push", limit="friction_static", locks="friction_locks")
+    observed = {
+        "pump_position": ("pump_deg", "pump_lead"),
+        "pressure1": ("pressure1_mpa", None),
+        "pressure2": ("pressure2_mpa", None),
+        "slider_position": ("arm_deg", "pulley_radius"),
+    }
     base_parameters = (
         "static_positive",
         "coulomb_positive",

@@ -15,6 +15,7 @@ from rich.console import Console
 import hjcamp.backends
 from hjcamp.campaign import workers as worker_processes
 from hjcamp.campaign.composer import Composer
+from hjcamp.campaign.conclude import grouped
 from hjcamp.campaign.execution import Job, Outcome
 from hjcamp.campaign.folder import RunFolder, folder_for, open_folder
 from hjcamp.campaign.plan import Plan
@@ -211,3 +212,8 @@ def test_a_rig_has_one_process() -> None:
     assert worker_processes.available_workers(8, "nidaqmx") == (1, True)
     assert worker_processes.available_workers(3, "simulation") == (3, True)
     assert worker_processes.available_workers(None, "simulation")[1] is False
+
+
+def test_warnings_that_differ_in_numbers_are_one() -> None:
+    warnings = {"a line ran down to -0.10 MPa": 2, "a line ran down to -0.09 MPa": 3, "late": 1}
+    assert grouped(warnings) == [("a line ran down to -0.09 MPa, and alike", 5), ("late", 1)]

@@ -90,9 +90,7 @@ def joint_step(
         tension = plant.string_stiffness * (travel - arm_travel) + loss * (speed - arm_speed)
         force -= tension
         rest = 1 - share
-        arm_friction, arm_sliding = asperity_step(
-            stretch[1], arm_speed * step, rest * upper, rest * lower, bristles[1]
-        )
+        arm_friction, arm_sliding = asperity_step(stretch[1], arm_speed * step, rest * upper, rest * lower, bristles[1])
         arm_damping = 0.0
         if not arm_sliding:
             arm_damping = 2 * MICRO_DAMPING * math.sqrt(bristles[1, -1] * arm_mass)

@@ -59,7 +59,7 @@ def _mixed() -> np.ndarray:
 
 STANDARD = (
     Condition("sine_0p5hz_mid", "sine_0p5hz", lambda: sine(0.5, 4), 60, 0.40),
-    Condition("sine_1hz_large", "sine_1hz", lambda: sine(1, 3), 80, 0.45),
+    Condition("sine_1hz_large", "sine_1hz", lambda: sine(1, 3), 80, 0.45, False, 1.2),
     Condition("sine_2hz_small", "sine_2hz_open_loop", lambda: sine(2, 2), 45, 0.50),
     Condition("triangle_slow", "triangle", lambda: points((0, 0), (1.5, 1), (4.5, -1), (6, 0)), 45, 0.35, False, 1.2),
     Condition("ramp_hold", "cycloid_hold", lambda: cycloids((1, 0.6, 1.9), (-1.57, 0.7, 1.8)), 70, 0.30),

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+
 from truth.__main__ import main
 from truth.arm import disc_reading
 from truth.case import Case, build_case, sealed_answer, simulate_test, write_case
@@ -105,7 +106,9 @@ def test_asperities_stick_without_creep_and_the_contact_heals() -> None:
 @pytest.mark.parametrize("air", [0.0, 5e-9])
 def test_bubbles_follow_boyle_and_never_pass_vacuum(air: float) -> None:
     for pressure in (-50e3, 0.0, 0.2e6, 0.6e6):
-        assert line_pressure.py_func(line_volume.py_func(pressure, 2.57e13, air), 2.57e13, air) == pytest.approx(pressure, abs=1.0)
+        assert line_pressure.py_func(line_volume.py_func(pressure, 2.57e13, air), 2.57e13, air) == pytest.approx(
+            pressure, abs=1.0
+        )
     assert line_pressure.py_func(-1e-6, 2.57e13, air) >= -101.3e3
 
 
@@ -116,7 +119,9 @@ def test_leak_opens_with_pressure_and_the_disc_repeats_each_turn() -> None:
     disc = Plant(disc_eccentricity=0.05, disc_phase=0.4)
     turn = 2 * np.pi
     assert disc_reading.py_func(1.0 + turn, disc) - disc_reading.py_func(1.0, disc) == pytest.approx(turn)
-    assert np.ptp([disc_reading.py_func(a, disc) - a for a in np.linspace(0, turn, 100)]) == pytest.approx(0.1, rel=0.01)
+    assert np.ptp([disc_reading.py_func(a, disc) - a for a in np.linspace(0, turn, 100)]) == pytest.approx(
+        0.1, rel=0.01
+    )
 
 
 def test_a_wrong_sensor_makes_a_wrong_pressure_not_a_wrong_reading() -> None:
@@ -126,19 +131,22 @@ def test_a_wrong_sensor_makes_a_wrong_pressure_not_a_wrong_reading() -> None:
     assert column(rows, "pressure2_mpa")[0] == pytest.approx(0.4, abs=1e-3)
 
 
-# Where each effect shows best, by `python -m tests.truth.visibility`: a row of the standard menu; else ramp_hold.
+# Where an effect shows best on this rig, a row of the standard menu; the others in the fast sine, the shortest test.
+FAST_SINE = 2
 BEST_PLACE = {
+    "cross_leakage": 4,
     "dither_relief": 3,
-    "encoder_lag": 2,
-    "line_inertance": 5,
-    "line_resistance": 2,
-    "payload_inertia": 5,
-    "presliding": 2,
-    "pressure_friction": 2,
-    "pump_backlash": 2,
-    "static_friction_ageing": 2,
-    "stribeck_friction": 1,
+    "encoder_eccentricity": 4,
+    "entrained_air": 4,
+    "hose_kink": 1,
+    "line_inertance": 0,
+    "outside_vibration": 4,
+    "soft_stop": 4,
+    "stribeck_friction": 4,
+    "tubing_creep": 4,
 }
+# It acts at breakaway only: a small part of a test, and no more once static friction is down to sliding friction.
+LEAST_RATIO = {"dither_relief": 1.2}
 
 
 @functools.cache
@@ -150,7 +158,7 @@ def repetitions(name: str, strength: str, index: int) -> np.ndarray:
 
 @pytest.mark.parametrize("name", [*LIBRARY_NAMES, *OUTSIDE_NAMES])
 def test_every_effect_changes_the_logs_beyond_the_scatter_and_more_when_stronger(name: str) -> None:
-    index = BEST_PLACE.get(name, 4)
+    index = BEST_PLACE.get(name, FAST_SINE)
     null = repetitions("", "medium", index)
     scatter = np.maximum(np.sqrt(null.var(axis=0, ddof=1).mean(axis=0)), [0.15, 5e-4, 5e-4])
     ratios = {}
@@ -159,7 +167,7 @@ def test_every_effect_changes_the_logs_beyond_the_scatter_and_more_when_stronger
         assert np.isfinite(tests).all()
         change = (tests - null).mean(axis=0)
         ratios[strength] = np.max(np.sqrt((change**2).mean(axis=0)) / scatter)
-    assert ratios["medium"] > 1.5
+    assert ratios["medium"] > LEAST_RATIO.get(name, 2.0)
     assert ratios["medium"] > ratios["weak"]
 
 

@@ -1,0 +1,160 @@
+"""What the logs say, prepared for driving a model: smoothed states on a coarser clock, windows, hardware of each test."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.discrepancy.hardware import Hardware, hardware_of
+from hjcamp.errors import UsageError
+from hjcamp.records.log import TestLog
+
+Array = NDArray[np.float64]
+DEGREE = math.pi / 180
+STRIDE = 4
+PERIOD = STRIDE * 1e-3
+WINDOW = 0.3
+REST_SPEED = 0.6e-3
+
+
+@dataclass(frozen=True)
+class TestEvidence:
+    """One test on the coarse clock, SI: n samples ``PERIOD`` apart.
+
+    ``arm`` (rad), ``pressure1``, ``pressure2`` (Pa) and ``pump`` (rad of the motor) are means over one coarse sample;
+    ``velocity`` (m/s) is the sliders' speed, 0 where they rest.
+    """
+
+    name: str
+    condition: str
+    time: Array
+    arm: Array
+    pressure1: Array
+    pressure2: Array
+    pump: Array
+    command: Array | None
+    dither: Array
+    velocity: Array
+    hardware: Hardware
+    log: TestLog
+
+    @cached_property
+    def samples(self) -> int:
+        """Number of coarse samples."""
+        return len(self.time)
+
+
+def _smooth(values: Array, half: int) -> Array:
+    """Return the centred moving mean over 2 half + 1 samples; the ends repeat their value."""
+    padded = np.concatenate([np.full(half, values[0]), values, np.full(half, values[-1])])
+    total = np.cumsum(np.concatenate([[0.0], padded]))
+    width = 2 * half + 1
+    return (total[width:] - total[:-width]) / width
+
+
+def slider_velocity(arm: Array, pulley_radius: float) -> Array:
+    """Return the sliders' velocity (n,), m/s, from the counted arm angle at 1 kHz (rad); 0 where the count rests."""
+    from scipy.signal import savgol_filter
+
+    if len(arm) < 41:
+        return np.zeros(len(arm))
+    velocity = savgol_filter(arm, 41, 2, deriv=1, delta=1e-3) * pulley_radius
+    ahead, behind = np.roll(arm, -15), np.roll(arm, 15)
+    ahead[-15:], behind[:15] = arm[-1], arm[0]
+    resting = (np.abs(ahead - arm) < 1e-9) & (np.abs(arm - behind) < 1e-9) | (np.abs(velocity) < REST_SPEED)
+    return np.where(resting, 0.0, velocity)
+
+
+def prepare_test(log: TestLog) -> TestEvidence:
+    """Return the command phase of one log on the coarse clock."""
+    columns = log.command_phase
+    name = log.path.name if log.path else log.condition_key
+    hardware = hardware_of(log)
+    arm = columns["arm_deg"] * DEGREE
+    if len(arm) < 10 * STRIDE:
+        raise UsageError(f"{name}: {len(arm)} samples in the command phase; at least {10 * STRIDE} are needed")
+    pump = columns["pump_deg"] * DEGREE if "pump_deg" in columns else hardware.pump_motion(columns["command_deg"] * DEGREE)
+    pick = slice(0, None, STRIDE)
+    half = STRIDE // 2
+    return TestEvidence(
+        name=name,
+        condition=log.condition_key,
+        time=columns["time_s"][pick],
+        arm=_smooth(arm, half)[pick],
+        pressure1=_smooth(columns["pressure1_mpa"], half)[pick] * 1e6,
+        pressure2=_smooth(columns["pressure2_mpa"], half)[pick] * 1e6,
+        pump=_smooth(pump, half)[pick],
+        command=columns["command_deg"] * DEGREE if "command_deg" in columns else None,
+        dither=_loudest(np.abs(columns.get("dither_v", np.zeros(len(arm))))),
+        velocity=slider_velocity(arm, hardware.values["pulley_radius"])[pick],
+        hardware=hardware,
+        log=log,
+    )
+
+
+def _loudest(values: Array) -> Array:
+    padded = np.pad(values, (0, -len(values) % STRIDE))
+    return np.asarray(padded.reshape(-1, STRIDE).max(axis=1))
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All tests one after the other; tests of equal ``condition`` are repetitions of each other."""
+
+    tests: tuple[TestEvidence, ...]
+
+    @cached_property
+    def edges(self) -> NDArray[np.int64]:
+        """Where each test begins, and the total number of samples at the end."""
+        return np.concatenate([[0], np.cumsum([test.samples for test in self.tests])])
+
+    @cached_property
+    def conditions(self) -> dict[str, list[int]]:
+        """Positions of the tests of each condition."""
+        found: dict[str, list[int]] = {}
+        for index, test in enumerate(self.tests):
+            found.setdefault(test.condition, []).append(index)
+        return found
+
+    @cached_property
+    def of_test(self) -> NDArray[np.int64]:
+        """The position of the test that each sample belongs to."""
+        return np.repeat(np.arange(len(self.tests)), [test.samples for test in self.tests])
+
+    def joined(self, name: str) -> Array:
+        """Return one quantity of all tests, joined."""
+        return np.concatenate([getattr(test, name) for test in self.tests])
+
+    @cached_property
+    def restart(self) -> NDArray[np.int64]:
+        """2 where a test begins, 1 where a window of the joint view begins, else 0."""
+        marks = np.zeros(int(self.edges[-1]), dtype=np.int64)
+        width = round(WINDOW / PERIOD)
+        for begin, end in zip(self.edges[:-1], self.edges[1:], strict=True):
+            marks[begin:end:width] = 1
+            marks[begin] = 2
+        return marks
+
+    @cached_property
+    def repeated(self) -> bool:
+        """Whether any condition has more than one repetition."""
+        return any(len(tests) > 1 for tests in self.conditions.values())
+
+    def only(self, keep: Sequence[int]) -> Evidence:
+        """Return the evidence of the tests at these positions."""
+        return Evidence(tuple(self.tests[index] for index in keep))
+
+
+def prepare(logs: Sequence[TestLog]) -> Evidence:
+    """Return the evidence of all logs; refuse logs of mixed hardware and an empty list."""
+    from hjcamp.records.find import refuse_mixed_hardware
+
+    if not logs:
+        raise UsageError("no tests: give a run folder, a folder of logs, or log files")
+    refuse_mixed_hardware(list(logs))
+    return Evidence(tuple(prepare_test(log) for log in logs))

@@ -1,0 +1,73 @@
+"""The hardware that a test log names, as parameters of the published model."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.model.compose import Composition
+from hjcamp.model.simulator import Simulator
+from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint_hardware import plant_parameters, transfer_function
+from hjcamp.records.log import TestLog
+
+Array = NDArray[np.float64]
+NAMED = ("pump", "amplifier", "tubing", "payload", "orientation")
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """Plant parameters (SI), the effects that the setup itself brings (payload, weight), and the pump's delay (s)."""
+
+    names: tuple[tuple[str, str], ...]
+    values: Mapping[str, float]
+    effects: Mapping[str, Mapping[str, float]]
+    delay: float
+
+    def pump_motion(self, command: Array) -> Array:
+        """Return the angle of the pump motor (n,), rad, for its command (n,) at 1 kHz."""
+        from scipy.signal import cont2discrete, lfilter
+
+        system = ([self.values["pump_gain"]], [1.0, *(self.values[name] for name in ("pump_a2", "pump_a1", "pump_a0"))])
+        numerator, denominator, _ = cont2discrete(system, 1e-3, method="zoh")
+        late = np.interp(np.arange(len(command)) * 1e-3 - self.delay, np.arange(len(command)) * 1e-3, command)
+        moved = lfilter(numerator.ravel(), denominator, late - command[0])
+        return np.asarray(moved) / self.values["pump_lead"] + command[0]
+
+
+def hardware_of(log: TestLog) -> Hardware:
+    """Return the hardware that the log's metadata name; a choice that is absent is that of the reference setup."""
+    names = tuple((group, log.metadata[group]) for group in NAMED if log.metadata.get(group))
+    return _hardware(names)
+
+
+@functools.lru_cache(maxsize=64)
+def _hardware(names: tuple[tuple[str, str], ...]) -> Hardware:
+    from hjcamp.discrepancy.setting import setup_configuration
+
+    config: dict[str, Any] = setup_configuration(names)
+    values = plant_parameters(config)
+    effects = {name: dict(given) for name, given in (config.get("effects") or {}).items()}
+    return Hardware(names, values, effects, float(transfer_function(config)["delay_ms"]) * 1e-3)
+
+
+def composition(effects: tuple[Any, ...], cut: str, gated: bool = True) -> Composition:
+    """Return the plant with ``effects`` behind gates, driven as ``cut`` says."""
+    return Composition(PumpJoint, effects, PumpJoint.cut(cut), gated=gated)
+
+
+@functools.lru_cache(maxsize=32)
+def simulator(effects: tuple[Any, ...], cut: str, gated: bool = True) -> Simulator:
+    """Return the compiled model of ``composition``."""
+    return Simulator(composition(effects, cut, gated))
+
+
+def degrees(value: float) -> float:
+    """Return radians in degrees."""
+    return value * 180.0 / math.pi

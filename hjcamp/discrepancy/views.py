@@ -1,0 +1,162 @@
+"""Views of the error: windows of the joint restarted from measured states, and the lines driven by pump and arm."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.discrepancy.evidence import PERIOD, Evidence
+from hjcamp.discrepancy.hardware import simulator
+from hjcamp.model.simulator import Course, Simulator
+
+Array = NDArray[np.float64]
+CHANNELS = ("arm", "difference", "line_sum", "line_difference")
+TOLERANCE = 300.0
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A model to look at: base parameters by name and effects with their parameters, all SI."""
+
+    base: Mapping[str, float]
+    effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def with_effect(self, name: str, parameters: Mapping[str, float]) -> Candidate:
+        """Return this model with one effect added or replaced."""
+        return Candidate(self.base, {**self.effects, name: dict(parameters)})
+
+    def with_base(self, base: Mapping[str, float]) -> Candidate:
+        """Return this model with other base parameters."""
+        return Candidate({**self.base, **base}, self.effects)
+
+
+class Views:
+    """Residuals (model minus measurement) of a candidate on the evidence, from two compiled models with gated effects."""
+
+    def __init__(self, evidence: Evidence, effects: tuple[Any, ...]) -> None:
+        self.evidence = evidence
+        self.effects = effects
+        self.names = tuple(effect.name for effect in effects)
+        self.evaluations = 0
+
+    @cached_property
+    def joint(self) -> Simulator:
+        """The plant driven by the measured pump."""
+        return simulator(self.effects, "pump")
+
+    @cached_property
+    def lines(self) -> Simulator:
+        """The lines driven by the measured pump and arm."""
+        return simulator(self.effects, "lines")
+
+    @cached_property
+    def _groups(self) -> list[tuple[slice, Any]]:
+        """Runs of neighbouring tests with the same hardware, as sample ranges."""
+        edges, tests = self.evidence.edges, self.evidence.tests
+        groups: list[tuple[slice, Any]] = []
+        begin = 0
+        for index in range(1, len(tests) + 1):
+            if index == len(tests) or tests[index].hardware != tests[begin].hardware:
+                groups.append((slice(int(edges[begin]), int(edges[index])), tests[begin].hardware))
+                begin = index
+        return groups
+
+    @cached_property
+    def _columns(self) -> dict[str, Array]:
+        names = ("time", "arm", "pressure1", "pressure2", "pump", "dither", "velocity")
+        return {name: self.evidence.joined(name) for name in names}
+
+    def vector(self, model: Simulator, candidate: Candidate, hardware: Any) -> Array:
+        """Return the parameter vector of ``candidate`` on ``hardware``: gates open, the setup's own load added."""
+        values: dict[str, float] = {**hardware.values, **candidate.base}
+        own = hardware.effects.get("payload_inertia")
+        if own:
+            values["moving_mass"] += own["load_mass"] * (own["radius"] / values["pulley_radius"]) ** 2
+        for name, parameters in candidate.effects.items():
+            values[f"gate.{name}"] = 1.0
+            values.update({f"{name}.{parameter}": value for parameter, value in parameters.items()})
+        weight = hardware.effects.get("gravity_load")
+        if weight and weight["load_mass"] > 0 and "gravity_load" in self.names:
+            chosen = candidate.effects.get("gravity_load", {})
+            values["gate.gravity_load"] = 1.0
+            radius = chosen.get("radius", weight["radius"])
+            values["gravity_load.radius"] = radius
+            values["gravity_load.rest_angle"] = chosen.get("rest_angle", weight["rest_angle"])
+            values["gravity_load.load_mass"] = (
+                chosen.get("load_mass", 0.0) + weight["load_mass"] * weight["radius"] / radius
+            )
+        return model.vector(values)
+
+    def _course(self, part: slice, driven: Array, observed: Array, windows: bool, scatter: Array | None) -> Course:
+        columns = self._columns
+        restart = self.evidence.restart[part]
+        return Course(
+            period=PERIOD,
+            restart=restart if windows else np.where(restart == 2, 2, 0),
+            time=columns["time"][part],
+            driven=np.ascontiguousarray(driven),
+            observed=np.ascontiguousarray(observed),
+            velocity=columns["velocity"][part] if windows else np.zeros(len(observed)),
+            dither=columns["dither"][part],
+            scatter=np.ones(len(observed)) if scatter is None else scatter[part],
+        )
+
+    def readings(
+        self, candidate: Candidate, *, windows: bool = True, scatter: Array | None = None
+    ) -> tuple[Array, Array]:
+        """Return predicted readings (n, 4) of the joint view and of the line view, SI: arm, pressure 1 and 2, pump.
+
+        With ``windows`` off the joint view runs through every test from its first sample.
+        """
+        self.evaluations += 1
+        columns = self._columns
+        n = len(columns["time"])
+        joint, lines = np.empty((n, 4)), np.empty((n, 4))
+        sensed = any(effect.subsystem == "sensors" and effect.name in candidate.effects for effect in self.effects)
+        for part, hardware in self._groups:
+            p_joint = self.vector(self.joint, candidate, hardware)
+            p_lines = self.vector(self.lines, candidate, hardware)
+            lead, radius = hardware.values["pump_lead"], hardware.values["pulley_radius"]
+            pump = columns["pump"][part, None] * lead
+            arm = columns["arm"][part, None] * radius
+            observed = np.column_stack([pump, columns["pressure1"][part], columns["pressure2"][part], arm])
+            if sensed:
+                course = self._course(part, np.hstack([pump, arm]), observed, False, None)
+                seen = self.lines.follow(p_lines, course, tolerance=TOLERANCE)
+                shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
+                observed = observed.copy()
+                observed[:, 1:] -= shown - seen.ideal[:, 1:]
+            course = self._course(part, np.hstack([pump, observed[:, 3:]]), observed, False, None)
+            lines[part] = self.lines.follow(p_lines, course, tolerance=TOLERANCE).readings
+            course = self._course(part, pump, observed, windows, scatter)
+            joint[part] = self.joint.follow(p_joint, course, tolerance=TOLERANCE).readings
+        return joint, lines
+
+    def residuals(self, candidate: Candidate, *, windows: bool = True) -> Array:
+        """Return the residuals (n, channels): arm (rad), pressure difference, line sum, line difference (Pa).
+
+        A constant of each test is taken out of the line view: it is the error of the initial pressures.
+        """
+        joint, lines = self.readings(candidate, windows=windows)
+        return self.subtract(joint, lines, windows=windows)
+
+    def subtract(self, joint: Array, lines: Array, *, windows: bool = True, measured: Array | None = None) -> Array:
+        """Return predicted readings minus ``measured`` (n, 3: arm, pressure 1 and 2; the logs' own by default)."""
+        columns = self._columns
+        if measured is None:
+            measured = np.column_stack([columns["arm"], columns["pressure1"], columns["pressure2"]])
+        out = np.empty((len(joint), len(CHANNELS)))
+        out[:, 0] = joint[:, 0] - measured[:, 0]
+        error = joint[:, 1:3] - measured[:, 1:3]
+        out[:, 1] = error[:, 0] - error[:, 1]
+        error = lines[:, 1:3] - measured[:, 1:3]
+        out[:, 2] = error[:, 0] + error[:, 1]
+        out[:, 3] = error[:, 0] - error[:, 1]
+        for begin, end in zip(self.evidence.edges[:-1], self.evidence.edges[1:], strict=True):
+            out[begin:end, 2:] -= out[begin:end, 2:].mean(axis=0)
+        return out
