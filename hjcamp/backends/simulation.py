@@ -6,6 +6,7 @@ import functools
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -133,11 +134,18 @@ def feedforward_of(config: Mapping[str, Any], samples: int) -> Array:
     return _feedforward(json.dumps({key: config[key] for key in keys}, sort_keys=True))
 
 
-def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], dict[str, str]]:
-    """Simulate one test; return the columns of its log (contract units) and what is worth noting as metadata.
+@dataclass(frozen=True)
+class PreparedTest:
+    """All that one test needs: the simulator, its parameter vector, the start and the closed loop with its draws."""
 
-    The same configuration and seed give the same columns bit for bit, in any process.
-    """
+    simulator: Simulator
+    p: Array
+    start: dict[str, float]
+    test: ClosedLoop
+
+
+def prepare(config: Mapping[str, Any], seed: int) -> PreparedTest:
+    """Return what a resolved configuration and a seed say about one test, before anything is run."""
     law = find_controller(config["controller"]["name"])
     values, given = model_values(config)
     effects, parameters = chosen_effects(given)
@@ -180,11 +188,20 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
         noise=drawn.noise,
         scatter=drawn.friction,
     )
-    recorded = simulator.run(start, p, test)
-    return _columns(recorded), _notes(recorded, given_procedure)
+    return PreparedTest(simulator, p, start, test)
 
 
-def _columns(recorded: Mapping[str, Any]) -> dict[str, Array]:
+def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], dict[str, str]]:
+    """Simulate one test; return the columns of its log (contract units) and what is worth noting as metadata.
+
+    The same configuration and seed give the same columns bit for bit, in any process.
+    """
+    prepared = prepare(config, seed)
+    recorded = prepared.simulator.run(prepared.start, prepared.p, prepared.test)
+    return log_columns(recorded), log_notes(recorded, config["procedure"])
+
+
+def log_columns(recorded: Mapping[str, Any]) -> dict[str, Array]:
     phase = recorded["phase"]
     first = int(np.argmax(phase == 3.0))
     columns = {"time_s": (np.arange(len(phase)) - first) * PERIOD}
@@ -195,7 +212,7 @@ def _columns(recorded: Mapping[str, Any]) -> dict[str, Array]:
     return columns
 
 
-def _notes(recorded: Mapping[str, Any], procedure: Mapping[str, Any]) -> dict[str, str]:
+def log_notes(recorded: Mapping[str, Any], procedure: Mapping[str, Any]) -> dict[str, str]:
     moving = recorded["phase"] == 3.0
     lowest = min(recorded["pressure1_mpa"][moving].min(), recorded["pressure2_mpa"][moving].min()) * 1e-6
     notes = {"preload_mpa": f"{procedure['preload_mpa']:g}"}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import errno
+import os
+import re
 import signal
 import threading
 import time
@@ -18,6 +20,7 @@ from hjcamp.campaign.plan import Condition, Plan, PlannedTest
 from hjcamp.campaign.provenance import git_label
 from hjcamp.errors import HjcampError, Interrupted, RigStopped
 
+PRIVATE_NAME = re.compile(r"\.mcap\.\d+(\.part)?$")
 CHOICES = (
     "trajectory", "controller", "payload", "orientation", "friction",
     "pump", "amplifier", "tubing", "backend", "rig", "model",
@@ -97,15 +100,19 @@ def execute(job: Job) -> Outcome:
     from hjcamp.records.write import write_log
 
     start = time.perf_counter()
+    # A worker that outlives a killed runner must not write into the same file as the next run's worker.
+    private = job.path.with_name(f"{job.path.name}.{os.getpid()}")
 
     def outcome(state: str, message: str = "", detail: str = "", stops: int | None = None) -> Outcome:
+        message = message.replace(str(private), str(job.path))
         seconds = round(time.perf_counter() - start, 4)
         return Outcome(job.test.id, job.test.condition, state, seconds, message, detail, stops)
 
     try:
         columns, extra = backends.run_test(job.config, job.test.seed)
         job.path.parent.mkdir(parents=True, exist_ok=True)
-        write_log(job.path, TestLog(columns, {**job.metadata, **extra}, {"config.yaml": job.attachment}))
+        write_log(private, TestLog(columns, {**job.metadata, **extra}, {"config.yaml": job.attachment}))
+        os.replace(private, job.path)
         return outcome("done", extra.get("warning", ""))
     except Interrupted as error:
         return outcome("failed", str(error), stops=error.exit_code)
@@ -118,6 +125,8 @@ def execute(job: Job) -> Outcome:
     except Exception as error:
         message = f"internal error: {type(error).__name__}: {error}"
         return outcome("failed", message, detail=traceback.format_exc())
+    finally:
+        private.unlink(missing_ok=True)
 
 
 def execute_in_worker(job: Job) -> Outcome:

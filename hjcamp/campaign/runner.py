@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hjcamp.campaign.execution import Outcome, make_jobs
+from hjcamp.campaign.execution import PRIVATE_NAME, Outcome, make_jobs
 from hjcamp.campaign.files import disk_errors
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.interrupts import StopRequest
@@ -103,6 +103,9 @@ def _run(
 
 def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -> list[PlannedTest]:
     """Return the tests without a whole log; a damaged one is put aside, never overwritten."""
+    for left_over in folder.path.glob("logs/*/*.mcap.*"):
+        if PRIVATE_NAME.search(left_over.name):
+            left_over.unlink(missing_ok=True)
     waiting = []
     for test in folder.plan.tests:
         path = folder.path / test.log

@@ -17,6 +17,7 @@ class Plant:
     cuts: ClassVar[tuple[Cut, ...]] = ()
     observed: ClassVar[dict[str, tuple[str, str | None]]] = {}
     base_parameters: ClassVar[tuple[str, ...]] = ()
+    uncertain: ClassVar[dict[str, float]] = {}
     states: ClassVar[dict[str, State]] = {}
     parameters: ClassVar[dict[str, Parameter]] = {}
     inputs: ClassVar[dict[str, Input]] = {}

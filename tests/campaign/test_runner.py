@@ -103,6 +103,8 @@ def test_a_run_goes_on_where_it_stopped(plan: Plan) -> None:
     run(folder)
     lost, damaged = (folder.path / test.log for test in plan.tests[:2])
     lost.unlink()
+    half = lost.with_name(f"{lost.name}.4711.part")
+    half.write_bytes(b"what a killed worker left")
     damaged.write_bytes(damaged.read_bytes()[:-300])
     kept = folder.path / plan.tests[2].log
     untouched = kept.stat().st_mtime_ns
@@ -111,6 +113,7 @@ def test_a_run_goes_on_where_it_stopped(plan: Plan) -> None:
     assert (result.done, result.kept) == (2, 4)
     assert kept.stat().st_mtime_ns == untouched
     assert contents(folder.path) == contents(whole.path)
+    assert not half.exists()
     assert damaged.with_suffix(".mcap.damaged").exists()
     assert "is damaged" in said[0]
 
@@ -161,7 +164,7 @@ def test_a_full_disk_ends_the_run_with_nothing_half_written(plan: Plan, monkeypa
     assert caught.value.exit_code == 1
     assert "hjcamp resume full" in str(caught.value)
     assert list(contents(folder.path)) == [plan.tests[0].log]
-    assert not list(folder.path.rglob("*.part"))
+    assert not list(folder.path.rglob("*.mcap.*"))
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

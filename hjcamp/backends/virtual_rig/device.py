@@ -1,0 +1,162 @@
+"""The virtual device: terminals in volts and counts, a sample clock, a watchdog, and the faults."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from hjcamp.backends.rig_wiring import Wiring, read_wiring
+from hjcamp.backends.virtual_rig.faults import Fault
+from hjcamp.backends.virtual_rig.plant import READINGS, VirtualPlant
+
+DEVICE_GONE = -201003
+READ_FAILED = -200284
+WATCHDOG_EXPIRED = -200678
+NOT_ARRANGED = -200088
+SWING_V = 0.2
+STEPS_MISSED = {"late_samples": 5, "one_late_sample": 1}
+
+
+class DeviceError(Exception):
+    """An error code of the driver."""
+
+    def __init__(self, code: int, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+@dataclass
+class Watchdog:
+    """The device's own timer, in samples: unless reset in time it puts the outputs into their safe state."""
+
+    samples: int
+    states: dict[str, float] = field(default_factory=dict)
+    running: bool = False
+    last_reset: int = 0
+    expired: bool = False
+
+
+class VirtualDevice:
+    """A data acquisition device whose terminals are wired to a virtual plant; time is lockstep.
+
+    A read of the analog inputs is the next edge of the sample clock. ``written`` keeps (sample, channel, volts) of
+    every change of an output, so that a test can see when the rig was safe.
+    """
+
+    def __init__(self, faults: Iterable[Fault] = (), hidden: Mapping[str, Mapping[str, float]] | None = None) -> None:
+        self.faults = list(faults)
+        self.hidden = dict(hidden or {})
+        self.lock = threading.RLock()
+        self.tests = 0
+        self.plant: VirtualPlant | None = None
+        self.wiring: Wiring | None = None
+        self.gone = False
+        self._clear()
+
+    def _clear(self) -> None:
+        self.samples = 0
+        self.volts: dict[str, float] = {}
+        self.inputs: dict[str, float] = {}
+        self.written: list[tuple[int, str, float]] = []
+        self.watchdog: Watchdog | None = None
+        self._counter_start: dict[str, int] = {}
+        self._done: set[str] = set()
+
+    def arrange(self, config: Mapping[str, Any], seed: int) -> None:
+        """Put the joint of one test on the bench: hardware, payload and wiring as configured, everything at rest."""
+        self._clear()
+        self.tests += 1
+        self.gone = False
+        self.wiring = read_wiring(config)
+        self.plant = VirtualPlant(config, seed, self.hidden)
+        self.volts = {output.channel: 0.0 for output in self.wiring.outputs.values()}
+
+    def clock(self) -> None:
+        """Wait for the next edge of the sample clock, and latch all inputs."""
+        self.alive()
+        assert self.plant is not None and self.wiring is not None
+        for kind in self._due():
+            if kind in STEPS_MISSED and kind not in self._done:
+                self._done.add(kind)
+                for _ in range(STEPS_MISSED[kind]):
+                    self._step()
+            if kind == "burst_line":
+                self.plant.burst(1)
+            if kind == "device_gone":
+                self._vanish()
+            if kind == "error_code":
+                raise DeviceError(READ_FAILED, "Some or all of the samples requested have not yet been acquired.")
+        self._step()
+
+    def write(self, channel: str, volts: float) -> None:
+        """Set an analog output; it takes effect at once, which is the beginning of the present sample."""
+        self.alive()
+        if self.watchdog is not None and self.watchdog.expired:
+            raise DeviceError(WATCHDOG_EXPIRED, "Write failed because the watchdog timer expired.")
+        self._set(channel, volts)
+
+    def alive(self) -> None:
+        """Raise the driver's error where the device is not there."""
+        if self.gone:
+            raise DeviceError(DEVICE_GONE, "Device cannot be accessed: it is no longer present in the system.")
+        if self.plant is None:
+            raise DeviceError(NOT_ARRANGED, "There is no joint on the virtual bench.")
+
+    def counts(self, name: str) -> int:
+        """Return the present count of an encoder (``arm``, ``pump``) since its task started."""
+        return round(self.inputs.get(name, 0.0)) - self._counter_start.get(name, 0)
+
+    def zero(self, name: str, initial: int) -> None:
+        """Start a counter at ``initial`` where its encoder stands now."""
+        self._counter_start[name] = round(self.inputs.get(name, 0.0)) - initial
+
+    def _set(self, channel: str, volts: float) -> None:
+        if self.volts.get(channel) != volts:
+            self.written.append((self.samples, channel, volts))
+        self.volts[channel] = volts
+
+    def _vanish(self) -> None:
+        states = self.watchdog.states if self.watchdog is not None else {}
+        for channel in self.volts:
+            self._set(channel, states.get(channel, 0.0))
+        self.gone = True
+        self.alive()
+
+    def _due(self) -> list[str]:
+        return [one.kind for one in self.faults if one.test in (0, self.tests) and self.samples >= one.sample]
+
+    def _step(self) -> None:
+        assert self.plant is not None and self.wiring is not None
+        wiring = self.wiring
+        self.samples += 1
+        watchdog = self.watchdog
+        if watchdog is not None and watchdog.running and self.samples - watchdog.last_reset > watchdog.samples:
+            watchdog.expired = True
+            for channel, volts in watchdog.states.items():
+                self._set(channel, volts)
+        seen = dict(zip(READINGS, self.plant.advance(np.array(wiring.physical_outputs(self.volts))), strict=True))
+        due = self._due()
+        before = self.inputs
+        latched = {
+            "arm": wiring.encoders["arm"].sign * round(seen["arm_deg"] / self.plant.count("arm_deg")),
+            "pump": wiring.encoders["pump"].sign * round(seen["pump_deg"] / self.plant.count("pump_deg")),
+            "pressure1": wiring.pressures["pressure1"].volts(seen["pressure1_mpa"]),
+            "pressure2": wiring.pressures["pressure2"].volts(seen["pressure2_mpa"]),
+        }
+        if "swapped_pressures" in due:
+            latched["pressure1"], latched["pressure2"] = latched["pressure2"], latched["pressure1"]
+        if "reversed_encoder" in due:
+            latched["arm"] = -latched["arm"]
+        if "stuck_encoder" in due:
+            latched["arm"] = before.get("arm", 0.0)
+        if "stuck_pump_encoder" in due:
+            latched["pump"] = before.get("pump", 0.0)
+        if "lost_sensor" in due:
+            latched["pressure1"] = 0.0
+        if "noisy_sensor" in due:
+            latched["pressure1"] += SWING_V * (1 if self.samples % 2 else -1)
+        self.inputs = latched

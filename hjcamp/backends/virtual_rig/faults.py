@@ -1,0 +1,42 @@
+"""What can go wrong with the virtual rig, and when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hjcamp.errors import UsageError, unknown
+
+KINDS = {
+    "stuck_encoder": "the arm encoder repeats its last count",
+    "stuck_pump_encoder": "the pump motor encoder repeats its last count",
+    "lost_sensor": "the wire of pressure sensor 1 breaks: 0 V",
+    "burst_line": "line 1 is open to the air",
+    "late_samples": "five samples are missed at once",
+    "one_late_sample": "one sample is missed, once",
+    "device_gone": "the device answers no call any more; its outputs take their power-up state",
+    "error_code": "reading fails with an error of the driver",
+    "swapped_pressures": "the two pressure sensors are exchanged (from the start)",
+    "reversed_encoder": "the arm encoder counts the wrong way (from the start)",
+    "noisy_sensor": "pressure sensor 1 swings by 0.2 V from sample to sample",
+}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault that begins at ``sample`` of each test; ``test`` limits it to that test (1 is the first), 0 is every test."""
+
+    kind: str
+    sample: int = 0
+    test: int = 0
+
+
+def parse_fault(text: str) -> Fault:
+    """Return the fault written as ``KIND``, ``KIND@SAMPLE`` or ``KIND@SAMPLE#TEST``."""
+    rest, _, test = text.partition("#")
+    kind, _, sample = rest.partition("@")
+    if kind not in KINDS:
+        raise unknown("fault", kind, KINDS, f"'{text}'")
+    try:
+        return Fault(kind, int(sample or 0), int(test or 0))
+    except ValueError:
+        raise UsageError(f"fault '{text}': expected KIND@SAMPLE or KIND@SAMPLE#TEST with whole numbers") from None

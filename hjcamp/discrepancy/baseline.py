@@ -1,0 +1,64 @@
+"""Calibrate the base parameters first: another rig has its own friction and stiffness, and that is not an effect."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.discrepancy.evidence import Evidence
+from hjcamp.discrepancy.features import Features
+from hjcamp.discrepancy.fit import Fit, Fitter
+from hjcamp.discrepancy.unknowns import base_unknowns
+from hjcamp.discrepancy.views import Candidate, Views
+
+Array = NDArray[np.float64]
+NOISE = np.array([2e-3, 700.0, 700.0, 700.0])
+RATIOS = (1.15, 1.37)
+
+
+def direct_estimate(evidence: Evidence) -> dict[str, float]:
+    """Return base parameters read off the logs without any simulation: sliding force by direction, dp/dV.
+
+    Sliding friction is the median push while the arm moves; dp/dV the slope of the pressure difference over the
+    volume that pump and arm do not share (thesis 4.4.3.16, 4.5.1).
+    """
+    values = evidence.tests[0].hardware.values
+    area, pump_area = values["joint_area"], values["pump_area"]
+    lead, radius = values["pump_lead"], values["pulley_radius"]
+    rows, pushes = [], {1.0: [], -1.0: []}  # type: ignore[var-annotated]
+    for test in evidence.tests:
+        difference = test.pressure1 - test.pressure2
+        volume = pump_area * lead * test.pump - area * radius * test.arm
+        rows.append(np.column_stack([volume - volume.mean(), difference - difference.mean()]))
+        for direction, found in pushes.items():
+            found.append(np.column_stack([difference, np.abs(test.velocity)])[test.velocity * direction > 2e-3])
+    both = np.vstack(rows)
+    estimate = {"line_stiffness": float(np.dot(both[:, 0], both[:, 1]) / (2 * np.dot(both[:, 0], both[:, 0])))}
+    for direction, name in ((1.0, "positive"), (-1.0, "negative")):
+        found = np.vstack(pushes[direction])
+        if len(found) < 20:
+            continue
+        viscous = values[f"viscous_{name}"]
+        sliding = float(np.median(direction * found[:, 0] * area - viscous * found[:, 1]))
+        estimate[f"coulomb_{name}"] = max(sliding, 0.1)
+        estimate[f"viscous_{name}"] = viscous
+    return estimate
+
+
+def calibrate(views: Views, features: Features, least: Array | None = None) -> tuple[Fit, Fitter]:
+    """Return the base parameters fitted from several shapes of friction, and the fitter that weighs by their floor."""
+    start = direct_estimate(views.evidence)
+    fitter = Fitter(views, features, NOISE if least is None else least)
+    fits = []
+    for ratio in RATIOS:
+        base = dict(start)
+        for name in ("positive", "negative"):
+            if f"coulomb_{name}" in base:
+                base[f"static_{name}"] = ratio * base[f"coulomb_{name}"]
+        fits.append(fitter.fit(Candidate(base), base_unknowns(), steps=6))
+    best = min(fits, key=lambda fit: fit.loss)
+    if least is not None:
+        return best, fitter
+    least = np.maximum(0.5 * features.floor(best.features), 0.3 * NOISE)
+    fitter = Fitter(views, features, least)
+    return fitter.fit(best.candidate, base_unknowns(), steps=8), fitter

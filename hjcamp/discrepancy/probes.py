@@ -1,0 +1,121 @@
+"""What each effect would do to the residuals: its finite responses over a grid of shapes, as columns."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.discrepancy.fit import Fit, Fitter
+from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Parameter
+
+Array = NDArray[np.float64]
+GRID = {1: 5, 2: 4}
+WANTED = 1.5
+
+
+@dataclass(frozen=True)
+class Probe:
+    """One shape of one effect: its parameters at a finite amplitude, and the positions of its response columns.
+
+    ``lifted`` names, column by column, the amplitude that the column raises from "off" to the value in ``parameters``.
+    """
+
+    effect: str
+    parameters: dict[str, float]
+    lifted: tuple[str, ...]
+    columns: tuple[int, ...]
+    signed: tuple[bool, ...]
+
+
+def amplitudes(effect: type[Effect]) -> list[str]:
+    """Return the linear amplitudes of an effect: parameters with an "off" value that are not shapes."""
+    return [name for name, parameter in effect.parameters.items() if parameter.off is not None and not parameter.shape]
+
+
+def grid(parameter: Parameter, points: int) -> list[float]:
+    """Return values of a shape parameter over its bounds: geometric for a log-uniform prior, else even."""
+    low, high = parameter.bounds
+    if parameter.prior == "log-uniform":
+        return [float(value) for value in np.geomspace(low, high, points + 2)[1:-1]]
+    if not math.isfinite(high - low):
+        return [parameter.default]
+    if low < -3.0 and high > 3.0 and parameter.unit == "rad":
+        return [float(value) for value in np.linspace(-math.pi, math.pi, points + 1)[:-1]]
+    return [float(value) for value in np.linspace(low, high, points + 2)[1:-1]]
+
+
+def shapes(effect: type[Effect]) -> Iterator[dict[str, float]]:
+    """Yield the combinations of the shape parameters to be tried, the default among them."""
+    names = [name for name, parameter in effect.parameters.items() if parameter.shape]
+    if not names:
+        yield {}
+        return
+    points = GRID.get(len(names), 3)
+    axes = [grid(effect.parameters[name], points) for name in names]
+    default = tuple(effect.parameters[name].default for name in names)
+    for values in dict.fromkeys([default, *itertools.product(*axes)]):
+        yield dict(zip(names, values, strict=True))
+
+
+class Responses:
+    """Collects response columns (columns, blocks, channels) about one fitted model."""
+
+    def __init__(self, fitter: Fitter, about: Fit, floor: Array) -> None:
+        self.fitter, self.about, self.floor = fitter, about, floor
+        self.columns: list[Array] = []
+
+    def response(self, effect: type[Effect], parameters: dict[str, float]) -> Array:
+        """Return the change of the features that the effect makes."""
+        full = {**effect.defaults(), **parameters}
+        return np.nan_to_num(self.fitter.look(self.about.candidate.with_effect(effect.name, full)).features - self.about.features)
+
+    def size(self, response: Array) -> float:
+        """Return the size of a response over the floor, in the channel where it is largest."""
+        return float(np.max(np.sqrt(np.mean(response**2, axis=(0))) / self.floor))
+
+    def probe(self, effect: type[Effect]) -> list[Probe]:
+        """Evaluate every shape of an effect and return its probes; invisible shapes are left out."""
+        found = []
+        linear = amplitudes(effect)
+        off = {name: float(effect.parameters[name].off or 0.0) for name in linear}
+        scale: dict[str, float] = {}
+        for shape in shapes(effect):
+            columns, lifted, parameters, signed = [], [], dict(shape), []
+            for name in linear or [""]:
+                given = {**off, **shape}
+                parameter = effect.parameters.get(name)
+                if parameter is not None:
+                    given[name] = scale.get(name, parameter.default)
+                response = self.response(effect, given)
+                size = self.size(response)
+                if parameter is not None and size > 0 and not 0.4 < size < 4.0:
+                    low, high = parameter.bounds
+                    given[name] = min(max(given[name] * min(max(WANTED / size, 1e-4), 1e4), low), high)
+                    response = self.response(effect, given)
+                    size = self.size(response)
+                if parameter is not None:
+                    scale[name] = given[name]
+                    parameters[name] = given[name]
+                if not 0.02 < size < 1e6:
+                    continue
+                columns.append(len(self.columns))
+                lifted.append(name)
+                signed.append(parameter is not None and parameter.bounds[0] < 0)
+                self.columns.append(response)
+            if columns:
+                found.append(Probe(effect.name, parameters, tuple(lifted), tuple(columns), tuple(signed)))
+        return found
+
+
+def probe_all(fitter: Fitter, about: Fit, floor: Array, effects: Sequence[type[Effect]]) -> tuple[list[Probe], Array]:
+    """Return the probes of all effects about a fit, and their response columns (columns, blocks, channels)."""
+    responses = Responses(fitter, about, floor)
+    probes = [probe for effect in effects for probe in responses.probe(effect)]
+    shape = (0, *about.features.shape)
+    return probes, np.array(responses.columns) if responses.columns else np.zeros(shape)

@@ -1,0 +1,41 @@
+"""Static friction that grows with time at rest."""
+
+from __future__ import annotations
+
+from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Parameter, State
+
+
+class StaticFrictionAgeing(Effect):
+    r"""While the slider rests, its seals squeeze the water out and stick better.
+
+    .. math:: F_s \leftarrow F_s\,\Bigl(1 + a\,\frac{t_r}{t_r + \gamma}\Bigr)
+
+    with t_r the time at rest. ``rest_before`` is the rest before the log began, the same in all tests.
+    Seen as: a higher breakaway after a longer rest; the first breakaway of a test stands out.
+    Not for: friction that changes while sliding (see friction_drift). Static friction is that of a fresh stop here.
+    Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138,
+    doi:10.1016/0005-1098(94)90209-7, equation 24 (rising static friction, seven-parameter model).
+    """
+
+    subsystem = "joint"
+    growth = Parameter("1", 0.4, (0.0, 4.0), text="growth of static friction after a long rest", off=0.0)
+    half_time = Parameter("s", 0.3, (5e-3, 30.0), "log-uniform", "rest after which half of it has come", shape=True)
+    rest_before = Parameter("s", 2.0, (1e-2, 1e3), "log-uniform", "rest before the log began", shape=True)
+    rest_began = State("s", 1e-6, 1.0, text="time at which the slider came to rest")
+
+    @staticmethod
+    def start_rest_began(time, rest_before):
+        """Start at rest, s."""
+        return time - rest_before
+
+    @staticmethod
+    def next_rest_began(rest_began, speed, time):
+        """Keep the time while the slider rests, else take this one, s."""
+        return rest_began if speed < 1e-5 else time
+
+    @staticmethod
+    def friction_static(friction_static, time, rest_began, growth, half_time):
+        """Static friction after this rest, N."""
+        rest = max(time - rest_began, 0.0)
+        return friction_static * (1.0 + growth * rest / (rest + half_time))
