@@ -113,7 +113,7 @@ def _feedforward(text: str) -> Array:
     config = json.loads(text)
     reference, direction = reference_of(config)
     given = config["controller"]["feedforward"]
-    model = config["controller"].get("model_values") or {"parameters": {}, "effects": {}}
+    model = config["controller_model"]
     values = plant_parameters(config) | {name: float(value) for name, value in (model.get("parameters") or {}).items()}
     effects, parameters = chosen_effects(model.get("effects") or {})
     procedure = config["procedure"]
@@ -131,7 +131,8 @@ def feedforward_of(config: Mapping[str, Any], samples: int) -> Array:
     if not find_controller(config["controller"]["name"]).uses_feedforward:
         return np.zeros(samples)
     keys = ("pump", "amplifier", "tubing", "joint", "friction", "rig", "controller", "trajectory", "procedure")
-    return _feedforward(json.dumps({key: config[key] for key in keys}, sort_keys=True))
+    decisive = {key: config[key] for key in keys} | {"controller_model": config.get("controller_model") or {}}
+    return _feedforward(json.dumps(decisive, sort_keys=True))
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,13 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.campaign.campaign_file import RUN_KEYS, Axis, Campaign, label_of
-from hjcamp.campaign.composer import as_override, key_of, parse_overrides
+from hjcamp.configuration.composer import as_override, key_of, parse_overrides
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from hydra.core.override_parser.types import Override
 
-    from hjcamp.campaign.composer import Composer
+    from hjcamp.configuration.composer import Composer
 
 
 @dataclass(frozen=True)

@@ -96,10 +96,12 @@ def metadata_of(plan: Plan, condition: Condition, test: PlannedTest, git: str) -
 def execute(job: Job) -> Outcome:
     """Run one test and write its log under its final name; never raises except for an immediate stop."""
     from hjcamp import backends
+    from hjcamp.backends.recording import recording
     from hjcamp.records.log import TestLog
-    from hjcamp.records.write import write_log
+    from hjcamp.records.write import LogWriter, write_log
 
     start = time.perf_counter()
+    attachments = {"config.yaml": job.attachment}
     # A worker that outlives a killed runner must not write into the same file as the next run's worker.
     private = job.path.with_name(f"{job.path.name}.{os.getpid()}")
 
@@ -109,17 +111,18 @@ def execute(job: Job) -> Outcome:
         return Outcome(job.test.id, job.test.condition, state, seconds, message, detail, stops)
 
     try:
-        columns, extra = backends.run_test(job.config, job.test.seed)
-        job.path.parent.mkdir(parents=True, exist_ok=True)
-        write_log(private, TestLog(columns, {**job.metadata, **extra}, {"config.yaml": job.attachment}))
-        os.replace(private, job.path)
+        with recording(job.path, lambda path, names: LogWriter(path, names, job.metadata, attachments, replace=True)):
+            columns, extra = backends.run_test(job.config, job.test.seed)
+            job.path.parent.mkdir(parents=True, exist_ok=True)
+            write_log(private, TestLog(columns, {**job.metadata, **extra}, attachments))
+            os.replace(private, job.path)
         return outcome("done", extra.get("warning", ""))
     except Interrupted as error:
         return outcome("failed", str(error), stops=error.exit_code)
     except RigStopped as error:
         return outcome("failed", str(error), stops=error.exit_code)
     except (HjcampError, OSError) as error:
-        return outcome("failed", str(error), stops=1 if disk_is_full(error) else None)
+        return outcome("failed", str(error), stops=1 if disk_is_full(error) else getattr(error, "stops", None))
     except MemoryError:
         return outcome("failed", "not enough memory for this test", stops=1)
     except Exception as error:

@@ -12,12 +12,12 @@ from hydra.experimental.callback import Callback
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
-from hjcamp.campaign.composer import Composer
 from hjcamp.campaign.conclude import conclude
 from hjcamp.campaign.folder import folder_for
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import run_plan
 from hjcamp.campaign.values import check_count
+from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
 
 BASIC_LAUNCHER = "hydra._internal.core_plugins.basic_launcher.BasicLauncher"

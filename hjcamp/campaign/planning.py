@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.campaign.campaign_file import RUN_KEYS, Campaign, label_of, read_campaign
 from hjcamp.campaign.conditions import Draft, draft_conditions
 from hjcamp.campaign.plan import Condition, Plan, PlannedTest
-from hjcamp.campaign.search_path import extension_folders
 from hjcamp.campaign.values import check_count, check_values
 from hjcamp.errors import UsageError, nearest, unknown
 
 if TYPE_CHECKING:
-    from hjcamp.campaign.composer import Composer, Composition
+    from hjcamp.configuration.composer import Composer, Composition
 
 SINGLE = "single"
 
@@ -110,7 +109,7 @@ def _condition(draft: Draft, composition: Composition, repetitions: int, seed: i
     where = f"condition '{draft.name}'"
     check_values(config, where)
     config["controller_model"] = composer.model(str(config["controller"].get("model")))
-    duration = float(build_trajectory(config["trajectory"], extension_folders("trajectories")).duration)
+    duration = float(build_trajectory(config["trajectory"]).duration)
     check_test = getattr(backends, "check_test", None)
     if check_test is not None:
         check_test(config)

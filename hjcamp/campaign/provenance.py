@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import hjcamp
-from hjcamp.campaign.search_path import extension_folders
+from hjcamp.model.user_folders import extension_folders
 
 PACKAGES = ("hydra-core", "mcap", "numba", "numpy", "polars", "protobuf", "scipy")
 
@@ -69,8 +69,8 @@ def files_sha256(files: Iterable[Path], text: str = "") -> str:
 
 
 def own_code_sha256() -> str | None:
-    """Return the hash of the user's own effects and trajectories, None where there are none."""
-    folders = [folder for name in ("effects", "trajectories") for folder in extension_folders(name)]
+    """Return the hash of the user's own effects, controllers and trajectories, None where there are none."""
+    folders = [folder for name in ("effects", "controllers", "trajectories") for folder in extension_folders(name)]
     files = [file for folder in folders for file in sorted(folder.glob("*.py"))]
     return files_sha256(files) if files else None
 

@@ -22,6 +22,8 @@ POSITIVE = (
     "procedure.phase_limit_s",
     "rig.sensors.encoder_counts_per_turn",
     "rig.sensors.pump_counts_per_turn",
+    "rig.scatter.friction_correlation_s",
+    "amplifier.command_deg_per_v",
 )
 NOT_NEGATIVE = (
     "payload.mass_g",

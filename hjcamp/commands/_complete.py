@@ -6,7 +6,7 @@ from __future__ import annotations
 def complete_override(incomplete: str) -> list[str]:
     """Return what may follow ``incomplete``; nothing rather than an error."""
     try:
-        from hjcamp.campaign.composer import Composer
+        from hjcamp.configuration.composer import Composer
 
         return Composer().complete(incomplete)
     except Exception:

@@ -7,10 +7,14 @@ import platform
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from hjcamp.errors import HjcampError
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 Finding = tuple[str, str, str]  # state (good, note, broken), subject, text
 
@@ -20,11 +24,16 @@ def register(app: typer.Typer) -> None:
     app.command("doctor")(doctor)
 
 
-def doctor() -> None:
+def doctor(
+    warm: Annotated[bool, typer.Option("--warm", help="Compile the kernels that runs and diagnoses need.")] = False,
+) -> None:
     """Check this installation: versions, folders, caches, the rig's driver; exit code 1 where something is broken."""
     from hjcamp.campaign.console import make_console
 
     console = make_console()
+    if warm:
+        compile_kernels(console)
+        return
     marks = {"good": "[green]ok[/green]    ", "note": "[yellow]note[/yellow]  ", "broken": "[red]BROKEN[/red]"}
     broken = 0
     for check in (versions, configuration, folders, kernel_cache, driver):
@@ -34,6 +43,14 @@ def doctor() -> None:
             console.print(text, markup=False)
     if broken:
         raise HjcampError(f"{broken} thing{'s are' if broken > 1 else ' is'} broken")
+
+
+def compile_kernels(console: Console) -> None:
+    """Compile what is not compiled yet, saying what; nothing is written but the cache of kernels."""
+    from hjcamp.campaign.warm import warm as made_ready
+
+    for subject, seconds in made_ready():
+        console.print(f"  {seconds:5.1f} s  {subject}", markup=False)
 
 
 def findings(check: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
@@ -63,8 +80,9 @@ def versions() -> Iterator[Finding]:
 
 def configuration() -> Iterator[Finding]:
     """Where configuration comes from, and whether it composes."""
-    from hjcamp.campaign.composer import Composer
-    from hjcamp.campaign.search_path import ENVIRONMENT_VARIABLE, configuration_folders
+    from hjcamp.configuration.composer import Composer
+    from hjcamp.configuration.search_path import configuration_folders
+    from hjcamp.model.user_folders import ENVIRONMENT_VARIABLE
 
     for name in filter(None, os.environ.get(ENVIRONMENT_VARIABLE, "").split(os.pathsep)):
         if not Path(name).expanduser().is_dir():
@@ -96,13 +114,16 @@ def folders() -> Iterator[Finding]:
 
 def kernel_cache() -> Iterator[Finding]:
     """Whether compiled kernels are kept from call to call."""
-    folder = os.environ.get("NUMBA_CACHE_DIR")
+    from hjcamp.model.kernel import cache_folder
+
     if os.environ.get("NUMBA_DISABLE_JIT") == "1":
         yield "note", "kernels", "NUMBA_DISABLE_JIT=1: nothing is compiled, simulations are slow"
-    elif folder and not os.access(folder, os.W_OK):
-        yield "note", "kernels", f"NUMBA_CACHE_DIR={folder} cannot be written: kernels are compiled in every call"
+        return
+    folder = cache_folder()
+    if folder.name != "kernels":
+        yield "note", "kernels", "the cache folder cannot be written: kernels are compiled anew in every call"
     else:
-        yield "good", "kernels", f"compiled kernels are kept{f' in {folder}' if folder else ''}"
+        yield "good", "kernels", f"{len(list(folder.glob('*.py')))} compiled kernels are kept in {folder}"
 
 
 def driver() -> Iterator[Finding]:

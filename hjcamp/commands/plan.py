@@ -40,8 +40,8 @@ def plan(
 
 def compose_plan(overrides: list[str], config_dir: Path | None = None) -> Plan:
     """Return the plan of ``hjcamp run`` with these overrides."""
-    from hjcamp.campaign.composer import Composer, free
     from hjcamp.campaign.planning import make_plan
+    from hjcamp.configuration.composer import Composer, free
 
     lines = [free(line) for line in overrides]
     composer = Composer(folder=config_dir)

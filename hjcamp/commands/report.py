@@ -27,13 +27,14 @@ def report(
 ) -> None:
     """Make tables and the report page of a run folder or of logs, beside the published values."""
     from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.identification import identification_pictures
     from hjcamp.report.build import build_report, verdict
     from hjcamp.report.check import check as check_cells
     from hjcamp.report.check import read_tolerances
     from hjcamp.report.terminal import summary_table, terminal_table
 
     tolerances = None if check is None else read_tolerances(check)
-    made = build_report(path, against=against, output=output)
+    made = build_report(path, against=against, output=output, further=identification_pictures)
     console = make_console()
     console.print(summary_table(made.indicators))
     for sheet in made.sheets:

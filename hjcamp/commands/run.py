@@ -18,7 +18,7 @@ from hjcamp.errors import HjcampError, UsageError
 if TYPE_CHECKING:
     from hydra.core.override_parser.types import Override
 
-    from hjcamp.campaign.composer import Composer
+    from hjcamp.configuration.composer import Composer
 
 CHECKED_JOBS = 50
 PASS_EVERYTHING = {"ignore_unknown_options": True, "allow_extra_args": True, "help_option_names": []}
@@ -48,9 +48,9 @@ def call_hydra(arguments: list[str]) -> None:
     from hydra._internal.utils import get_args_parser
 
     from hjcamp.campaign import job as jobs
-    from hjcamp.campaign.composer import COMPOSE_ERRORS, Composer, free, parse_overrides
-    from hjcamp.campaign.explain import explain
-    from hjcamp.campaign.search_path import packaged_root
+    from hjcamp.configuration.composer import COMPOSE_ERRORS, Composer, free, parse_overrides
+    from hjcamp.configuration.explain import explain
+    from hjcamp.configuration.search_path import packaged_root
 
     parser = get_args_parser()
     parser.prog = "hjcamp run"

@@ -7,12 +7,12 @@ from pathlib import Path
 from hjcamp.controllers.controller import Controller
 from hjcamp.errors import unknown
 from hjcamp.model.catalogue import scan
+from hjcamp.model.user_folders import extension_folders
 
 
 def load_controllers() -> dict[str, type[Controller]]:
     """Return every controller by name, ours and the user's."""
-    own = Path.cwd() / "controllers"
-    return scan(Path(__file__).parent, __name__, Controller, [own] if own.is_dir() else [])
+    return scan(Path(__file__).parent, __name__, Controller, extension_folders("controllers"))
 
 
 def find_controller(name: str) -> type[Controller]:

@@ -12,7 +12,7 @@ from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.discrepancy.views import Candidate, Views
 
 Array = NDArray[np.float64]
-NOISE = np.array([2e-3, 700.0, 700.0, 700.0])
+NOISE = np.array([2e-3, 700.0, 700.0, 700.0, 0.02, 0.05])
 RATIOS = (1.15, 1.37)
 
 

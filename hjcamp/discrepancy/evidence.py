@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,6 +21,9 @@ STRIDE = 4
 PERIOD = STRIDE * 1e-3
 WINDOW = 0.3
 REST_SPEED = 0.6e-3
+SLIDING_SPEED = 4e-3
+SLIDING_MARGIN = 5
+STEADY = 0.3
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,8 @@ class TestEvidence:
     """One test on the coarse clock, SI: n samples ``PERIOD`` apart.
 
     ``arm`` (rad), ``pressure1``, ``pressure2`` (Pa) and ``pump`` (rad of the motor) are means over one coarse sample;
-    ``velocity`` (m/s) is the sliders' speed, 0 where they rest.
+    ``velocity`` (m/s) is the sliders' speed, 0 where they rest; ``track`` (m) and ``acceleration`` (m/s^2) belong to it; ``misfit``
+    (counts) is how far the counted angle is from that smooth motion; ``breaks`` (events,) are the samples at which the arm breaks away.
     """
 
     name: str
@@ -40,6 +45,10 @@ class TestEvidence:
     command: Array | None
     dither: Array
     velocity: Array
+    track: Array
+    acceleration: Array
+    misfit: Array
+    breaks: NDArray[np.int64]
     hardware: Hardware
     log: TestLog
 
@@ -57,17 +66,42 @@ def _smooth(values: Array, half: int) -> Array:
     return (total[width:] - total[:-width]) / width
 
 
-def slider_velocity(arm: Array, pulley_radius: float) -> Array:
-    """Return the sliders' velocity (n,), m/s, from the counted arm angle at 1 kHz (rad); 0 where the count rests."""
-    from scipy.signal import savgol_filter
+def slider_motion(arm: Array, pulley_radius: float) -> tuple[Array, Array, Array]:
+    """Return the sliders' travel, velocity and acceleration (n,), SI, from the counted arm angle at 1 kHz (rad).
 
-    if len(arm) < 41:
-        return np.zeros(len(arm))
-    velocity = savgol_filter(arm, 41, 2, deriv=1, delta=1e-3) * pulley_radius
+    A parabola over 41 samples (Savitzky & Golay 1964, doi:10.1021/ac60214a047); velocity is 0 where the count rests.
+    """
+    from scipy.ndimage import convolve1d
+
+    kernels = _parabola_kernels()
+    travel, velocity, acceleration = (convolve1d(arm * pulley_radius, kernel, mode="nearest") for kernel in kernels)
     ahead, behind = np.roll(arm, -15), np.roll(arm, 15)
     ahead[-15:], behind[:15] = arm[-1], arm[0]
     resting = (np.abs(ahead - arm) < 1e-9) & (np.abs(arm - behind) < 1e-9) | (np.abs(velocity) < REST_SPEED)
-    return np.where(resting, 0.0, velocity)
+    return travel, np.where(resting, 0.0, velocity), acceleration
+
+
+def misfit_of(arm: Array, travel: Array, values: Mapping[str, float]) -> Array:
+    """Return the distance (n,) of the counted arm angle from the smooth travel, in counts."""
+    return (arm - travel / values["pulley_radius"]) / values["encoder_count"]
+
+
+def breakaways(arm: Array, count: float) -> NDArray[np.int64]:
+    """Return the coarse samples (events,) at which the counted arm angle (rad, 1 kHz) changes after 120 ms of rest.
+
+    A flicker of the count is not a breakaway: the arm must be six counts further on 60 ms later.
+    """
+    changes = np.flatnonzero(np.diff(arm)) + 1
+    rests = np.diff(np.concatenate([[0], changes])) >= 120
+    found = [k for k in changes[rests] if 60 < k < len(arm) - 60 and abs(arm[k + 60] - arm[k - 1]) > 5.5 * count]
+    return np.array(found, dtype=np.int64) // STRIDE
+
+
+@functools.cache
+def _parabola_kernels() -> tuple[Array, Array, Array]:
+    from scipy.signal import savgol_coeffs
+
+    return tuple(savgol_coeffs(41, 2, deriv=order, delta=1e-3) for order in range(3))  # type: ignore[return-value]
 
 
 def prepare_test(log: TestLog) -> TestEvidence:
@@ -81,6 +115,7 @@ def prepare_test(log: TestLog) -> TestEvidence:
     pump = columns["pump_deg"] * DEGREE if "pump_deg" in columns else hardware.pump_motion(columns["command_deg"] * DEGREE)
     pick = slice(0, None, STRIDE)
     half = STRIDE // 2
+    travel, velocity, acceleration = slider_motion(arm, hardware.values["pulley_radius"])
     return TestEvidence(
         name=name,
         condition=log.condition_key,
@@ -91,7 +126,11 @@ def prepare_test(log: TestLog) -> TestEvidence:
         pump=_smooth(pump, half)[pick],
         command=columns["command_deg"] * DEGREE if "command_deg" in columns else None,
         dither=_loudest(np.abs(columns.get("dither_v", np.zeros(len(arm))))),
-        velocity=slider_velocity(arm, hardware.values["pulley_radius"])[pick],
+        velocity=velocity[pick],
+        track=travel[pick],
+        acceleration=acceleration[pick],
+        misfit=misfit_of(arm, travel, hardware.values)[pick],
+        breaks=breakaways(arm, hardware.values["encoder_count"]),
         hardware=hardware,
         log=log,
     )
@@ -139,6 +178,25 @@ class Evidence:
             marks[begin:end:width] = 1
             marks[begin] = 2
         return marks
+
+    @cached_property
+    def sliding(self) -> NDArray[np.bool_]:
+        """Where the arm slides steadily enough to read its friction off the pressures (n,)."""
+        velocity = self.joined("velocity")
+        moving = (np.abs(velocity) > SLIDING_SPEED) & (np.abs(self.joined("acceleration")) < STEADY)
+        smooth = np.abs(self.joined("misfit")) < 1.0
+        for shift in range(-SLIDING_MARGIN, SLIDING_MARGIN + 1):
+            moving &= (np.roll(velocity, shift) * velocity > 0) & np.roll(smooth, shift)
+        for edge in self.edges[:-1]:
+            moving[edge : edge + SLIDING_MARGIN] = False
+        for edge in self.edges[1:]:
+            moving[edge - SLIDING_MARGIN : edge] = False
+        return moving
+
+    @cached_property
+    def breakaways(self) -> NDArray[np.int64]:
+        """Samples (events,) at which the count of the resting arm first changes."""
+        return np.concatenate([test.breaks + edge for test, edge in zip(self.tests, self.edges[:-1], strict=True)])
 
     @cached_property
     def repeated(self) -> bool:

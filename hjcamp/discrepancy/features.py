@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.evidence import Evidence
+from hjcamp.discrepancy.views import WINDOWED
 
 Array = NDArray[np.float64]
 BLOCK = 5
@@ -39,32 +40,63 @@ class Features:
         return np.searchsorted(self.of_test, np.arange(len(self.evidence.tests) + 1))
 
     @cached_property
+    def valid(self) -> NDArray[np.bool_]:
+        """Which features say something (blocks, channels): force channels only where the arm slides or breaks away."""
+        sliding = self.evidence.sliding.astype(float)
+        events = np.zeros(len(sliding))
+        events[self.evidence.breakaways] = 1.0
+        shares = self._sums(np.column_stack([sliding, events]))
+        always = np.ones((len(shares), WINDOWED), dtype=bool)
+        return np.hstack([always, shares > 0])
+
+    @cached_property
+    def _members(self) -> Array:
+        """Number of samples (blocks, channels) that a feature averages."""
+        sliding = self.evidence.sliding.astype(float)
+        events = np.zeros(len(sliding))
+        events[self.evidence.breakaways] = 1.0
+        shares = self._sums(np.column_stack([sliding, events]))
+        return np.hstack([np.full((len(shares), WINDOWED), float(BLOCK)), np.maximum(shares, 1.0)])
+
+    @cached_property
     def counts(self) -> Array:
-        """Blocks of each test (tests,)."""
-        return np.diff(self.edges).astype(float)
+        """Number of features that say something (tests, channels), at least 1."""
+        return np.maximum(np.add.reduceat(self.valid.astype(float), self.edges[:-1], axis=0), 1.0)
+
+    def _sums(self, values: Array) -> Array:
+        total = np.cumsum(np.vstack([np.zeros(values.shape[1]), values]), axis=0)
+        return np.asarray(total[self._starts + BLOCK] - total[self._starts])
 
     def of(self, residuals: Array) -> Array:
-        """Return the block means (blocks, channels) of residuals (n, channels)."""
-        total = np.cumsum(np.vstack([np.zeros(residuals.shape[1]), residuals]), axis=0)
-        return (total[self._starts + BLOCK] - total[self._starts]) / BLOCK
+        """Return the block means (blocks, channels) of residuals (n, channels); 0 where a feature says nothing."""
+        return np.asarray(self._sums(residuals) / self._members)
 
     def mean_square(self, features: Array) -> Array:
         """Return the mean square (tests, channels)."""
-        return np.asarray(np.add.reduceat(features**2, self.edges[:-1], axis=0) / self.counts[:, None])
+        return np.asarray(np.add.reduceat(features**2, self.edges[:-1], axis=0) / self.counts)
 
     def floor(self, features: Array) -> Array:
-        """Return the floor (channels,): what the repetitions of a condition do not share (see floor.py)."""
-        total, count = np.zeros(features.shape[1]), 0
+        r"""Return the floor (channels,): what the repetitions of a condition do not share.
+
+        .. math:: \sigma^2 = \frac{1}{N} \sum_c \frac{R_c}{R_c - 1} \sum_{r,t} (r_{crt} - \bar r_{ct})^2
+
+        over the conditions c with R_c > 1 repetitions. Without any repetition the whole residual counts as floor.
+        """
+        total, count = np.zeros(features.shape[1]), np.zeros(features.shape[1])
         for tests in self.evidence.conditions.values():
             if len(tests) < 2:
                 continue
-            shortest = int(min(self.counts[index] for index in tests))
+            shortest = int(min(self.edges[index + 1] - self.edges[index] for index in tests))
             block = np.stack([features[self.edges[index] : self.edges[index] + shortest] for index in tests])
-            total += ((block - block.mean(axis=0)) ** 2).sum(axis=(0, 1)) * len(tests) / (len(tests) - 1)
-            count += shortest * len(tests)
-        if count == 0:
-            return np.sqrt(np.mean(features**2, axis=0))
-        return np.asarray(np.sqrt(total / count))
+            seen = np.stack([self.valid[self.edges[index] : self.edges[index] + shortest] for index in tests])
+            number = seen.sum(axis=0)
+            mean = np.where(seen, block, 0.0).sum(axis=0) / np.maximum(number, 1)
+            left = np.where(seen, (block - mean) ** 2, 0.0).sum(axis=0)
+            shared = number > 1
+            total += np.where(shared, left * number / np.maximum(number - 1, 1), 0.0).sum(axis=0)
+            count += np.where(shared, number, 0).sum(axis=0)
+        whole = np.sqrt((features**2).sum(axis=0) / np.maximum(self.valid.sum(axis=0), 1))
+        return np.where(count > 20, np.sqrt(total / np.maximum(count, 1)), whole)
 
 
 def log_error(mean_square: Array, least: Array) -> float:

@@ -64,7 +64,7 @@ class Fitter:
 
     def weights(self, mean_square: Array) -> Array:
         """Return the weight (blocks, channels) of each feature: one over its test's error, tests counting alike."""
-        each = 1.0 / ((mean_square + self.least**2) * self.features.counts[:, None])
+        each = 1.0 / ((mean_square + self.least**2) * self.features.counts)
         mask = np.zeros(len(each))
         mask[self.rows] = 1.0
         return np.asarray((each * mask[:, None])[self.features.of_test])

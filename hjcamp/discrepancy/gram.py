@@ -33,13 +33,13 @@ class Gram:
             part = columns[:, features.edges[test] : features.edges[test + 1], :]
             for channel in range(channels):
                 block = np.ascontiguousarray(part[:, :, channel])
-                products[test, channel] = block @ block.T / features.counts[test]
+                products[test, channel] = block @ block.T / features.counts[test, channel]
         return cls(columns, features, products, least)
 
     def with_residual(self, residual: Array) -> tuple[Array, Array]:
         """Return the products (tests, channels, columns) of a residual (blocks, channels) with the columns, and its square."""
         weighted = self.columns * residual[None]
-        sums = np.add.reduceat(weighted, self.features.edges[:-1], axis=1) / self.features.counts[None, :, None]
+        sums = np.add.reduceat(weighted, self.features.edges[:-1], axis=1) / self.features.counts[None]
         return np.ascontiguousarray(np.moveaxis(sums, 0, 2)), self.features.mean_square(residual)
 
 

@@ -49,9 +49,9 @@ def hardware_of(log: TestLog) -> Hardware:
 
 @functools.lru_cache(maxsize=64)
 def _hardware(names: tuple[tuple[str, str], ...]) -> Hardware:
-    from hjcamp.discrepancy.setting import setup_configuration
+    from hjcamp.configuration.setups import configuration_for
 
-    config: dict[str, Any] = setup_configuration(names)
+    config: dict[str, Any] = configuration_for(names)
     values = plant_parameters(config)
     effects = {name: dict(given) for name, given in (config.get("effects") or {}).items()}
     return Hardware(names, values, effects, float(transfer_function(config)["delay_ms"]) * 1e-3)

@@ -69,6 +69,7 @@ class Responses:
     def __init__(self, fitter: Fitter, about: Fit, floor: Array) -> None:
         self.fitter, self.about, self.floor = fitter, about, floor
         self.columns: list[Array] = []
+        self.spoken = np.maximum(fitter.features.valid.sum(axis=0), 1)
 
     def response(self, effect: type[Effect], parameters: dict[str, float]) -> Array:
         """Return the change of the features that the effect makes."""
@@ -77,7 +78,7 @@ class Responses:
 
     def size(self, response: Array) -> float:
         """Return the size of a response over the floor, in the channel where it is largest."""
-        return float(np.max(np.sqrt(np.mean(response**2, axis=(0))) / self.floor))
+        return float(np.max(np.sqrt((response**2).sum(axis=0) / self.spoken) / self.floor))
 
     def probe(self, effect: type[Effect]) -> list[Probe]:
         """Evaluate every shape of an effect and return its probes; invisible shapes are left out."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.evidence import PERIOD, STRIDE, Evidence, TestEvidence, _smooth, slider_velocity
+from hjcamp.discrepancy.evidence import PERIOD, STRIDE, Evidence, TestEvidence, _smooth, breakaways, misfit_of, slider_motion
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.repetition import RepetitionScatter
@@ -84,6 +84,7 @@ def make_twin(views: Views, candidate: Candidate, scatter: RepetitionScatter, se
             clean = np.interp(fine, coarse, part[:, channel])
             drift = scatter.pressure_drift * coloured(generator, len(fine), DRIFT_TIME * 1e3)
             noisy.append(clean + drift + scatter.pressure_noise * generator.standard_normal(len(fine)))
+        travel, velocity, acceleration = slider_motion(arm, test.hardware.values["pulley_radius"])
         half, pick = STRIDE // 2, slice(0, None, STRIDE)
         tests.append(
             replace(
@@ -91,7 +92,11 @@ def make_twin(views: Views, candidate: Candidate, scatter: RepetitionScatter, se
                 arm=_smooth(arm, half)[pick],
                 pressure1=_smooth(noisy[0], half)[pick],
                 pressure2=_smooth(noisy[1], half)[pick],
-                velocity=slider_velocity(arm, test.hardware.values["pulley_radius"])[pick],
+                velocity=velocity[pick],
+                track=travel[pick],
+                acceleration=acceleration[pick],
+                misfit=misfit_of(arm, travel, test.hardware.values)[pick],
+                breaks=breakaways(arm, count),
             )
         )
     return Evidence(tuple(tests))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,8 +57,12 @@ class Unknown:
 def base_unknowns(names: Iterable[str] | None = None) -> list[Unknown]:
     """Return the base parameters of the plant, then those that are known beforehand to within a spread."""
     chosen = names or (*PumpJoint.base_parameters, *PumpJoint.uncertain)
-    spread = PumpJoint.uncertain
-    return [Unknown("", name, PumpJoint.parameters[name], spread.get(name, math.inf)) for name in chosen]
+    found = []
+    for name in chosen:
+        unknown = Unknown("", name, PumpJoint.parameters[name])
+        known = PumpJoint.uncertain.get(name, math.inf)
+        found.append(replace(unknown, spread=known if unknown.logarithmic else known / unknown.scale))
+    return found
 
 
 def surprise(candidate: Candidate, unknowns: Sequence[Unknown]) -> Array:

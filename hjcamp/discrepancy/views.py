@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +15,14 @@ from hjcamp.discrepancy.hardware import simulator
 from hjcamp.model.simulator import Course, Simulator
 
 Array = NDArray[np.float64]
-CHANNELS = ("arm", "difference", "line_sum", "line_difference")
+CHANNELS = ("arm", "difference", "line_sum", "line_difference", "sliding", "breakaway")
+WINDOWED = 4
+LOOK_BACK = 4
+SURPRISE = 0.1
+
+
+def _shows_otherwise(effect: Any) -> bool:
+    return any(slot == "arm_angle" or slot.endswith("_reading") for slot in effect.terms)
 TOLERANCE = 300.0
 
 
@@ -68,7 +75,7 @@ class Views:
 
     @cached_property
     def _columns(self) -> dict[str, Array]:
-        names = ("time", "arm", "pressure1", "pressure2", "pump", "dither", "velocity")
+        names = ("time", "arm", "pressure1", "pressure2", "pump", "dither", "velocity", "track", "acceleration")
         return {name: self.evidence.joined(name) for name in names}
 
     def vector(self, model: Simulator, candidate: Candidate, hardware: Any) -> Array:
@@ -92,6 +99,11 @@ class Views:
             )
         return model.vector(values)
 
+    @cached_property
+    def inverse(self) -> Simulator:
+        """The joint's force balance with every measured state given."""
+        return simulator(self.effects, "inverse")
+
     def _course(self, part: slice, driven: Array, observed: Array, windows: bool, scatter: Array | None) -> Course:
         columns = self._columns
         restart = self.evidence.restart[part]
@@ -106,6 +118,23 @@ class Views:
             scatter=np.ones(len(observed)) if scatter is None else scatter[part],
         )
 
+    def _observed(self, candidate: Candidate, part: slice, hardware: Any) -> tuple[Array, Array]:
+        """Return the observed states (n, 4) and the sliders' smooth travel (n, 1) with the sensors' errors taken out."""
+        columns = self._columns
+        lead, radius = hardware.values["pump_lead"], hardware.values["pulley_radius"]
+        pump, arm = columns["pump"][part, None] * lead, columns["arm"][part, None] * radius
+        observed = np.column_stack([pump, columns["pressure1"][part], columns["pressure2"][part], arm])
+        track = columns["track"][part, None]
+        if any(_shows_otherwise(effect) and effect.name in candidate.effects for effect in self.effects):
+            p = self.vector(self.lines, candidate, hardware)
+            course = self._course(part, np.hstack([pump, arm]), observed, False, None)
+            seen = self.lines.follow(p, course, tolerance=TOLERANCE)
+            shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
+            error = shown - seen.ideal[:, 1:]
+            observed = np.hstack([observed[:, :1], observed[:, 1:] - error])
+            track = track - error[:, 2:]
+        return observed, track
+
     def readings(
         self, candidate: Candidate, *, windows: bool = True, scatter: Array | None = None
     ) -> tuple[Array, Array]:
@@ -114,43 +143,60 @@ class Views:
         With ``windows`` off the joint view runs through every test from its first sample.
         """
         self.evaluations += 1
-        columns = self._columns
-        n = len(columns["time"])
+        n = len(self._columns["time"])
         joint, lines = np.empty((n, 4)), np.empty((n, 4))
-        sensed = any(effect.subsystem == "sensors" and effect.name in candidate.effects for effect in self.effects)
         for part, hardware in self._groups:
-            p_joint = self.vector(self.joint, candidate, hardware)
-            p_lines = self.vector(self.lines, candidate, hardware)
-            lead, radius = hardware.values["pump_lead"], hardware.values["pulley_radius"]
-            pump = columns["pump"][part, None] * lead
-            arm = columns["arm"][part, None] * radius
-            observed = np.column_stack([pump, columns["pressure1"][part], columns["pressure2"][part], arm])
-            if sensed:
-                course = self._course(part, np.hstack([pump, arm]), observed, False, None)
-                seen = self.lines.follow(p_lines, course, tolerance=TOLERANCE)
-                shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
-                observed = observed.copy()
-                observed[:, 1:] -= shown - seen.ideal[:, 1:]
-            course = self._course(part, np.hstack([pump, observed[:, 3:]]), observed, False, None)
-            lines[part] = self.lines.follow(p_lines, course, tolerance=TOLERANCE).readings
-            course = self._course(part, pump, observed, windows, scatter)
-            joint[part] = self.joint.follow(p_joint, course, tolerance=TOLERANCE).readings
+            observed, _ = self._observed(candidate, part, hardware)
+            driven = observed[:, [0, 3]]
+            course = self._course(part, driven, observed, False, None)
+            p = self.vector(self.lines, candidate, hardware)
+            lines[part] = self.lines.follow(p, course, tolerance=TOLERANCE).readings
+            course = self._course(part, driven[:, :1], observed, windows, scatter)
+            p = self.vector(self.joint, candidate, hardware)
+            joint[part] = self.joint.follow(p, course, tolerance=TOLERANCE).readings
         return joint, lines
 
-    def residuals(self, candidate: Candidate, *, windows: bool = True) -> Array:
-        """Return the residuals (n, channels): arm (rad), pressure difference, line sum, line difference (Pa).
+    def forces(self, candidate: Candidate) -> Array:
+        """Return the unexplained force (n, 2), N: while the arm slides, and at each breakaway; 0 elsewhere.
+
+        Sliding: push - friction - mass times acceleration. Breakaway: the largest push of the 16 ms before the arm
+        moves, less the static friction there, positive where the joint holds more than the model says; a difference
+        beyond a tenth of the static friction counts little more, since the contact of a hunting joint is fresh.
+        """
+        columns, evidence = self._columns, self.evidence
+        out = np.zeros((len(columns["time"]), 2))
+        balance = np.empty((len(columns["time"]), 4))
+        for part, hardware in self._groups:
+            observed, track = self._observed(candidate, part, hardware)
+            driven = np.hstack([observed[:, :3], track])
+            course = self._course(part, driven, np.hstack([observed[:, :3], track]), True, None)
+            course = replace(course, restart=np.where(course.restart == 2, 2, 1))
+            p = self.vector(self.inverse, candidate, hardware)
+            balance[part] = self.inverse.follow(p, course, tolerance=TOLERANCE).forces
+        push, friction, static, mass = balance.T
+        slides = evidence.sliding
+        out[slides, 0] = (push - friction - mass * columns["acceleration"])[slides]
+        for event in evidence.breakaways:
+            before = slice(event - LOOK_BACK, event + 1)
+            place = event - LOOK_BACK + int(np.argmax(np.abs(push[before])))
+            most = SURPRISE * static[place]
+            out[event, 1] = most * np.tanh((abs(push[place]) - static[place]) / most)
+        return out
+
+    def residuals(self, candidate: Candidate) -> Array:
+        """Return the residuals (n, channels): arm (rad), pressure difference, line sum, line difference (Pa), forces (N).
 
         A constant of each test is taken out of the line view: it is the error of the initial pressures.
         """
-        joint, lines = self.readings(candidate, windows=windows)
-        return self.subtract(joint, lines, windows=windows)
+        joint, lines = self.readings(candidate)
+        return np.hstack([self.subtract(joint, lines), self.forces(candidate)])
 
-    def subtract(self, joint: Array, lines: Array, *, windows: bool = True, measured: Array | None = None) -> Array:
+    def subtract(self, joint: Array, lines: Array, measured: Array | None = None) -> Array:
         """Return predicted readings minus ``measured`` (n, 3: arm, pressure 1 and 2; the logs' own by default)."""
         columns = self._columns
         if measured is None:
             measured = np.column_stack([columns["arm"], columns["pressure1"], columns["pressure2"]])
-        out = np.empty((len(joint), len(CHANNELS)))
+        out = np.empty((len(joint), WINDOWED))
         out[:, 0] = joint[:, 0] - measured[:, 0]
         error = joint[:, 1:3] - measured[:, 1:3]
         out[:, 1] = error[:, 0] - error[:, 1]

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.catalogue import scan
 from hjcamp.model.effect import Effect
-
-
-def effect_folders() -> list[Path]:
-    """Return the user's own effect folders: ./effects, then ``effects`` beside the folders of $HJCAMP_CONF."""
-    folders = [Path.cwd() / "effects"]
-    folders += [Path(part) / "effects" for part in os.environ.get("HJCAMP_CONF", "").split(os.pathsep) if part]
-    return [folder for folder in folders if folder.is_dir()]
+from hjcamp.model.user_folders import extension_folders
 
 
 def load_effects(folders: Sequence[Path] | None = None) -> dict[str, type[Effect]]:
     """Return every effect by name, ours and the user's; a faulty file is refused with what, where and what is allowed."""
-    chosen = effect_folders() if folders is None else list(folders)
+    chosen = extension_folders("effects") if folders is None else list(folders)
     return scan(Path(__file__).parent, __name__, Effect, chosen)
 
 

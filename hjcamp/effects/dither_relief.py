@@ -9,13 +9,13 @@ from hjcamp.model.parameter import Parameter
 class DitherRelief(Effect):
     r"""Dither keeps the seals trembling, so they break away earlier and slide more easily.
 
-    .. math:: F_s \leftarrow F_s\,\max(1 - r_s |u_d|,\ 0.05), \quad F_c \leftarrow F_c\,\max(1 - r_c |u_d|,\ 0.05)
+    .. math:: F_s \leftarrow F_s\,\max(1 - r_s |u_d|,\ 0.05), \quad F_c \leftarrow \min(F_c\,\max(1 - r_c |u_d|,\ 0.05),\ F_s)
 
     with u_d the dither voltage of the sample; a square wave, so that its size is constant.
     Seen as: less friction in tests with dither than in tests without, most of all at breakaway.
     Not for: tests that all have the same dither (static and Coulomb friction take it up), or logs without dither_v.
     Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138,
-    doi:10.1016/0005-1098(94)90209-7, section 4.2 (dither); thesis 5.2.2.
+    doi:10.1016/0005-1098(94)90209-7 (dither); thesis 5.2.
     """
 
     subsystem = "joint"
@@ -30,6 +30,6 @@ class DitherRelief(Effect):
         return friction_static * max(1.0 - static_relief * abs(dither), 0.05)
 
     @staticmethod
-    def friction_coulomb(friction_coulomb, dither, coulomb_relief):
-        """Coulomb friction under dither, N."""
-        return friction_coulomb * max(1.0 - coulomb_relief * abs(dither), 0.05)
+    def friction_coulomb(friction_coulomb, friction_static, dither, coulomb_relief):
+        """Coulomb friction under dither, never above static friction, N."""
+        return min(friction_coulomb * max(1.0 - coulomb_relief * abs(dither), 0.05), friction_static)

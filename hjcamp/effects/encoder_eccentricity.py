@@ -16,8 +16,7 @@ class EncoderEccentricity(Effect):
     no error where the encoder was set to zero.
     Seen as: an angle error that depends on arm angle alone, at rest and in motion, in both directions.
     Not for: an error that depends on speed (see encoder_lag) or none (see encoder_bias).
-    Source: eccentricity e / R of a ring encoder, e.g. Ellin & Dolsak (2008), Sensor Review 28(2), 150-158,
-    doi:10.1108/02602280810856714; thesis 3.7.
+    Source: eccentricity e / R of a ring encoder, e.g. Ellin & Dolsak (2008), Sensor Review 28(2), 150-158; thesis 3.7.
     """
 
     subsystem = "sensors"

@@ -16,7 +16,7 @@ class PositionFriction(Effect):
     Seen as: a force that depends on arm angle and turns its sign with the direction of motion.
     Not for: a force with one sign in both directions (see gravity_load), or change with time (see friction_drift).
     Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138,
-    doi:10.1016/0005-1098(94)90209-7, section 2.1; thesis 3.6 (rack and pinion: position-dependent friction).
+    doi:10.1016/0005-1098(94)90209-7; thesis 3.6 (rack and pinion: position-dependent friction).
     """
 
     subsystem = "joint"

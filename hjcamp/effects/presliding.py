@@ -30,6 +30,7 @@ class Presliding(Effect):
         "log-uniform",
         "speed at which the extra static friction has fallen to 37 %",
         shape=True,
+        off=0.0,
     )
     deflection = State("m", 2e-8, 1e-5, text="deflection of the bristles")
 

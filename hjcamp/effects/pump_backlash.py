@@ -19,7 +19,9 @@ class PumpBacklash(Effect):
     """
 
     subsystem = "pump"
-    play = Parameter("m", 2e-5, (0.0, 5e-4), text="whole travel of the nut between both flanks", shape=True, off=0.0)
+    play = Parameter(
+        "m", 2e-5, (2e-6, 5e-4), "log-uniform", "whole travel of the nut between both flanks", shape=True, off=0.0
+    )
     gap = State("m", 1e-9, 1e-5, text="travel of the nut ahead of the pistons")
     closing_speed = State("m/s", 1e-6, 0.01, text="speed of the nut relative to the pistons in this sample")
     sampled_time = State("s", 1e-6, 1.0, text="time of the sample before")

@@ -15,7 +15,7 @@ class StaticFrictionAgeing(Effect):
     Seen as: a higher breakaway after a longer rest; the first breakaway of a test stands out.
     Not for: friction that changes while sliding (see friction_drift). Static friction is that of a fresh stop here.
     Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138,
-    doi:10.1016/0005-1098(94)90209-7, equation 24 (rising static friction, seven-parameter model).
+    doi:10.1016/0005-1098(94)90209-7 (rising static friction of the seven-parameter model).
     """
 
     subsystem = "joint"

@@ -36,6 +36,9 @@ def load_module(path: Path) -> types.ModuleType:
         raise UsageError(f"{path}: {problem}") from None
     except Exception as problem:
         del sys.modules[name]
+        # Python 3.11 wraps what a declaration (__set_name__) refuses in a RuntimeError.
+        if isinstance(problem.__cause__, HjcampError):
+            raise UsageError(f"{path}: {problem.__cause__}") from None
         raise UsageError(f"{path}: cannot be loaded: {type(problem).__name__}: {problem}") from None
     return module
 

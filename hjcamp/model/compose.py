@@ -129,6 +129,12 @@ class Composition:
             lines.append(f"out[{index}] = {channel.signal}")
         return _function("readings(time, direction, z, u, p, out)", lines)
 
+    def balance_source(self) -> str:
+        """Return the source of ``balance(time, direction, z, u, p, out)``: the plant's force balance, signal by signal."""
+        lines = self._body()
+        lines += [f"out[{index}] = {name}" for index, name in enumerate(self.plant.balance)]
+        return _function("balance(time, direction, z, u, p, out)", lines)
+
     def signals_source(self) -> str:
         """Return the source of ``signals(time, direction, z, u, p, out)``: every slot and signal, in order."""
         lines = self._body()

@@ -20,6 +20,7 @@ SCATTER = 0
 DRIVEN_STATES: Any = ()
 DRIVEN_INPUTS: Any = ()
 readings: Any = None
+balance: Any = None
 begin: Any = None
 remember: Any = None
 move: Any = None
@@ -99,9 +100,10 @@ def closed_loop(  # type: ignore[no-untyped-def]
 
 
 def follow(  # type: ignore[no-untyped-def]
-    z, u, p, propagator, h, restart, time, driven, observed, velocity, dither, scatter, out, ideal, work
+    z, u, p, propagator, h, restart, time, driven, observed, velocity, dither, scatter, out, ideal, forces, work
 ):
-    """Drive the plant along measured motion; fill ``out`` with its readings and ``ideal`` with its observed states.
+    """Drive the plant along measured motion; fill ``out`` with its readings, ``ideal`` with its observed states
+    and ``forces`` with its force balance.
 
     Where ``restart`` is 2 a test begins, where it is 1 the observed states are set to what was measured.
     """
@@ -130,6 +132,7 @@ def follow(  # type: ignore[no-untyped-def]
             z[DRIVEN_STATES[i]] = driven[k, i]
             u[DRIVEN_INPUTS[i]] = 0.0 if ends else (driven[k + 1, i] - driven[k, i]) / h
         readings(time[k], direction, z, u, p, out[k])
+        balance(time[k], direction, z, u, p, forces[k])
         for i in range(len(OBSERVED_STATES)):
             ideal[k, i] = z[OBSERVED_STATES[i]]
         remember(time[k], direction, z, u, p)

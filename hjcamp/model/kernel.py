@@ -104,7 +104,7 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
         typical=[state.typical for state in states],
     )
     rest = composition.contact_source() + composition.readings_source() + composition.memory_source()
-    rest += composition.signals_source() + composition.predict_source(pattern) + composition.correct_source(pattern)
+    rest += composition.signals_source() + composition.balance_source() + composition.predict_source(pattern) + composition.correct_source(pattern)
     return header + equations + rest + copied(integrator, INTEGRATOR) + extra
 
 

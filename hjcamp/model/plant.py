@@ -14,6 +14,7 @@ class Plant:
     subsystems: ClassVar[tuple[str, ...]] = ()
     channels: ClassVar[tuple[Channel, ...]] = ()
     contact: ClassVar[Contact]
+    balance: ClassVar[tuple[str, ...]] = ()
     cuts: ClassVar[tuple[Cut, ...]] = ()
     observed: ClassVar[dict[str, tuple[str, str | None]]] = {}
     base_parameters: ClassVar[tuple[str, ...]] = ()

@@ -63,10 +63,13 @@ class Course:
 
 @dataclass(frozen=True)
 class Followed:
-    """Readings (n, channels) in SI, the observed states (n, observed) that belong to them, and the steps taken."""
+    """Readings (n, channels), the observed states (n, observed) that belong to them, the plant's force balance
+    (n, signals), all SI, and the number of steps taken.
+    """
 
     readings: Array
     ideal: Array
+    forces: Array
     steps: float
 
 
@@ -190,13 +193,14 @@ class Simulator:
                 z[self.states.index(name)] = value
             propagators = self.propagators(z, p, course.period)
         readings, ideal = np.empty((len(course.time), channels)), np.empty(course.observed.shape)
+        forces = np.empty((len(course.time), len(self.composition.plant.balance)))
         work = np.zeros((3, max(states, 8)))
         work[2, 5] = tolerance
         self.kernel.follow(
             z, self.inputs(), p, propagators, course.period, course.restart, course.time, course.driven, course.observed,
-            course.velocity, course.dither, course.scatter, readings, ideal, work,
+            course.velocity, course.dither, course.scatter, readings, ideal, forces, work,
         )  # fmt: skip
-        return Followed(readings, ideal, work[2, 1])
+        return Followed(readings, ideal, forces, work[2, 1])
 
     def signals(self, names: Sequence[str]) -> list[int]:
         """Return the positions of the named signals in the output of the kernel's ``signals``."""

@@ -47,6 +47,7 @@ class PumpJoint(Plant):
     pump_area = Parameter("m^2", math.pi / 4 * 6.35e-3**2, text="bore area of a pump cylinder (4.4.1)")
     joint_area = Parameter("m^2", math.pi / 4 * 4.0e-3**2, text="bore area of a joint cylinder (4.4.1)")
     line_stiffness = Parameter("Pa/m^3", 2.57e13, (1e11, 1e16), "log-uniform", "dp/dV of one line (4.4.3)")
+    stiffness_asymmetry = Parameter("1", 0.0, (-0.3, 0.3), text="difference of dp/dV of the two lines over their mean")
     vapour_pressure = Parameter("Pa", -99e3, text="gauge pressure below which the water parts")
     pulley_radius = Parameter("m", 3.41e-3, text="pitch radius of the pulley (3.6)")
     moving_mass = Parameter("kg", 0.0185, (1e-3, 10.0), "log-uniform", "effective mass at the sliders (4.5.2)")
@@ -66,6 +67,7 @@ class PumpJoint(Plant):
         Channel("pressure2_mpa", "pressure2_reading", "lines", 1e-6, noise="pressure_noise"),
         Channel("pump_deg", "pump_reading", "pump", 180 / math.pi, counts="pump_count", required=False),
     )
+    balance = ("push", "friction", "friction_static", "mass")
     contact = Contact(velocity="slider_velocity", push="push", limit="friction_static", locks="friction_locks")
     observed = {
         "pump_position": ("pump_deg", "pump_lead"),
@@ -82,8 +84,8 @@ class PumpJoint(Plant):
         "viscous_negative",
         "line_stiffness",
     )
-    # Computed from drawings in 4.5.2, not measured (E13): known to about a tenth.
-    uncertain = {"moving_mass": 0.1}  # noqa: RUF012
+    # The mass is computed from drawings in 4.5.2 (E13), to about a tenth; two tubes of one make differ by about a percent.
+    uncertain = {"moving_mass": 0.1, "stiffness_asymmetry": 0.01}  # noqa: RUF012
     cuts = (
         Cut("whole"),
         Cut(
@@ -95,6 +97,17 @@ class PumpJoint(Plant):
         Cut(
             "lines",
             driven={"pump_position": "pump_deg", "slider_position": "arm_deg"},
+            slopes={"pump_velocity": "pump_position", "slider_velocity": "slider_position"},
+            frozen=("pump_acceleration",),
+        ),
+        Cut(
+            "inverse",
+            driven={
+                "pump_position": "pump_deg",
+                "pressure1": "pressure1_mpa",
+                "pressure2": "pressure2_mpa",
+                "slider_position": "arm_deg",
+            },
             slopes={"pump_velocity": "pump_position", "slider_velocity": "slider_position"},
             frozen=("pump_acceleration",),
         ),
@@ -125,8 +138,12 @@ class PumpJoint(Plant):
         # --- Lines (4.4.3.15, 4.4.3.16): dp = dp/dV (A1 dx - A2 dy); water parts at the vapour pressure
         pressure1 = slot(limited(state.pressure1, parameter.vapour_pressure, 1e9), "Pa", "pressure of line 1 at the pump")
         pressure2 = slot(limited(state.pressure2, parameter.vapour_pressure, 1e9), "Pa", "pressure of line 2 at the pump")
-        stiffness1 = slot(parameter.line_stiffness, "Pa/m^3", "dp/dV of line 1")
-        stiffness2 = slot(parameter.line_stiffness, "Pa/m^3", "dp/dV of line 2")
+        stiffness1 = slot(
+            parameter.line_stiffness * (1.0 + 0.5 * parameter.stiffness_asymmetry), "Pa/m^3", "dp/dV of line 1"
+        )
+        stiffness2 = slot(
+            parameter.line_stiffness * (1.0 - 0.5 * parameter.stiffness_asymmetry), "Pa/m^3", "dp/dV of line 2"
+        )
         leak1 = slot(0.0, "m^3/s", "flow lost from line 1")
         leak2 = slot(0.0, "m^3/s", "flow lost from line 2")
         cross_flow = slot(0.0, "m^3/s", "flow from line 1 to line 2")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
 
 AGAINST = ("published",)
+#: From logs to further pictures of the page: heading -> (SVG, caption).
+Pictures = Callable[[Sequence["TestLog"]], dict[str, tuple[str, str]]]
 
 
 @dataclass(frozen=True)
@@ -41,13 +43,18 @@ class Report:
 
 
 def build_report(
-    run_dir: Path, *, against: str | None = None, output: Path | None = None, logs: Sequence[TestLog] | None = None
+    run_dir: Path,
+    *,
+    against: str | None = None,
+    output: Path | None = None,
+    logs: Sequence[TestLog] | None = None,
+    further: Pictures | None = None,
 ) -> Report:
     """Write ``tables/`` and ``report.html`` of a run folder, or of a folder of logs, each file whole or not at all.
 
     With ``against="published"`` the published values stand beside. ``output`` is another folder for the files, ``logs``
-    are the logs where they have been read already. `UsageError` where there is no log, a log that cannot be read, or an
-    unknown ``against`` or table.
+    are the logs where they have been read already, ``further`` gives more pictures for the page. `UsageError` where
+    there is no log, a log that cannot be read, or an unknown ``against`` or table.
     """
     from hjcamp.records.find import find_logs
     from hjcamp.records.read import read_log
@@ -73,7 +80,8 @@ def build_report(
         replace_file(target / "tables" / f"{name}.md", to_markdown(sheet))
         replace_file(target / "tables" / f"{name}.tex", to_latex(sheet))
     all_sheets = [*sheets, arrange_conditions(by_condition(indicators, against))]
-    html = _page(run_dir, origin, read, all_sheets, verdict(comparison) if against else "")
+    more = further(read) if further else {}
+    html = _page(run_dir, origin, read, all_sheets, verdict(comparison) if against else "", more)
     replace_file(target / "report.html", html)
     return Report(run_dir, target / "report.html", indicators, tables, sheets, comparison)
 
@@ -108,11 +116,18 @@ def verdict(comparison: pl.DataFrame) -> str:
     )
 
 
-def _page(run_dir: Path, origin: RunOrigin, logs: Sequence[TestLog], sheets: Sequence[Sheet], verdict_text: str) -> str:
+def _page(
+    run_dir: Path,
+    origin: RunOrigin,
+    logs: Sequence[TestLog],
+    sheets: Sequence[Sheet],
+    verdict_text: str,
+    more: dict[str, tuple[str, str]],
+) -> str:
     groups: dict[str, list[TestLog]] = {}
     for log in logs:
         groups.setdefault(log.condition_key, []).append(log)
-    pictures = {}
+    pictures = dict(more)
     for name, members in groups.items():
         picture = draw_condition(gather(name, members))
         pictures[name] = (picture, f"{len(members)} test{'s' if len(members) > 1 else ''}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -10,10 +9,9 @@ from typing import Any
 
 import yaml
 
+from hjcamp.configuration.search_path import group_folders
 from hjcamp.errors import UsageError, unknown
 from hjcamp.report.indicators import CHOICES, INDICATORS
-
-PACKAGE = Path(__file__).parents[1]
 
 
 @dataclass(frozen=True)
@@ -59,22 +57,13 @@ class TableDefinition:
         return list(dict.fromkeys([*self.by, *across]))
 
 
-def table_folders() -> list[Path]:
-    """Return the folders of table definitions, the user's first: $HJCAMP_CONF, ./conf, then the program's own."""
-    named = [Path(part).expanduser() for part in os.environ.get("HJCAMP_CONF", "").split(os.pathsep) if part]
-    users = [place for folder in (*named, Path.cwd()) for place in (folder / "conf", folder)]
-    installed = PACKAGE / "_configuration"
-    own = (installed if installed.is_dir() else PACKAGE.parent) / "conf"
-    return [folder / "table" for folder in (*users[:-1], own) if (folder / "table").is_dir()]
-
-
 def declared_tables(names: Sequence[str] | None = None) -> list[TableDefinition]:
     """Return the tables of these names, or all that are not made only where asked for.
 
     `UsageError` for an unknown name and for a definition that does not hold.
     """
     paths: dict[str, Path] = {}
-    for folder in table_folders():
+    for folder in group_folders("table"):
         for path in sorted(folder.glob("*.yaml")):
             paths.setdefault(path.stem, path)
     if names is None:

@@ -12,20 +12,21 @@ from types import ModuleType
 from typing import Any
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.model.user_folders import extension_folders
 from hjcamp.trajectories.base import Trajectory
 
 OWN_FOLDER = Path(__file__).parent
 
 
-def build_trajectory(config: Mapping[str, Any], folders: Sequence[Path] = ()) -> Trajectory:
+def build_trajectory(config: Mapping[str, Any], folders: Sequence[Path] | None = None) -> Trajectory:
     """Return the trajectory that a resolved ``trajectory`` group describes: ``kind``, ``name`` and parameters.
 
-    ``folders`` are a user's own folders of kinds. `UsageError` for an unknown kind or parameter, a missing one, or a
-    value that is not allowed.
+    ``folders`` are the folders of kinds beside our own, by default the user's ``trajectories``. `UsageError` for an
+    unknown kind or parameter, a missing one, or a value that is not allowed.
     """
     if not isinstance(config, Mapping):
         raise UsageError(f"trajectory is {config!r}; a kind with its parameters is needed")
-    kinds = find_kinds(folders)
+    kinds = find_kinds(extension_folders("trajectories") if folders is None else folders)
     kind = config.get("kind")
     if kind is None:
         raise UsageError(f"trajectory.kind is missing. Allowed: {', '.join(sorted(kinds))}")

@@ -1,14 +1,11 @@
-"""A backend that takes no time, and a composer that is made once."""
+"""A backend that takes no time."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import hjcamp.backends
-from hjcamp.campaign.composer import Composer
 
 
 def quick_test(config: dict, seed: int) -> tuple[dict[str, np.ndarray], dict[str, str]]:
@@ -26,17 +23,3 @@ def quick_backend(monkeypatch: pytest.MonkeyPatch) -> None:
     """Put the quick backend in the place of ours."""
     monkeypatch.setattr(hjcamp.backends, "run_test", quick_test, raising=False)
     monkeypatch.setattr(hjcamp.backends, "check_test", lambda config: None, raising=False)
-
-
-@pytest.fixture(scope="session")
-def composer() -> Composer:
-    """One composer over our own configuration."""
-    return Composer()
-
-
-@pytest.fixture
-def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Work in an empty folder without the user's settings."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("HJCAMP_CONF", raising=False)
-    return tmp_path

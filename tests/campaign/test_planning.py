@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.campaign.composer import Composer
 from hjcamp.campaign.plan import Plan
 from hjcamp.campaign.planning import make_plan, seed_of
+from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 
 COUNTS = {
@@ -18,7 +18,7 @@ COUNTS = {
     "robustness_vertical": (8, 196.0),
     "friction_compliance": (6, 105.0),
     "previous_work": (8, 182.0),
-    "pid_design": (4, 28.0),
+    "pid_design": (5, 35.0),
     "open_loop_validation": (1, 14.0),
     "feedforward_simulation": (2, 21.0),
 }
@@ -61,6 +61,7 @@ def test_the_steps_of_the_pid_design(composer: Composer) -> None:
     steps = {one.name: one.config for one in plan(composer, "pid_design", "repetitions=1").conditions}
     assert {config["trajectory"]["amplitude_deg"] for config in steps.values()} == {-80.0}
     amplitudes = {name: config["controller"]["dither"]["amplitude_v"] for name, config in steps.items()}
+    assert amplitudes.pop("stability_method") == 0.0
     assert amplitudes == {"plain": 0.0, "dither": 1.0, "smooth_derivative": 1.0, "pressure_adjustment": 1.0}
     adjusted = [name for name, config in steps.items() if config["procedure"]["adjustment"]["enabled"]]
     assert adjusted == ["pressure_adjustment"]

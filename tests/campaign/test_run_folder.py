@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 import yaml
 
-from hjcamp.campaign.composer import Composer
 from hjcamp.campaign.files import write_atomic
 from hjcamp.campaign.finding import find_runs
 from hjcamp.campaign.folder import folder_for, open_folder
 from hjcamp.campaign.lock import is_locked, run_lock
 from hjcamp.campaign.plan import Plan
 from hjcamp.campaign.planning import make_plan
+from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, UsageError
 
 

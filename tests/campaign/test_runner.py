@@ -14,13 +14,13 @@ from rich.console import Console
 
 import hjcamp.backends
 from hjcamp.campaign import workers as worker_processes
-from hjcamp.campaign.composer import Composer
 from hjcamp.campaign.conclude import grouped
 from hjcamp.campaign.execution import Job, Outcome
 from hjcamp.campaign.folder import RunFolder, folder_for, open_folder
 from hjcamp.campaign.plan import Plan
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import RunResult, run_plan
+from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
 from hjcamp.records.read import read_log
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,21 +14,17 @@ import numpy as np
 from hjcamp.backends.rig_wiring import Wiring, read_wiring
 from hjcamp.backends.virtual_rig.faults import Fault
 from hjcamp.backends.virtual_rig.plant import READINGS, VirtualPlant
+from hjcamp.backends.virtual_rig.sessions import DeviceError, Tasks
+from hjcamp.errors import HjcampError
 
 DEVICE_GONE = -201003
-READ_FAILED = -200284
+READ_FAILED = -200361
+READ_TIMED_OUT = -200284
 WATCHDOG_EXPIRED = -200678
 NOT_ARRANGED = -200088
 SWING_V = 0.2
+IDLE_S = 2.0  # a client that is silent for so long is no longer there
 STEPS_MISSED = {"late_samples": 5, "one_late_sample": 1}
-
-
-class DeviceError(Exception):
-    """An error code of the driver."""
-
-    def __init__(self, code: int, text: str) -> None:
-        super().__init__(text)
-        self.code = code
 
 
 @dataclass
@@ -55,6 +53,9 @@ class VirtualDevice:
         self.plant: VirtualPlant | None = None
         self.wiring: Wiring | None = None
         self.gone = False
+        self.tasks = Tasks()
+        self.owner = ""
+        self._last_call = float("-inf")
         self._clear()
 
     def _clear(self) -> None:
@@ -66,14 +67,25 @@ class VirtualDevice:
         self._counter_start: dict[str, int] = {}
         self._done: set[str] = set()
 
-    def arrange(self, config: Mapping[str, Any], seed: int) -> None:
-        """Put the joint of one test on the bench: hardware, payload and wiring as configured, everything at rest."""
+    def arrange(self, config: Mapping[str, Any], seed: int, owner: str = "") -> None:
+        """Put the joint of one test on the bench: hardware, payload and wiring as configured, everything at rest.
+
+        Refused while another client is at work; what a dead client left is cleared.
+        """
+        if owner != self.owner and time.monotonic() - self._last_call < IDLE_S:
+            raise HjcampError("another client is at work on this virtual rig")
+        self.owner = owner
+        self.tasks = Tasks()
         self._clear()
         self.tests += 1
         self.gone = False
         self.wiring = read_wiring(config)
         self.plant = VirtualPlant(config, seed, self.hidden)
         self.volts = {output.channel: 0.0 for output in self.wiring.outputs.values()}
+
+    def called(self) -> None:
+        """Note that a client is at work."""
+        self._last_call = time.monotonic()
 
     def clock(self) -> None:
         """Wait for the next edge of the sample clock, and latch all inputs."""
@@ -89,7 +101,9 @@ class VirtualDevice:
             if kind == "device_gone":
                 self._vanish()
             if kind == "error_code":
-                raise DeviceError(READ_FAILED, "Some or all of the samples requested have not yet been acquired.")
+                raise DeviceError(READ_FAILED, "Onboard device memory overflow.")
+            if kind == "clock_stopped":
+                raise DeviceError(READ_TIMED_OUT, "Some or all of the samples requested have not yet been acquired.")
         self._step()
 
     def write(self, channel: str, volts: float) -> None:
@@ -120,9 +134,10 @@ class VirtualDevice:
         self.volts[channel] = volts
 
     def _vanish(self) -> None:
-        states = self.watchdog.states if self.watchdog is not None else {}
-        for channel in self.volts:
-            self._set(channel, states.get(channel, 0.0))
+        # A watchdog trips when the device loses its computer; without one the outputs fall to 0 V.
+        states = self.watchdog.states if self.watchdog is not None else dict.fromkeys(self.volts, 0.0)
+        for channel, volts in states.items():
+            self._set(channel, volts)
         self.gone = True
         self.alive()
 
@@ -139,24 +154,37 @@ class VirtualDevice:
             for channel, volts in watchdog.states.items():
                 self._set(channel, volts)
         seen = dict(zip(READINGS, self.plant.advance(np.array(wiring.physical_outputs(self.volts))), strict=True))
-        due = self._due()
-        before = self.inputs
         latched = {
             "arm": wiring.encoders["arm"].sign * round(seen["arm_deg"] / self.plant.count("arm_deg")),
             "pump": wiring.encoders["pump"].sign * round(seen["pump_deg"] / self.plant.count("pump_deg")),
             "pressure1": wiring.pressures["pressure1"].volts(seen["pressure1_mpa"]),
             "pressure2": wiring.pressures["pressure2"].volts(seen["pressure2_mpa"]),
         }
-        if "swapped_pressures" in due:
-            latched["pressure1"], latched["pressure2"] = latched["pressure2"], latched["pressure1"]
-        if "reversed_encoder" in due:
-            latched["arm"] = -latched["arm"]
-        if "stuck_encoder" in due:
-            latched["arm"] = before.get("arm", 0.0)
-        if "stuck_pump_encoder" in due:
-            latched["pump"] = before.get("pump", 0.0)
-        if "lost_sensor" in due:
-            latched["pressure1"] = 0.0
-        if "noisy_sensor" in due:
-            latched["pressure1"] += SWING_V * (1 if self.samples % 2 else -1)
+        for kind in self._due():
+            distort(kind, latched, self.inputs, self.samples, wiring)
         self.inputs = latched
+
+
+def distort(kind: str, latched: dict[str, float], before: dict[str, float], sample: int, wiring: Wiring) -> None:
+    """Change what was latched (volts, counts) as a broken sensor would."""
+    sensor, counts = wiring.pressures["pressure1"], wiring.encoders
+    if kind == "swapped_pressures":
+        latched["pressure1"], latched["pressure2"] = latched["pressure2"], latched["pressure1"]
+    elif kind == "reversed_encoder":
+        latched["arm"] = -latched["arm"]
+    elif kind == "stuck_encoder":
+        latched["arm"] = before.get("arm", 0.0)
+    elif kind == "stuck_pump_encoder":
+        latched["pump"] = before.get("pump", 0.0)
+    elif kind == "lost_sensor":
+        latched["pressure1"] = 0.0
+    elif kind == "noisy_sensor":
+        latched["pressure1"] += SWING_V * (1 if sample % 2 else -1)
+    elif kind == "pressure_spike":
+        latched["pressure1"] += 0.8 / sensor.mpa_per_v
+    elif kind == "pressure_drop":
+        latched["pressure1"] = sensor.volts(-0.112e6)
+    elif kind == "arm_jump":
+        latched["arm"] += round(250 * math.pi / 180 / counts["arm"].count)
+    elif kind == "pump_jump":
+        latched["pump"] += round(10 * 2 * math.pi / counts["pump"].count)

@@ -1,0 +1,166 @@
+"""A rig through NI-DAQmx: one test with the procedure and the control law of the simulator, under limits."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.backends.rig_check_stamp import require_check
+from hjcamp.backends.rig_connection import Connection, connect
+from hjcamp.backends.rig_control import RigControl
+from hjcamp.backends.rig_journal import Journal
+from hjcamp.backends.rig_limits import LimitCheck, read_limits
+from hjcamp.backends.rig_lock import take_lock
+from hjcamp.backends.rig_loop import RigLoop, Stopped
+from hjcamp.backends.rig_stop import StopSignals
+from hjcamp.backends.rig_tasks import RigTasks
+from hjcamp.backends.rig_timing import LoopTiming
+from hjcamp.backends.rig_wiring import Wiring, read_wiring
+from hjcamp.backends.recording import current_recording
+from hjcamp.backends.simulation import (
+    control_values,
+    dither_of,
+    feedforward_of,
+    log_notes,
+    procedure_values,
+    reference_of,
+)
+from hjcamp.controllers import find_controller
+from hjcamp.controllers.procedure import Procedure
+from hjcamp.errors import RigStopped
+from hjcamp.model.simulator import PERIOD
+
+Array = NDArray[np.float64]
+SWITCH_INTERVAL_S = 1e-4  # the thread that writes the log gives way to the loop within it; Python's own is 5 ms
+SPARE_SAMPLES = 100
+
+
+def check_test(config: Mapping[str, Any]) -> None:
+    """Raise ``UsageError`` where wiring or limits of the rig are incomplete; nothing is touched."""
+    read_wiring(config)
+    read_limits(config)
+
+
+def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], dict[str, str]]:
+    """Make one test on the rig; return the columns of its log and what is worth noting as metadata.
+
+    Raises ``RigStopped`` after the rig was made safe, ``RigUnavailable`` where there is none. ``seed`` decides what a
+    virtual rig draws; a real one has its own scatter. Source of the procedure: thesis 5.2.5.
+    """
+    wiring, limits = read_wiring(config), read_limits(config)
+    require_check(config)
+    control, procedure = rig_control(config)
+    take_lock(config)
+    longest = samples_at_most(config, procedure)
+    with StopSignals() as signals:
+        connection = connect(config, seed)
+        try:
+            with_journal = current_recording()
+            journal = Journal(with_journal, longest)
+            try:
+                loop = RigLoop(
+                    RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3),
+                    control,
+                    limit_check(config, wiring),
+                    journal,
+                    LoopTiming(longest, config["rig"]["connection"]["kind"] != "driver"),
+                    lambda: signals.reason,
+                )
+                facts = loop.tasks.device_facts()
+                drive(loop, config)
+            finally:
+                journal.close()
+        finally:
+            connection.close()
+    recorded = journal.columns(0, journal.count)
+    return recorded, _notes(loop, recorded, config, facts)
+
+
+def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
+    """Run the loop and leave the rig safe, whatever happens; then say why, as ``RigStopped``."""
+    reason = "the test could not be started"
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_INTERVAL_S)
+    try:
+        loop.run()
+        speed = config["rig"].get("return_speed_mm_per_s")
+        if speed:
+            loop.return_to_start(speed / config["pump"]["lead_mm_per_rev"] * 2 * np.pi)
+        reason = ""
+    except Stopped as error:
+        reason = str(error)
+    except KeyboardInterrupt:
+        reason = "Ctrl-C"
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+    finally:
+        problem = loop.tasks.make_safe(loop.motor)
+        sys.setswitchinterval(before)
+        loop.journal.close()
+        loop.tasks.close()
+    if problem is not None:
+        reason = reason or "the end of the test"
+        raise RigStopped(
+            f"{reason}. THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand. {_watchdog(loop)}"
+        )
+    if reason:
+        raise RigStopped(f"the rig was made safe: {reason}")
+
+
+def rig_control(config: Mapping[str, Any]) -> tuple[RigControl, dict[str, float]]:
+    """Return what controls one test, and the parameters of its procedure."""
+    law = find_controller(config["controller"]["name"])
+    reference, direction = reference_of(config)
+    samples = len(reference)
+    procedure = procedure_values(config, direction, samples * PERIOD)
+    dither = dither_of(config, samples)
+    wiring = read_wiring(config)
+    if wiring.quantity == "position" and "dither" not in wiring.outputs:
+        dither = np.zeros(samples)
+    control = RigControl(
+        law,
+        law.vector(control_values(config, law, direction)),
+        Procedure.vector(procedure),
+        np.column_stack([reference, feedforward_of(config, samples)]),
+        dither,
+        PERIOD,
+    )
+    return control, procedure
+
+
+def samples_at_most(config: Mapping[str, Any], procedure: Mapping[str, float]) -> int:
+    """Return how many samples a test may have: its own, and the longest of every other phase."""
+    return round((procedure["control"] + procedure["rest"] + 3 * procedure["limit"]) / PERIOD) + SPARE_SAMPLES
+
+
+def limit_check(config: Mapping[str, Any], wiring: Wiring) -> LimitCheck:
+    """Return the limits of one test."""
+    one, two = wiring.pressures["pressure1"], wiring.pressures["pressure2"]
+    voltages = ((one.lowest_v, one.highest_v), (two.lowest_v, two.highest_v))
+    return LimitCheck(read_limits(config), config["pump"]["lead_mm_per_rev"] * 1e-3, voltages)
+
+
+def _watchdog(loop: RigLoop) -> str:
+    timeout = loop.tasks.wiring.watchdog_s
+    if timeout is None:
+        return "The device has no watchdog"
+    return f"The device's watchdog makes them safe {timeout * 1e3:g} ms after the last write"
+
+
+def _notes(loop: RigLoop, columns: dict[str, Array], config: Mapping[str, Any], facts: str) -> dict[str, str]:
+    pascals = {name: columns[name] * 1e6 for name in ("pressure1_mpa", "pressure2_mpa")}
+    notes = log_notes({"phase": columns["phase"], **pascals}, config["procedure"])
+    notes["devices"] = facts
+    notes["host"] = platform.node()
+    notes["calibration"] = str(config["rig"].get("calibration"))
+    notes["late_samples"] = str(loop.limits.missed)
+    notes["cycle_times"] = loop.timing.histogram()
+    return notes
+
+
+__all__ = ["Connection", "check_test", "drive", "rig_control", "run_test"]

@@ -1,0 +1,146 @@
+"""The limits of a rig, checked on every sample: the first one that is passed makes the rig safe."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import inf, pi
+from typing import Any
+
+from hjcamp.errors import UsageError, unknown
+
+DEGREE = pi / 180
+SPEED_SAMPLES = 10
+SILENT_SAMPLES = 20
+PERIOD = 1e-3
+COMMAND_PHASE = 3.0
+REST_PHASE = 2.0
+PRELOAD_PHASE = 0.0
+RELEASE_PHASE = 4.0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """The limits in the units of their names; ``None`` in the configuration is no limit."""
+
+    pressure_low_mpa: float
+    pressure_high_mpa: float
+    pressure_sum_low_mpa: float
+    pump_travel_mm: float
+    pump_speed_mm_per_s: float
+    pump_following_deg: float
+    pump_silent_deg: float
+    arm_silent_mm: float
+    arm_deg: float
+    arm_speed_deg_per_s: float
+    tracking_deg: float
+    missed_at_once: float
+    missed_in_all: float
+    read_timeout_ms: float
+
+
+def read_limits(config: Mapping[str, Any]) -> Limits:
+    """Return the limits of ``config["rig"]``; each must be there, a missing one is no permission."""
+    given = config["rig"]["limits"]
+    where = f"rig '{config['rig'].get('name')}', limits"
+    names = [field.name for field in fields(Limits)]
+    for name in given:
+        if name not in names:
+            raise unknown("limit", name, names, where)
+    values = {}
+    for name in names:
+        if name not in given:
+            raise UsageError(f"{where}: {name} is missing; null says that there is none")
+        value = given[name]
+        if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
+            raise UsageError(f"{where}: {name} is {value!r}; a number or null is needed")
+        none = -inf if "_low_" in name else inf
+        values[name] = none if value is None else float(value)
+    if values["read_timeout_ms"] == inf:
+        raise UsageError(f"{where}: read_timeout_ms must be a number: a stopped sample clock must be noticed")
+    return Limits(**values)
+
+
+class LimitCheck:
+    """Watches one test; ``check`` returns the reason to stop, or None."""
+
+    def __init__(self, limits: Limits, lead: float, voltages: tuple[tuple[float, float], tuple[float, float]]) -> None:
+        self.limits = limits
+        self.missed = 0
+        self._travel = lead / (2 * pi) * 1e3
+        self._voltages = voltages
+        self._past: deque[tuple[int, float, float]] = deque(maxlen=SPEED_SAMPLES)
+        self._sample = 0
+        self._still_motor: tuple[float, float] | None = None
+        self._still_since = 0
+        self._still_arm: tuple[float, float] | None = None
+
+    def check(
+        self, missed: int, volts: Any, pressure1: float, pressure2: float, arm: float, motor: float, out: Any
+    ) -> str | None:
+        """Return why the rig must be made safe; pressures in Pa, angles in rad, ``out`` the row of ``rig_step``.
+
+        ``out`` may still be that of the sample before: the limits come before the law.
+        """
+        limits = self.limits
+        if missed:
+            self.missed += missed
+            if missed > limits.missed_at_once:
+                return f"{missed} samples were missed at once (limit {limits.missed_at_once:g})"
+            if self.missed > limits.missed_in_all:
+                return f"{self.missed} samples were missed in all (limit {limits.missed_in_all:g})"
+        for place, (low, high) in enumerate(self._voltages):
+            if not low <= volts[place] <= high:
+                return f"pressure sensor {place + 1} is lost: {volts[place]:.3f} V is outside {low:g} to {high:g} V"
+        one, two = pressure1 * 1e-6, pressure2 * 1e-6
+        if max(one, two) > limits.pressure_high_mpa:
+            return f"pressure {max(one, two):.3f} MPa is above {limits.pressure_high_mpa:g} MPa"
+        if min(one, two) < limits.pressure_low_mpa:
+            return f"pressure {min(one, two):.3f} MPa is below {limits.pressure_low_mpa:g} MPa"
+        if REST_PHASE <= out[0] < RELEASE_PHASE and one + two < limits.pressure_sum_low_mpa:
+            return f"the lines lose water: p1 + p2 = {one + two:.3f} MPa is below {limits.pressure_sum_low_mpa:g} MPa"
+        angle, travel = arm / DEGREE, motor * self._travel
+        if abs(angle) > limits.arm_deg:
+            return f"arm at {angle:.1f} deg, limit {limits.arm_deg:g} deg"
+        if abs(travel) > limits.pump_travel_mm:
+            return f"pump at {travel:.2f} mm, limit {limits.pump_travel_mm:g} mm"
+        following = abs(out[2] - motor) / DEGREE
+        if following > limits.pump_following_deg:
+            return f"the pump is {following:.0f} deg behind its command, limit {limits.pump_following_deg:g} deg"
+        # Before the command phase the arm must stay where the reference begins.
+        if out[0] <= COMMAND_PHASE and abs(out[1] - arm) / DEGREE > limits.tracking_deg:
+            return f"tracking error {abs(out[1] - arm) / DEGREE:.1f} deg, limit {limits.tracking_deg:g} deg"
+        return self._silence(angle, travel, out) or self._speeds(missed, angle, travel)
+
+    def _silence(self, angle: float, travel: float, out: Any) -> str | None:
+        """Notice an encoder that does not count although it must."""
+        limits, command = self.limits, out[2] / DEGREE
+        # A feedforward may jump; a motor that lives counts within 20 ms all the same.
+        if self._still_motor is None or self._still_motor[0] != travel:
+            self._still_motor, self._still_since = (travel, command), self._sample
+        elif (
+            abs(command - self._still_motor[1]) > limits.pump_silent_deg
+            and self._sample - self._still_since >= SILENT_SAMPLES
+        ):
+            return f"the pump encoder is silent while its command moved by {limits.pump_silent_deg:g} deg"
+        if self._still_arm is None or self._still_arm[0] != angle or not PRELOAD_PHASE < out[0] < RELEASE_PHASE:
+            self._still_arm = (angle, travel)
+        elif abs(travel - self._still_arm[1]) > limits.arm_silent_mm:
+            return f"the arm encoder is silent while the pump moved by {limits.arm_silent_mm:g} mm"
+        return None
+
+    def _speeds(self, missed: int, angle: float, travel: float) -> str | None:
+        limits = self.limits
+        self._sample += 1 + missed
+        if len(self._past) == SPEED_SAMPLES:
+            then, angle_then, travel_then = self._past[0]
+            span = (self._sample - then) * PERIOD
+            if abs(angle - angle_then) > limits.arm_speed_deg_per_s * span:
+                speed = abs(angle - angle_then) / span
+                return f"arm speed {speed:.0f} deg/s, limit {limits.arm_speed_deg_per_s:g} deg/s"
+            if abs(travel - travel_then) > limits.pump_speed_mm_per_s * span:
+                speed = abs(travel - travel_then) / span
+                return f"pump speed {speed:.1f} mm/s, limit {limits.pump_speed_mm_per_s:g} mm/s"
+        self._past.append((self._sample, angle, travel))
+        return None

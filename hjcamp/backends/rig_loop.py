@@ -1,0 +1,104 @@
+"""The 1 kHz loop of one test: read, check, control, write, note; whatever happens, the rig ends safe."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import copysign
+
+from nidaqmx.errors import Error
+
+from hjcamp.backends.rig_control import COMMAND, DITHER, PHASE, PRELOAD_SPEED, RigControl
+from hjcamp.backends.rig_journal import Journal
+from hjcamp.backends.rig_limits import COMMAND_PHASE, RELEASE_PHASE, LimitCheck
+from hjcamp.backends.rig_tasks import RigTasks
+from hjcamp.backends.rig_timing import LoopTiming
+from hjcamp.errors import HjcampError
+
+FAILED_PHASE = 6.0
+PERIOD = 1e-3
+
+
+class Stopped(HjcampError):  # noqa: N818 - it is a state of the loop
+    """A limit was passed or somebody asked to stop."""
+
+
+@dataclass
+class RigLoop:
+    """One test on open tasks. ``asked`` returns why to stop now, or None."""
+
+    tasks: RigTasks
+    control: RigControl
+    limits: LimitCheck
+    journal: Journal
+    timing: LoopTiming
+    asked: Callable[[], str | None]
+    motor: float = 0.0
+
+    def run(self) -> None:
+        """Make the test to the end of its release phase; raises ``Stopped`` with the reason of an early end."""
+        tasks, control, journal = self.tasks, self.control, self.journal
+        out = control.out
+        longest = len(journal.rows)
+        while True:
+            missed, pressure1, pressure2, arm = self.read()
+            reason = self._reason(missed, pressure1, pressure2, arm)
+            if reason is not None:
+                raise Stopped(reason)
+            control.step(pressure1, pressure2, arm, 1.0 + missed)
+            phase = out[PHASE]
+            if phase > RELEASE_PHASE:
+                break
+            tasks.write(out[COMMAND], self.motor, out[DITHER], out[PRELOAD_SPEED])
+            if journal.count + missed + 1 > longest:
+                raise Stopped("the test takes longer than its phases may")
+            row = journal.rows[journal.count]
+            row[:6] = out[:6]
+            row[6], row[7], row[8], row[9] = arm, pressure1, pressure2, self.motor
+            if phase == COMMAND_PHASE and journal.first < 0:
+                journal.first = journal.count + missed
+            journal.add(missed)
+        if phase >= FAILED_PHASE:
+            raise Stopped(
+                "the preload or the pressure adjustment took longer than procedure.phase_limit_s: a leak, a wrong "
+                "sensor, or a drive that does not move"
+            )
+
+    def return_to_start(self, speed: float) -> None:
+        """Drive the pump back to where it started, at ``speed`` (rad/s), under the same limits; not logged."""
+        out = self.control.out
+        out[PHASE], command = RELEASE_PHASE, out[COMMAND]
+        step = speed * PERIOD
+        while command != 0.0:
+            missed, pressure1, pressure2, arm = self.read()
+            reason = self._reason(missed, pressure1, pressure2, arm)
+            if reason is not None:
+                raise Stopped(f"while the pump returned to its start: {reason}")
+            command = 0.0 if abs(command) <= step else command - copysign(step, command)
+            out[COMMAND] = command
+            self.tasks.write(command, self.motor, 0.0, 0.0)
+
+    def read(self) -> tuple[int, float, float, float]:
+        """Wait for the next sample; return samples missed, pressures (Pa) and arm angle (rad)."""
+        tasks, wiring = self.tasks, self.tasks.wiring
+        try:
+            missed = tasks.read()
+        except Error as error:
+            lines = str(error).strip().splitlines()
+            code = getattr(error, "error_code", None)
+            raise Stopped(f"reading failed: {lines[0] if lines else error}" + (f" (error {code})" if code else "")) from error
+        self.timing.cycle(time.perf_counter_ns(), missed)
+        encoders = wiring.encoders
+        arm = encoders["arm"].sign * tasks.counts[0] * encoders["arm"].count
+        self.motor = encoders["pump"].sign * tasks.counts[1] * encoders["pump"].count
+        pressure1 = wiring.pressures["pressure1"].pascal(float(tasks.volts[0]))
+        return missed, pressure1, wiring.pressures["pressure2"].pascal(float(tasks.volts[1])), arm
+
+    def _reason(self, missed: int, pressure1: float, pressure2: float, arm: float) -> str | None:
+        asked = self.asked()
+        if asked is not None:
+            return asked
+        if self.journal.problem is not None:
+            return f"the log cannot be written: {self.journal.problem}"
+        return self.limits.check(missed, self.tasks.volts, pressure1, pressure2, arm, self.motor, self.control.out)

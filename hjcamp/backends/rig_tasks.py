@@ -1,0 +1,213 @@
+"""The tasks of the vendor's API that one test needs: read all sensors at one clock edge, write all outputs, be safe."""
+
+from __future__ import annotations
+
+import contextlib
+import warnings
+from typing import Any
+
+import numpy as np
+from nidaqmx import DaqWarning, Task
+from nidaqmx.constants import (
+    AcquisitionType,
+    AngleUnits,
+    EncoderType,
+    TerminalConfiguration,
+    WatchdogAOExpirState,
+)
+from nidaqmx.errors import Error
+from nidaqmx.stream_readers import AnalogMultiChannelReader, CounterReader
+from nidaqmx.stream_writers import AnalogMultiChannelWriter
+from nidaqmx.system import Device
+from nidaqmx.system.watchdog import WatchdogTask
+from nidaqmx.types import AOExpirationState
+
+from hjcamp.backends.rig_connection import Connection, RigUnavailable
+from hjcamp.backends.rig_wiring import Wiring
+
+RATE = 1000.0
+DECODING = {"x1": EncoderType.X_1, "x2": EncoderType.X_2, "x4": EncoderType.X_4}
+TERMINALS = {
+    "diff": TerminalConfiguration.DIFF,
+    "rse": TerminalConfiguration.RSE,
+    "nrse": TerminalConfiguration.NRSE,
+    "default": TerminalConfiguration.DEFAULT,
+}
+WATCHDOG_EXPIRED = -200678
+IN_USE = (-50103, -201420, -200089)
+
+
+class RigTasks:
+    """The running tasks of one test.
+
+    ``read`` waits for the next edge of the sample clock (hardware-timed single point): it is what paces the loop.
+    ``volts`` (2,) and ``counts`` (arm, pump) hold what was read; ``acquired`` is the device's own count of samples.
+    """
+
+    def __init__(self, wiring: Wiring, connection: Connection, timeout: float) -> None:
+        self.wiring = wiring
+        self.volts = np.zeros(2)
+        self.counts = [0.0, 0.0]
+        self.acquired = 0
+        self.is_safe = True
+        self._timeout = timeout
+        self._options = connection.options
+        self._watchdog: Any = None
+        self._opened: list[Any] = []
+        self._written = np.zeros(len(wiring.outputs))
+        self._names = list(wiring.outputs)
+        self._counts_samples = True
+        try:
+            self._open()
+        except Error as error:
+            self.close()
+            reason = "another program uses it" if getattr(error, "error_code", 0) in IN_USE else "it cannot be opened"
+            raise RigUnavailable(f"rig: {reason}: {_first_line(error)}") from error
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self) -> None:
+        wiring = self.wiring
+        analog = self._task()
+        for sensor in wiring.pressures.values():
+            terminal = TERMINALS.get(sensor.terminal, TerminalConfiguration.DEFAULT)
+            analog.ai_channels.add_ai_voltage_chan(sensor.channel, "", terminal, -10.0, 10.0)
+        point = AcquisitionType.HW_TIMED_SINGLE_POINT
+        analog.timing.cfg_samp_clk_timing(RATE, sample_mode=point)
+        clock = f"/{wiring.pressures['pressure1'].channel.lstrip('/').split('/')[0]}/ai/SampleClock"
+        self._counters = []
+        for encoder in wiring.encoders.values():
+            task = self._task()
+            task.ci_channels.add_ci_ang_encoder_chan(
+                encoder.channel,
+                decoding_type=DECODING[encoder.decoding],
+                units=AngleUnits.TICKS,
+                pulses_per_rev=encoder.pulses_per_turn,
+                initial_angle=0.0,
+            )
+            task.timing.cfg_samp_clk_timing(RATE, source=clock, sample_mode=point)
+            self._counters.append(CounterReader(task.in_stream))
+        drives = self._task()
+        for output in wiring.outputs.values():
+            drives.ao_channels.add_ao_voltage_chan(output.channel, "", output.lowest_v, output.highest_v)
+        if wiring.timing == "hardware_timed":
+            drives.timing.cfg_samp_clk_timing(RATE, source=clock, sample_mode=point)
+        self._writer = AnalogMultiChannelWriter(drives.out_stream, auto_start=wiring.timing == "on_demand")
+        self._writer.verify_array_shape = False
+        self._reader = AnalogMultiChannelReader(analog.in_stream)
+        self._reader.verify_array_shape = False
+        self._in_stream = analog.in_stream
+        self._opened_watchdog()
+        self._write_safe(0.0)
+        # The slaves of the sample clock first: none may miss its first edge.
+        for task in [*self._opened[1:3], *([drives] if wiring.timing == "hardware_timed" else []), analog]:
+            task.start()
+        if self._watchdog is not None:
+            self._watchdog.start()
+
+    def _task(self) -> Any:
+        task = Task(grpc_options=self._options)
+        self._opened.append(task)
+        return task
+
+    def _opened_watchdog(self) -> None:
+        if self.wiring.watchdog_s is None:
+            return
+        states = [
+            AOExpirationState(output.channel, output.safe_v or 0.0, WatchdogAOExpirState.VOLTAGE)
+            if output.safe_v is not None
+            else AOExpirationState(output.channel, 0.0, WatchdogAOExpirState.NO_CHANGE)
+            for output in self.wiring.outputs.values()
+        ]
+        device = self.wiring.outputs["pump"].channel.lstrip("/").split("/")[0]
+        self._watchdog = WatchdogTask(device, timeout=self.wiring.watchdog_s, grpc_options=self._options)
+        self._watchdog.cfg_watchdog_ao_expir_states(states)
+
+    def read(self) -> int:
+        """Wait for the next sample; return how many samples were missed since the last one."""
+        self._reader.read_one_sample(self.volts, self._timeout)
+        before = self.acquired
+        if self._counts_samples:
+            try:
+                self.acquired = int(self._in_stream.total_samp_per_chan_acquired)
+            except Error:
+                if before:
+                    raise
+                # Not every device counts single points; then only its own late errors tell.
+                self._counts_samples = False
+        if not self._counts_samples:
+            self.acquired = before + 1
+        self.counts[0] = self._counters[0].read_one_sample_double(self._timeout)
+        self.counts[1] = self._counters[1].read_one_sample_double(self._timeout)
+        return max(0, self.acquired - before - 1) if before else 0
+
+    def write(self, command: float, motor: float, dither: float, preload_speed: float) -> None:
+        """Write all outputs: pump command and measured motor angle (rad), dither (V), preload speed (m/s)."""
+        wiring, out = self.wiring, self._written
+        for place, name in enumerate(self._names):
+            output = wiring.outputs[name]
+            if name == "preload":
+                out[place] = output.volts(preload_speed)
+            elif name == "dither":
+                out[place] = output.volts(dither)
+            elif wiring.quantity == "voltage":
+                out[place] = output.volts((command - motor) * wiring.loop_v_per_rad + dither)
+            else:
+                out[place] = output.volts(command)
+        self.is_safe = False
+        self._writer.write_one_sample(out, self._timeout)
+        if self._watchdog is not None:
+            self._watchdog.reset_timer()
+
+    def make_safe(self, motor: float) -> str | None:
+        """Write the safe state of all outputs; return what prevented it, None where it was done."""
+        for _ in range(2):
+            try:
+                self._write_safe(motor)
+            except (Error, OSError, ValueError) as error:
+                if getattr(error, "error_code", None) == WATCHDOG_EXPIRED:
+                    # The device was faster: its outputs have their safe state already.
+                    self.is_safe = True
+                    return None
+                problem = _first_line(error)
+            else:
+                self.is_safe = True
+                return None
+        return problem
+
+    def _write_safe(self, motor: float) -> None:
+        outputs = self.wiring.outputs
+        safe = [outputs[name].volts(motor) if (volts := outputs[name].safe_v) is None else volts for name in self._names]
+        self._writer.write_one_sample(np.array(safe), self._timeout)
+
+    def close(self) -> None:
+        """Stop and clear all tasks; never raises for a device that is gone."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DaqWarning)
+            for task in [self._watchdog, *reversed(self._opened)]:
+                if task is not None:
+                    with contextlib.suppress(Error, OSError):
+                        task.stop()
+                    try:
+                        task.close()
+                    except (Error, OSError):
+                        # Otherwise its destructor warns; the server drops what it holds with the session.
+                        task._close_on_exit = False
+                        task._handle = None
+        self._opened, self._watchdog = [], None
+
+    def device_facts(self) -> str:
+        """Return product and serial number of each device, for the log."""
+        facts = []
+        for name in self.wiring.devices:
+            with contextlib.suppress(Error, OSError):
+                device = Device(name, grpc_options=self._options)
+                facts.append(f"{name} {device.product_type} {device.serial_num:08X}")
+        return ", ".join(facts)
+
+
+def _first_line(error: BaseException) -> str:
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    code = getattr(error, "error_code", None)
+    return (lines[0] if lines else type(error).__name__) + (f" (error {code})" if code else "")

@@ -1,0 +1,31 @@
+"""How punctual the loop was: samples missed, and the time from sample to sample."""
+
+from __future__ import annotations
+
+import numpy as np
+
+BIN_MS = (0.0, 0.9, 1.1, 1.5, 2.0, 3.0, 5.0, 10.0)
+
+
+class LoopTiming:
+    """Counts cycles by their length. A virtual rig has no wall clock: there a cycle is 1 ms and what was missed."""
+
+    def __init__(self, longest: int, virtual: bool) -> None:
+        self._lengths = np.zeros(longest)
+        self._cycles = 0
+        self._last: int | None = None
+        self._virtual = virtual
+
+    def cycle(self, now_ns: int, missed: int) -> None:
+        """Note one sample, read at ``now_ns``."""
+        if self._last is not None and self._cycles < len(self._lengths):
+            self._lengths[self._cycles] = 1.0 + missed if self._virtual else (now_ns - self._last) * 1e-6
+            self._cycles += 1
+        self._last = now_ns
+
+    def histogram(self) -> str:
+        """Return the number of cycles by length, such as ``0.9-1.1ms:2993 1.1-1.5ms:7``."""
+        lengths = self._lengths[: self._cycles]
+        counts = np.histogram(lengths, bins=[*BIN_MS, np.inf])[0]
+        names = [f"{low:g}-{high:g}ms" for low, high in zip(BIN_MS, BIN_MS[1:], strict=False)] + [f"{BIN_MS[-1]:g}ms-"]
+        return " ".join(f"{name}:{count}" for name, count in zip(names, counts, strict=True) if count)

@@ -1,0 +1,79 @@
+"""The tasks of a virtual device's clients: channels, reservations, start and stop."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+
+RESERVED = -50103
+NO_SUCH_TASK = -200088
+NO_SUCH_CHANNEL = -200170
+NOT_RUNNING = -200983
+DUPLICATE_NAME = -200089
+
+
+class DeviceError(Exception):
+    """An error code of the driver."""
+
+    def __init__(self, code: int, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+@dataclass
+class Task:
+    """One task: its channels in order, with what is measured at a counter."""
+
+    name: str
+    kind: str = ""
+    channels: list[str] = field(default_factory=list)
+    initial: float = 0.0
+    rate: float | None = None
+    running: bool = False
+
+
+class Tasks:
+    """All tasks by name. A terminal belongs to the task that named it first until that is cleared."""
+
+    def __init__(self) -> None:
+        self._tasks: dict[str, Task] = {}
+        self._numbers = itertools.count()
+
+    def create(self, name: str) -> Task:
+        """Add a task; without a name it gets one."""
+        name = name or f"_unnamedTask<{next(self._numbers)}>"
+        if name in self._tasks:
+            raise DeviceError(DUPLICATE_NAME, f"Specified task name '{name}' conflicts with an existing task name.")
+        self._tasks[name] = Task(name)
+        return self._tasks[name]
+
+    def find(self, name: str) -> Task:
+        """Return the task of that name."""
+        if name not in self._tasks:
+            raise DeviceError(NO_SUCH_TASK, "Task specified is invalid or does not exist.")
+        return self._tasks[name]
+
+    def clear(self, name: str) -> Task:
+        """Remove a task and give its terminals free."""
+        task = self.find(name)
+        del self._tasks[name]
+        return task
+
+    def add_channel(self, name: str, kind: str, channel: str) -> Task:
+        """Add a terminal to a task; one that another task holds is refused, as the driver does."""
+        task = self.find(name)
+        for other in self._tasks.values():
+            if channel in other.channels:
+                raise DeviceError(
+                    RESERVED, f"The specified resource is reserved: {channel} belongs to task '{other.name}'."
+                )
+        task.kind = kind
+        task.channels.append(channel)
+        return task
+
+    def running(self, name: str, kind: str) -> Task:
+        """Return a task that was started; raises the driver's error for another."""
+        task = self.find(name)
+        if not task.running or task.kind != kind:
+            raise DeviceError(NOT_RUNNING, f"Task '{name}' is not running.")
+        return task

@@ -1,0 +1,29 @@
+"""Gain sets as files of the group ``controller/gains``, with where they come from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from hjcamp.campaign.files import write_atomic
+from hjcamp.errors import UsageError
+
+FOLDER = Path("conf/controller/gains")
+
+
+def write_gains(name: str, gains: Mapping[str, Mapping[str, float]], source: Sequence[str], replace: bool) -> Path:
+    """Write ``conf/controller/gains/NAME.yaml`` in the working folder; ``source`` are lines that say where it is from.
+
+    Raises ``UsageError`` where the file exists and is not to be replaced, or the name is none for a file.
+    """
+    if not name.replace("_", "").replace("-", "").isalnum():
+        raise UsageError(f"'{name}' is no name for a gain set; letters, digits, _ and - are allowed")
+    path = FOLDER / f"{name}.yaml"
+    if path.exists() and not replace:
+        raise UsageError(f"{path} exists; another name (--as NAME) or --replace is needed")
+    lines = ["# @package controller", *(f"# {line}" for line in source)]
+    for side, group in gains.items():
+        lines.append(f"{side}: {{" + ", ".join(f"{key}: {value:.4g}" for key, value in group.items()) + "}")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_atomic(path, "\n".join(lines) + "\n")
+    return path

@@ -1,0 +1,107 @@
+"""Identify a rig's constants from its own logs and save them as configuration."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hjcamp.errors import UsageError
+
+if TYPE_CHECKING:
+    from hjcamp.calibrate.estimate import Estimate
+    from hjcamp.calibrate.identify import Calibration
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("calibrate")(calibrate)
+
+
+def calibrate(
+    paths: Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")],
+    name: Annotated[str, typer.Option("--as", help="Name of the model and rig to write: conf/model/NAME.yaml.")],
+    only: Annotated[
+        list[str] | None, typer.Option(help="Only logs with this in their metadata: pump=pump2. May be repeated.")
+    ] = None,
+    conf: Annotated[Path, typer.Option(help="Configuration folder to write into.")] = Path("conf"),
+    replace: Annotated[bool, typer.Option("--replace", help="Replace files of that name.")] = False,
+) -> None:
+    """Identify a rig's constants from its own logs and save them as configuration."""
+    from hjcamp.calibrate.configuration_file import check_name, write_configuration
+    from hjcamp.calibrate.identify import identify
+    from hjcamp.calibrate.identify import only as select
+    from hjcamp.campaign.console import make_console
+    from hjcamp.configuration.setups import configuration_for
+    from hjcamp.records.find import read_logs
+    from hjcamp.records.write import whole_file
+    from hjcamp.report.identification_figures import identification_page
+
+    check_name(name, conf, replace)
+    logs = select(read_logs(paths), _pairs(only or []))
+    found = identify(logs, configuration_for)
+    hardware = tuple(found.hardware.items())
+    origin = {"command": " ".join(["hjcamp calibrate", *map(str, paths), f"--as {name}"])}
+    model, rig = write_configuration(name, found, configuration_for(hardware), conf, origin)
+    page = Path("calibration") / f"{name}.html"
+    facts = [f"{found.tests} tests", *(f"{group} {choice}" for group, choice in hardware)]
+    charts = [chart for finding in found.findings.values() for chart in finding.charts]
+    rows = [row_of(one) for one in found.estimates.values()]
+    with whole_file(page) as stream:
+        stream.write(identification_page(f"Calibration {name}", facts, rows, notes_of(found), charts).encode())
+    _print(make_console(), found)
+    console = make_console()
+    console.print(f"  model   {model}   rig  {rig}", markup=False, soft_wrap=True)
+    console.print(f"  page    {page}", markup=False, soft_wrap=True)
+    console.print(f"  next    hjcamp run campaign=open_loop_validation model={name} rig={name}", markup=False)
+    console.print(f"          hjcamp compare {' '.join(map(str, paths))} --model {name}", markup=False, soft_wrap=True)
+
+
+def row_of(one: Estimate) -> list[str]:
+    """Return what a table shows of an estimate: text, value, interval, published value, tests."""
+    from hjcamp.calibrate.estimate import significant
+
+    scale, unit = one.shown_scale, one.shown_unit
+    width = (one.interval[1] - one.interval[0]) * scale if one.interval else 0.0
+    value = significant(one.value * scale, width) if one.interval else f"{one.value * scale:.4g}"
+    interval = " to ".join(significant(end * scale, width) for end in one.interval) if one.interval else "none"
+    published = "" if one.published is None else f"{one.published * scale:.4g}"
+    return [one.text, f"{value} {unit}", interval, published, str(one.tests)]
+
+
+def notes_of(found: Calibration) -> list[str]:
+    """Return facts and warnings, each with its kind of test."""
+    facts = [f"{kind}: {key}: {text}" for kind, one in found.findings.items() for key, text in one.facts.items()]
+    return facts + [f"{kind}: warning: {text}" for kind, one in found.findings.items() for text in one.warnings]
+
+
+def _pairs(lines: list[str]) -> dict[str, str]:
+    pairs = {}
+    for line in lines:
+        key, equals, value = line.partition("=")
+        if not equals or not key or not value:
+            raise UsageError(f"--only {line}: KEY=VALUE is needed, for example pump=pump2")
+        pairs[key] = value
+    return pairs
+
+
+def _print(console: object, found: Calibration) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from hjcamp.report.identification_figures import HEADINGS
+
+    assert isinstance(console, Console)
+    for kind, finding in found.findings.items():
+        if finding.estimates:
+            table = Table(title=kind, title_justify="left", box=None, pad_edge=False)
+            for heading in HEADINGS:
+                table.add_column(heading, justify="left" if heading == "constant" else "right")
+            for one in finding.estimates:
+                table.add_row(*row_of(one))
+            console.print(table)
+        for key, text in finding.facts.items():
+            console.print(f"  {key}: {text}", style="dim", markup=False)
+        for text in finding.warnings:
+            console.print(f"  warning  {text}", style="yellow", markup=False)

@@ -1,0 +1,103 @@
+"""The rig: serve a virtual one, check a real one, see who uses it: hjcamp rig serve, check, unlock."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from hjcamp.errors import HjcampError
+
+Overrides = Annotated[list[str] | None, typer.Argument(metavar="OVERRIDES", help="As of hjcamp run: rig=NAME ...")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    group = typer.Typer(
+        name="rig",
+        help="Serve a virtual rig, check a real one, see who uses it.",
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
+    )
+    group.command("serve")(serve)
+    group.command("check")(check)
+    group.command("unlock")(unlock)
+    app.add_typer(group)
+
+
+def serve(
+    overrides: Annotated[
+        list[str] | None, typer.Argument(metavar="EFFECTS", help="Hidden effects: effects.leakage.conductance=1e-13")
+    ] = None,
+    address: Annotated[str, typer.Option(help="HOST:PORT to serve on.")] = "localhost:31763",
+    fault: Annotated[list[str] | None, typer.Option(help="KIND@SAMPLE or KIND@SAMPLE#TEST; more than one is fine.")] = None,
+    anybody: Annotated[bool, typer.Option(help="Serve on an address that other computers reach.")] = False,
+) -> None:
+    """Serve a virtual rig on the vendor's protocol, in lockstep virtual time, until Ctrl-C."""
+    from hjcamp.backends.virtual_rig.faults import parse_fault
+    from hjcamp.backends.virtual_rig.server import check_address, start_server
+    from hjcamp.configuration.composer import Composer, free
+    from hjcamp.errors import UsageError
+
+    check_address(address, anybody)
+    faults = [parse_fault(text) for text in fault or []]
+    lines = [free(line.lstrip("+")) for line in overrides or []]
+    if wrong := [line for line in lines if not line.lstrip("+").startswith("effects.")]:
+        raise UsageError(f"'{wrong[0]}': only effects can be hidden in the rig; the client says what hardware is on it")
+    hidden = Composer().compose(lines).config.get("effects") or {}
+    server, port, _ = start_server(address, faults, hidden)
+    host = address.rpartition(":")[0]
+    print(f"a virtual rig is served at {host}:{port}; Ctrl-C ends it")
+    print(f"use it with: backend=nidaqmx rig=virtual rig.connection={{kind:address,address:'{host}:{port}'}}", flush=True)
+    try:
+        server.wait_for_termination()
+    finally:
+        server.stop(0.5).wait()
+
+
+def check(
+    overrides: Overrides = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Confirm the motion without looking.")] = False,
+) -> None:
+    """Check wiring, noise, preload and directions with small motions; a rig must pass before it runs a campaign."""
+    from hjcamp.backends.rig_check import Finding, check_rig
+    from hjcamp.configuration.composer import Composer, free
+
+    config = Composer().compose([free(line) for line in overrides or []] + ["backend=nidaqmx"]).config
+
+    def say(finding: Finding) -> None:
+        print(f"{'ok    ' if finding.passed else 'FAILED'} {finding.name:<8} {finding.text}", flush=True)
+
+    def ask(question: str) -> bool:
+        return yes or typer.confirm(question)
+
+    name = config["rig"]["name"]
+    if not yes:
+        print(f"The rig '{name}' will move: preload, the pump by a few mm, the arm by a few degrees.")
+        if not typer.confirm("Is everybody clear of it?"):
+            raise HjcampError("not checked: nothing was moved")
+    if not check_rig(config, ask, say):
+        raise HjcampError(f"rig '{name}' has not passed its check; the outputs are safe")
+    print(f"rig '{name}' has passed; this holds until its wiring or limits are changed")
+
+
+def unlock() -> None:
+    """Say who holds each rig of this computer, and clear what dead processes left."""
+    import tempfile
+    from pathlib import Path
+
+    from hjcamp.backends.rig_lock import FOLDER, describe, is_free, read_holder
+
+    held: list[dict[str, Any]] = []
+    for path in sorted((Path(tempfile.gettempdir()) / FOLDER).glob("*.lock")):
+        holder = read_holder(path)
+        rig = holder.get("rig", path.stem)
+        if is_free(path):
+            print(f"{rig}: free (last used by {describe(holder)})")
+            path.unlink(missing_ok=True)
+        else:
+            held.append(holder)
+            print(f"{rig}: in use by {describe(holder)}")
+            print(f"  a lock ends with its process; to end that one safely: kill {holder.get('process', 'PROCESS')}")
+    if not held:
+        print("no rig is in use")

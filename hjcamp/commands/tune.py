@@ -1,0 +1,136 @@
+"""Find PID gains on the simulated rig: by the stability method, or anew for the cases of a campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hjcamp.commands._complete import complete_override
+from hjcamp.errors import UsageError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from hjcamp.campaign.plan import Condition, Plan
+
+SIDES = (("positive", 1.0), ("negative", -1.0))
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("tune")(tune)
+
+
+def tune(
+    overrides: Annotated[list[str] | None, typer.Argument(autocompletion=complete_override)] = None,
+    name: Annotated[str | None, typer.Option("--as", help="Save as conf/controller/gains/NAME.yaml.")] = None,
+    start: Annotated[str, typer.Option("--from", help="With a campaign: the gain set to start from.")] = "simulation",
+    step_deg: Annotated[float, typer.Option(min=0.1, help="Step of the stability method, deg.")] = 30.0,
+    replace: Annotated[bool, typer.Option("--replace", help="Overwrite a gain set that exists.")] = False,
+    config_dir: Annotated[Path | None, typer.Option("--config-dir", help="A further folder of groups.")] = None,
+) -> None:
+    """Find PID gains on the simulated rig: by the stability method, or anew for the cases of a campaign.
+
+    Without a campaign: the critical gain and period for a step, and the gains of thesis 5.2.1.3. With one: for every
+    case (conditions that differ only in their trajectory share one gain set) the gains with the smallest mean RMSE1,
+    sought from those of Table 5.3.1 (--from simulation) and written to conf/controller/gains/CASE.yaml.
+    """
+    from hjcamp.campaign.console import make_console
+
+    lines = overrides or []
+    if any(line.split("=")[0].lstrip("+~") == "campaign" for line in lines):
+        tune_campaign(lines, name, start, replace, config_dir, make_console())
+    else:
+        stability_method(lines, name, step_deg, replace, config_dir, make_console())
+
+
+def stability_method(
+    lines: list[str], name: str | None, step_deg: float, replace: bool, config_dir: Path | None, console: Console
+) -> None:
+    """Print, and save where asked, the gains that follow from the critical point of each direction."""
+    from hjcamp.campaign.critical_gain import critical_point
+    from hjcamp.campaign.gains_file import write_gains
+    from hjcamp.campaign.planning import make_plan
+    from hjcamp.configuration.composer import Composer, free
+
+    composer = Composer(folder=config_dir)
+    given = [free(line) for line in lines]
+    asked = composer.compose(given)
+    # The plan checks every value and the controller; the one test that it describes is not run.
+    make_plan(asked.config, None, given, composer)
+    points = {side: critical_point(composer, given, sign * step_deg) for side, sign in SIDES}
+    gains = {side: point.pid_gains() for side, point in points.items()}
+    console.print(f"Stability method on the simulated rig, step of {step_deg:g} deg (thesis 5.2.1.3)", markup=False)
+    for side, point in points.items():
+        text = ", ".join(f"{key} {value:.4g}" for key, value in gains[side].items())
+        console.print(f"  {side}   critical gain {point.gain:.3g}, period {1e3 * point.period:.1f} ms   ->   {text}")
+    if name is not None:
+        call = " ".join(["hjcamp tune", *lines, f"--step-deg {step_deg:g}", f"--as {name}"])
+        found = ", ".join(f"{side} {point.gain:.3g} and {1e3 * point.period:.1f} ms" for side, point in points.items())
+        source = [
+            "First gains by the stability method (thesis 5.2.1.3), before any tuning by hand.",
+            f"Critical gain and period on the simulated rig: {found}.",
+            f"Made by: {call}",
+        ]
+        console.print(
+            f"  saved   {write_gains(name, gains, source, replace)}: use controller/gains={name}", markup=False
+        )
+
+
+def tune_campaign(
+    lines: list[str], name: str | None, start: str, replace: bool, config_dir: Path | None, console: Console
+) -> None:
+    """Tune the gains of every case of a campaign and save them."""
+    from hjcamp.campaign.gains_file import FOLDER, write_gains
+    from hjcamp.campaign.retune import FACTOR, gains_of, retune
+    from hjcamp.commands.plan import compose_plan
+    from hjcamp.configuration.composer import Composer
+
+    first = gains_of(Composer(folder=config_dir).compose([f"controller/gains={start}"]).config, f"--from {start}")
+    plan = compose_plan(lines, config_dir)
+    cases = cases_of(plan)
+    if name is not None and len(cases) > 1:
+        raise UsageError(f"--as names one gain set, but there are {len(cases)} cases: {', '.join(cases)}")
+    named = {name or case: conditions for case, conditions in cases.items()}
+    for case, conditions in named.items():
+        for condition in conditions:
+            gains_of(condition.config, f"condition '{condition.name}'")
+        if (FOLDER / f"{case}.yaml").exists() and not replace:
+            raise UsageError(f"{FOLDER / case}.yaml exists; --replace overwrites it, conditions=NAME leaves it out")
+    for case, conditions in named.items():
+        console.print(f"[bold]{case}[/bold]   {', '.join(one.name for one in conditions)}")
+        with console.status("searching") as status:
+            result = retune(
+                conditions, first, plan.seed, lambda best: status.update(f"searching, mean RMSE1 {best:.4f} deg")
+            )
+        source = [
+            f"Tuned by: hjcamp tune {' '.join(lines)} (campaign '{plan.campaign}', seed {plan.seed})",
+            f"Smallest mean RMSE1 over {', '.join(result.conditions)}, simulated without scatter: "
+            f"{result.before:.4f} -> {result.after:.4f} deg.",
+            f"{result.evaluations} evaluations of a seeded search, each gain between 1/{FACTOR:g} and {FACTOR:g} times "
+            f"its value in controller/gains={start}: {_shown(result.start)}.",
+        ]
+        path = write_gains(case, result.gains, source, replace)
+        console.print(f"  mean RMSE1 {result.before:.4f} -> {result.after:.4f} deg, {result.evaluations} evaluations")
+        console.print(f"  {_shown(result.gains)}", markup=False)
+        console.print(f"  saved   {path}: use controller/gains={case}", markup=False)
+
+
+def cases_of(plan: Plan) -> dict[str, list[Condition]]:
+    """Return the conditions that differ only in their trajectory, by the name of what they share."""
+    cases: dict[str, list[Condition]] = {}
+    for condition in plan.conditions:
+        labels = condition.name.split("__")
+        if len(labels) == len(plan.axes):
+            labels = [label for label, axis in zip(labels, plan.axes, strict=True) if axis != "trajectory"]
+        cases.setdefault("__".join(labels) or plan.campaign, []).append(condition)
+    return cases
+
+
+def _shown(gains: Mapping[str, Mapping[str, float]]) -> str:
+    return "; ".join(
+        f"{side} " + ", ".join(f"{key} {value:.4g}" for key, value in group.items()) for side, group in gains.items()
+    )

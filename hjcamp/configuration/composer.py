@@ -1,0 +1,204 @@
+"""Compose the configuration of one condition from the groups; the one place that knows Hydra's loader."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+from hydra._internal.config_loader_impl import ConfigLoaderImpl
+from hydra._internal.config_repository import ConfigRepository
+from hydra._internal.config_search_path_impl import ConfigSearchPathImpl
+from hydra._internal.utils import create_config_search_path
+from hydra.core.config_search_path import ConfigSearchPath
+from hydra.core.object_type import ObjectType
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.core.override_parser.types import Override
+from hydra.core.utils import setup_globals
+from hydra.errors import HydraException
+from hydra.plugins.config_source import ConfigResult
+from hydra.types import RunMode
+from omegaconf import OmegaConf, open_dict
+from omegaconf.errors import OmegaConfBaseException
+
+from hjcamp.configuration import hydra_plugins
+from hjcamp.configuration.search_path import packaged_root
+from hjcamp.errors import UsageError
+
+# Hydra reports some misuse (campaign=null) as a bare ValueError.
+COMPOSE_ERRORS = (HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError)
+FREE_KEYS = ("effects.", "model.effects.", "model.parameters.")
+
+
+@dataclass(frozen=True)
+class Composition:
+    """One composed configuration: ``config`` resolved to plain values, ``choices`` the option of each group."""
+
+    config: dict[str, Any]
+    choices: dict[str, str]
+
+
+class _FilesReadOnce(ConfigRepository):
+    """Hydra's repository, but a file is parsed once for all conditions: half the time of composing."""
+
+    def __init__(self, config_search_path: ConfigSearchPath) -> None:
+        super().__init__(config_search_path)
+        self._read: dict[str, ConfigResult | None] = {}
+
+    def load_config(self, config_path: str) -> ConfigResult | None:
+        if config_path not in self._read:
+            self._read[config_path] = super().load_config(config_path)
+        result = self._read[config_path]
+        # Composing writes into what it is given.
+        return None if result is None else replace(result, config=copy.deepcopy(result.config))
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> _FilesReadOnce:
+        # Hydra copies the repository for every composition; a search path in the overrides must not leak out.
+        twin = _FilesReadOnce.__new__(_FilesReadOnce)
+        twin.config_search_path = getattr(self, "config_search_path", None)  # type: ignore[assignment]
+        twin.sources = list(self.sources)
+        twin._read = self._read
+        return twin
+
+
+class Composer:
+    """Composes configurations over one search path.
+
+    ``sources`` is the search path of a running Hydra job as (provider, address) pairs; without it the standard one is
+    used, with ``folder`` (``--config-dir``) behind it.
+    """
+
+    def __init__(self, sources: Iterable[tuple[str, str]] | None = None, folder: Path | None = None) -> None:
+        setup_globals()
+        hydra_plugins.register()
+        if sources is None:
+            path: ConfigSearchPath = create_config_search_path(str(packaged_root() / "conf"))
+            if folder is not None:
+                if not folder.is_dir():
+                    raise UsageError(f"configuration folder {folder} not found")
+                path.prepend("command-line", f"file://{folder.resolve()}", anchor="schema")
+        else:
+            path = ConfigSearchPathImpl()
+            for provider, address in sources:
+                path.append(provider, address)
+        self._models: dict[str, dict[str, Any]] = {}
+        self._loader = ConfigLoaderImpl(path)
+        self._loader.repository = _FilesReadOnce(path)
+
+    def compose(self, overrides: Sequence[str]) -> Composition:
+        """Return the configuration under ``overrides`` (Hydra's grammar).
+
+        Raises ``UsageError`` for an unknown group, choice or parameter, with the nearest match.
+        """
+        from hjcamp.configuration.explain import explain
+
+        try:
+            composed = self._loader.load_configuration("config", list(overrides), RunMode.RUN)
+            choices = {str(group): choice for group, choice in composed.hydra.runtime.choices.items()}
+            with open_dict(composed):
+                composed.pop("hydra")
+            config = OmegaConf.to_container(composed, resolve=True)
+        except COMPOSE_ERRORS as error:
+            raise explain(error, overrides, self) from error
+        assert isinstance(config, dict)
+        return Composition(
+            {str(key): value for key, value in config.items()},
+            {group: choice for group, choice in choices.items() if not group.startswith("hydra/")},
+        )
+
+    def model(self, name: str) -> dict[str, Any]:
+        """Return the group ``model`` as saved under ``name``, for a controller that calculates with it."""
+        if name not in self._models:
+            self._models[name] = self.compose([f"model={name}"]).config["model"]
+        return copy.deepcopy(self._models[name])
+
+    def is_group(self, key: str) -> bool:
+        """Return whether ``key`` names a group (``pump``, ``controller/gains``) rather than a parameter."""
+        return bool(key) and self._loader.repository.group_exists(key.split("@")[0])
+
+    def options(self, group: str) -> list[str]:
+        """Return the choices of a group, the user's and ours."""
+        names = self._loader.repository.get_group_options(group, ObjectType.CONFIG)
+        return [name for name in names if not name.startswith("_")]
+
+    def groups(self) -> list[str]:
+        """Return the names of the top-level groups."""
+        names = self._loader.repository.get_group_options("", ObjectType.GROUP)
+        return [name for name in names if name != "hydra" and self.options(name)]
+
+    def complete(self, word: str) -> list[str]:
+        """Return the groups, choices and parameters that may follow ``word`` on a command line."""
+        group, equals, _ = word.partition("=")
+        if equals and self.is_group(group):
+            found = [f"{group}={choice}" for choice in self.options(group)]
+        else:
+            parent = group.rpartition(".")[0]
+            place: Any = self.compose([]).config
+            for part in parent.split(".") if parent else []:
+                place = place.get(part) if isinstance(place, Mapping) else None
+            names = place if isinstance(place, Mapping) else {}
+            dot = f"{parent}." if parent else ""
+            found = [f"{dot}{name}" + ("." if isinstance(value, Mapping) else "=") for name, value in names.items()]
+            if not parent:
+                found += [f"{name}=" for name in self.groups()]
+        return sorted(name for name in set(found) if name.startswith(word))
+
+    def places(self) -> list[str]:
+        """Return where configuration is looked for, first wins."""
+        sources = self._loader.repository.get_sources()
+        return [
+            f"{source.scheme()}://{source.path}" for source in sources if source.provider not in ("hydra", "schema")
+        ]
+
+
+def parse_overrides(lines: Sequence[str]) -> list[Override]:
+    """Return the parsed overrides; raises ``UsageError`` where a line does not follow Hydra's grammar."""
+    parsed = []
+    parser = OverridesParser.create()
+    for line in lines:
+        try:
+            parsed.append(parser.parse_override(line))
+        except HydraException as error:
+            detail = str(error).splitlines()[0].split(". See ")[0] if str(error) else "not understood"
+            raise UsageError(
+                f"cannot read the override '{line}': {detail}. Expected GROUP=CHOICE or PARAMETER=VALUE"
+            ) from error
+    return parsed
+
+
+def key_of(override: Override) -> str:
+    """Return the group or parameter an override speaks of, without ``+`` and ``~``."""
+    return override.key_or_group if override.package is None else f"{override.key_or_group}@{override.package}"
+
+
+def as_override(key: str, value: Any) -> str:
+    """Return ``key=value`` in Hydra's grammar; a key of a free mapping (effects) may be new, others must exist."""
+    bare = key.lstrip("+")
+    sign = "++" if bare.startswith(FREE_KEYS) else key[: len(key) - len(bare)]
+    return f"{sign}{bare}={as_value(value)}"
+
+
+def as_value(value: Any) -> str:
+    """Return a plain value as Hydra's grammar writes it."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return repr(value)
+    if isinstance(value, Mapping):
+        return "{" + ",".join(f"{key}:{as_value(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ",".join(as_value(item) for item in value) + "]"
+    text = str(value)
+    if text and all(letter.isalnum() or letter in "_-." for letter in text):
+        return text
+    return "'" + text.replace("\\", "\\\\").replace("'", "\\'") + "'"
+
+
+def free(line: str) -> str:
+    """Return an override of the command line, with ``++`` put before a key of a free mapping (``effects.``)."""
+    return f"++{line}" if line.startswith(FREE_KEYS) else line

@@ -1,0 +1,85 @@
+"""Turn Hydra's errors into one message that names the nearest match."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.errors import UsageError, unknown
+
+if TYPE_CHECKING:
+    from hydra.core.override_parser.types import Override
+
+    from hjcamp.configuration.composer import Composer
+
+
+def explain(error: Exception, overrides: Sequence[str], composer: Composer) -> UsageError:
+    """Return what is wrong with the overrides, found by looking at each, else Hydra's own first words."""
+    from hjcamp.configuration.composer import parse_overrides
+
+    try:
+        parsed = [item for item in parse_overrides(overrides) if not item.is_hydra_override()]
+        for item in parsed:
+            found = _wrong_choice(item, composer)
+            if found is not None:
+                return found
+        groups = [item for item in parsed if composer.is_group(item.key_or_group)]
+        found = _wrong_key(parsed, groups, composer) if len(groups) < len(parsed) else None
+        return found or UsageError(first_words(error))
+    except UsageError as usage:
+        return usage
+
+
+def _wrong_choice(item: Override, composer: Composer) -> UsageError | None:
+    if not composer.is_group(item.key_or_group) or item.is_delete() or item.is_sweep_override():
+        return None
+    allowed = composer.options(item.key_or_group)
+    value = item.value()
+    if isinstance(value, Mapping):
+        return None
+    choices = value if isinstance(value, list) else [value]
+    for choice in choices:
+        if choice is None:
+            if item.key_or_group == "campaign":
+                return UsageError("campaign=null names no campaign; leave it out, or write campaign=NAME")
+            return UsageError(f"{item.key_or_group}=null leaves the group empty. Allowed: {', '.join(allowed)}")
+        if str(choice) not in allowed:
+            return unknown(item.key_or_group, str(choice), allowed)
+    return None
+
+
+def _wrong_key(parsed: Sequence[Override], groups: Sequence[Override], composer: Composer) -> UsageError | None:
+    from hydra.errors import HydraException
+
+    try:
+        base = composer.compose([item.input_line for item in groups if item.input_line])
+    except (UsageError, HydraException):
+        return None
+    for item in parsed:
+        if item in groups or item.is_add() or item.is_force_add():
+            continue
+        parts = item.key_or_group.replace("/", ".").split(".")
+        place: Any = base.config
+        for depth, part in enumerate(parts):
+            if not isinstance(place, Mapping):
+                return UsageError(f"{'.'.join(parts[:depth])} is a value, it has no '{part}'")
+            if part not in place:
+                names = set(map(str, place))
+                if depth == 0:
+                    names |= set(composer.groups())
+                where = ".".join(parts[:depth])
+                return unknown("parameter" if where else "group or parameter", part, names, where)
+            place = place[part]
+    return None
+
+
+def first_words(error: BaseException) -> str:
+    """Return Hydra's or OmegaConf's message on one line, with its cause where the message itself is empty."""
+    cause: BaseException | None = error
+    texts: list[str] = []
+    while cause is not None:
+        text = " ".join(line.strip() for line in str(cause).splitlines() if line.strip())
+        if text and text not in texts:
+            texts.append(text)
+        cause = cause.__cause__
+    return "configuration: " + (": ".join(texts[:2]) or type(error).__name__)

@@ -1,0 +1,118 @@
+"""Find the effects that are missing: screen all, fit the best, step forward while it matters, then score the rivals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.discrepancy.fit import Fit, Fitter
+from hjcamp.discrepancy.gram import Gram, all_gains
+from hjcamp.discrepancy.probes import Probe, probe_all
+from hjcamp.discrepancy.unknowns import Unknown, base_unknowns, effect_unknowns
+from hjcamp.discrepancy.views import Candidate
+from hjcamp.model.effect import Effect
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Screening:
+    """Gains of every effect about one fitted model, predicted from its finite responses."""
+
+    about: Fit
+    floor: Array
+    probes: list[Probe]
+    gram: Gram
+    known: Array
+    gains: dict[str, float]
+    best: dict[str, tuple[Probe, Array]] = field(default_factory=dict)
+
+    @property
+    def groups(self) -> list[tuple[tuple[int, ...], tuple[bool, ...]]]:
+        """The columns of each probe behind those of the base parameters."""
+        base = len(self.known)
+        return [(tuple(base + column for column in probe.columns), probe.signed) for probe in self.probes]
+
+
+def strongest(probes: Sequence[Probe], gains: Array, coefficients: Sequence[Array]) -> dict[str, tuple[Probe, Array, float]]:
+    """Return for each effect its probe with the largest gain, the coefficients and the gain."""
+    found: dict[str, tuple[Probe, Array, float]] = {}
+    for probe, gain, coefficient in zip(probes, gains.sum(axis=1), coefficients, strict=True):
+        if probe.effect not in found or gain > found[probe.effect][2]:
+            found[probe.effect] = (probe, coefficient, float(gain))
+    return found
+
+
+def screen(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]]) -> Screening:
+    """Return the predicted gain of every effect beside the base parameters and the effects already in the model."""
+    floor = fitter.features.floor(about.features)
+    here = base_unknowns()
+    for effect in effects:
+        if effect.name in about.candidate.effects:
+            here += effect_unknowns(effect)
+    known = np.array([unknown.spread for unknown in here]) ** -2.0
+    left = [effect for effect in effects if effect.name not in about.candidate.effects]
+    probes, columns = probe_all(fitter, about, floor, left)
+    jacobian = fitter.jacobian(about, here)
+    gram = Gram.of(np.concatenate([jacobian, columns]), fitter.features, fitter.least)
+    screening = Screening(about, floor, probes, gram, known, {})
+    _, gains, coefficients = all_gains(gram, about.features, known, screening.groups)
+    found = strongest(probes, gains, coefficients)
+    visible = {effect.name: found[effect.name][2] if effect.name in found else 0.0 for effect in left}
+    best = {name: (probe, coefficient[len(known) :]) for name, (probe, coefficient, _) in found.items()}
+    return Screening(about, floor, probes, gram, known, visible, best)
+
+
+def started(screening: Screening, effect: type[Effect]) -> Candidate:
+    """Return the model with ``effect`` at the amplitude that the screening predicts."""
+    probe, coefficients = screening.best[effect.name]
+    parameters = {**effect.defaults(), **probe.parameters}
+    for name, coefficient in zip(probe.lifted, coefficients, strict=True):
+        if name:
+            low, high = effect.parameters[name].bounds
+            value = parameters[name] * float(coefficient)
+            least = 0.05 * abs(parameters[name])
+            value = value if abs(value) > least else least
+            parameters[name] = min(max(value, low), high)
+    for name, parameter in effect.parameters.items():
+        if parameter.off is not None and name not in probe.lifted and not parameter.shape:
+            parameters[name] = parameter.off
+    return screening.about.candidate.with_effect(effect.name, parameters)
+
+
+def unknowns_of(candidate: Candidate, effects: Sequence[type[Effect]]) -> list[Unknown]:
+    """Return the base parameters and the parameters of the effects in a candidate."""
+    found = base_unknowns()
+    for effect in effects:
+        if effect.name in candidate.effects:
+            found += effect_unknowns(effect)
+    return found
+
+
+def fit_effect(fitter: Fitter, screening: Screening, effect: type[Effect], effects: Sequence[type[Effect]], steps: int) -> Fit:
+    """Return the joint fit of one more effect, from the screening's start."""
+    start = started(screening, effect)
+    return fitter.fit(start, unknowns_of(start, effects), steps=steps, enough=0.05)
+
+
+def rival_weights(fits: dict[str, Fit], least: Array) -> dict[str, float]:
+    """Return the weight of each fitted model beside the best one, from the differences test by test.
+
+    The unit of evidence is the test: the sum of differences of log error over its standard error is a standard normal
+    deviate for models that fit alike (Vuong 1989, Econometrica 57(2), 307-333).
+    """
+    from scipy.stats import norm
+
+    losses = {name: np.log(fit.mean_square + least**2).sum(axis=1) for name, fit in fits.items()}
+    best = min(fits, key=lambda name: fits[name].loss)
+    weights = {}
+    for name, loss in losses.items():
+        difference = loss - losses[best]
+        error = np.std(difference, ddof=1) * np.sqrt(len(difference)) if len(difference) > 1 else 1.0
+        weights[name] = 1.0 if name == best else float(2.0 * norm.sf(max(difference.sum(), 0.0) / max(error, 0.7)))
+    total = sum(weights.values())
+    return {name: weight / total for name, weight in weights.items()}

@@ -1,0 +1,100 @@
+"""The template of a user's own effect: a spring on the arm, to be changed, and the names it may use."""
+
+from __future__ import annotations
+
+import os
+import re
+import textwrap
+from collections.abc import Iterable
+from pathlib import Path
+
+from hjcamp.errors import UsageError
+from hjcamp.model.plant import Plant
+from hjcamp.model.vocabulary import read_vocabulary
+
+TEMPLATE = '''"""A spring on the arm."""
+
+from __future__ import annotations
+
+from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Parameter
+
+{names}
+
+
+class {title}(Effect):
+    r"""A spring pulls the arm back to angle 0. (Say here what is missing in the model.)
+
+    .. math:: F_{{load}} = -k\\,\\theta_a
+
+    Seen as: a force that depends on arm angle, the same in both directions.
+    Source: where the equation comes from.
+    """
+
+    subsystem = "joint"
+    stiffness = Parameter("N/rad", 0.5, (0.0, 50.0), text="force on the sliders for each radian", off=0.0)
+
+    @staticmethod
+    def load_force(arm_angle, stiffness):
+        """Force on the sliders, N."""
+        return -stiffness * arm_angle
+'''
+
+
+def template(name: str, plant: type[Plant]) -> str:
+    """Return the text of the file ``name``.py for effects on ``plant``."""
+    title = "".join(part.capitalize() for part in name.split("_"))
+    return TEMPLATE.format(names=_names(plant), title=title)
+
+
+def write_template(name: str, folder: Path, plant: type[Plant], taken: Iterable[str]) -> Path:
+    """Write the template as ``folder``/``name``.py and return its path; refuse a bad or taken name."""
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise UsageError(f"effect name '{name}': write it in small letters, digits and _, such as arm_spring")
+    path = folder / f"{name}.py"
+    if path.exists():
+        raise UsageError(f"{path} exists; it is left as it is")
+    if name in taken or name in ("new", "test"):
+        raise UsageError(f"effect name '{name}' is taken; choose another")
+    folder.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f"{path.name}.part")
+    partial.write_text(template(name, plant), encoding="utf-8")
+    os.replace(partial, path)
+    return path
+
+
+def _names(plant: type[Plant]) -> str:
+    vocabulary = read_vocabulary(plant)
+    slots = [f"{line.target} [{line.unit}]" for line in vocabulary.slots.values()]
+    signals = [
+        f"{line.target} [{line.unit}]" for name, line in vocabulary.signals.items() if name not in vocabulary.slots
+    ]
+    given = [
+        f"{name} [{item.unit}]"
+        for group in (plant.states, plant.inputs)
+        for name, item in group.items()
+        if name not in vocabulary.signals
+    ]
+    constants = [f"{name} [{item.unit}]" for name, item in plant.parameters.items()]
+    return "\n".join(
+        [
+            "# A method is named after the slot on which it acts. One that takes the slot's own name changes the slot,",
+            "# one that does not adds to it. Its other arguments are named after what it uses: the effect's parameters",
+            "# and own states, and the names below; of slots and signals, those that stand before its slot. SI units.",
+            *_paragraph("Slots, in order", slots),
+            *_paragraph("Signals, in order", signals),
+            *_paragraph("States and inputs", given),
+            *_paragraph("Parameters of the plant", constants),
+            "# Own state z: z = State(unit, resolution, typical) with d_z (rate) or next_z (new value each sample).",
+        ]
+    )
+
+
+def _paragraph(heading: str, names: list[str]) -> list[str]:
+    return textwrap.wrap(
+        f"{heading}: {', '.join(names)}.",
+        width=116,
+        initial_indent="# ",
+        subsequent_indent="#   ",
+        break_on_hyphens=False,
+    )

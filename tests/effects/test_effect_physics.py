@@ -1,0 +1,182 @@
+"""Each new effect against what its equation says, on one kernel that holds them all."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hjcamp.model.simulator import Course, Followed, Simulator
+from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint_menu import pump_courses
+
+AREA = PumpJoint.parameters["joint_area"].default
+PUMP_AREA = PumpJoint.parameters["pump_area"].default
+STIFFNESS = PumpJoint.parameters["line_stiffness"].default
+ARM, P1, P2 = 0, 1, 2
+
+
+def motion(times: list[float], pump: list[float], pressures: tuple[float, float] = (0.5e6, 0.5e6)) -> Course:
+    """Return a course of piecewise linear pump motion, 1 ms samples, without dither."""
+    time = np.arange(round(times[-1] * 1000)) * 1e-3
+    model = pump_courses()["sine"]
+    n = len(time)
+    position = np.interp(time, times, pump)
+    observed = np.zeros((n, 4))
+    observed[:, 0], observed[:, 1], observed[:, 2] = position, *pressures
+    restart = np.zeros(n, dtype=np.int64)
+    restart[0] = 2
+    zeros = np.zeros(n)
+    return Course(model.period, restart, time, position[:, None], observed, zeros, zeros, zeros + 1.0)
+
+
+def run(simulator: Simulator, course: Course, **values: float) -> Followed:
+    """Follow ``course``; ``leakage__conductance`` opens the gate of leakage and sets its conductance."""
+    full: dict[str, float] = {}
+    for name, value in values.items():
+        effect, _, parameter = name.partition("__")
+        full.update({f"{effect}.{parameter}": value, f"gate.{effect}": 1.0} if parameter else {name: value})
+    return simulator.follow(simulator.vector(full), course)
+
+
+def force(followed: Followed) -> NDArray[np.float64]:
+    """Return (p1 - p2) A2, N."""
+    return (followed.readings[:, P1] - followed.readings[:, P2]) * AREA
+
+
+def sliding(followed: Followed) -> float:
+    """Return the friction without its viscous part over the last 100 ms of a positive slide, N."""
+    speed = (followed.ideal[-1, 3] - followed.ideal[-100, 3]) / 0.099
+    return float(np.mean(force(followed)[-100:])) - PumpJoint.parameters["viscous_positive"].default * speed
+
+
+RISE = motion([0.1, 1.1], [0.0, 4e-3])
+
+
+def test_presliding_breaks_away_at_static_and_slides_at_coulomb_friction(simulator: Simulator) -> None:
+    slow = motion([0.1, 1.6, 2.1], [0.0, 5e-4, 4.5e-3])
+    followed = run(simulator, slow, presliding__compliance=2e-7, presliding__fall_velocity=2e-3)
+    assert np.max(force(followed)) == pytest.approx(7.20, rel=0.03)
+    assert sliding(followed) == pytest.approx(5.27, rel=0.01)
+
+
+def test_presliding_gives_way_before_breakaway_and_comes_back(simulator: Simulator) -> None:
+    push = motion([0.1, 0.6, 0.8, 1.3, 1.5], [0.0, 2e-4, 2e-4, 0.0, 0.0])
+    loose = run(simulator, push, presliding__compliance=1e-5).ideal[:, 3]
+    assert np.all(run(simulator, push).ideal[:, 3] == 0.0)
+    assert 2e-5 < np.max(loose) < 6e-5
+    assert abs(loose[-1]) < 0.6 * np.max(loose)
+
+
+def test_line_resistance_is_viscous_friction_seen_from_the_pump(simulator: Simulator) -> None:
+    resistance = 3e10
+    more = 2 * resistance * AREA**2
+    course = pump_courses()["sine"]
+    seen = run(simulator, course, line_resistance__resistance=resistance)
+    same = run(simulator, course, viscous_positive=23.5 + more, viscous_negative=17.2 + more)
+    assert np.max(np.abs(seen.readings - same.readings) / [1e-4, 50.0, 50.0, 1.0]) < 1.0
+
+
+def test_backlash_is_the_play_operator(simulator: Simulator) -> None:
+    held = {"static_positive": 60.0, "static_negative": 60.0}
+    play = 4e-5
+    time = np.arange(1500) * 1e-3
+    pump = 3e-4 * np.sin(2 * np.pi * 2 * time) * np.exp(-time)
+    course = motion([1.5], [0.0])
+    course = replace(course, driven=pump[:, None])
+    pistons = np.zeros(len(pump))
+    for k in range(1, len(pump)):
+        pistons[k] = np.clip(pistons[k - 1], pump[k] - play / 2, pump[k] + play / 2)
+    seen = run(simulator, course, pump_backlash__play=play, **held).readings
+    assert seen[:, P1] - 0.5e6 == pytest.approx(STIFFNESS * PUMP_AREA * pistons, abs=60.0)
+
+
+def test_cross_leakage_lets_the_difference_decay_and_keeps_the_sum(simulator: Simulator) -> None:
+    rest = motion([1.0], [0.0], (0.5e6, 0.3e6))
+    seen = run(simulator, rest, cross_leakage__conductance=1e-14).readings
+    assert seen[:, P1] + seen[:, P2] == pytest.approx(0.8e6, abs=20.0)
+    decay = np.exp(-2 * STIFFNESS * 1e-14 * np.arange(len(seen)) * 1e-3)
+    assert seen[:, P1] - seen[:, P2] == pytest.approx(0.2e6 * decay, rel=1e-3)
+
+
+def test_creep_makes_the_line_softer_for_slow_motion(simulator: Simulator) -> None:
+    held = {"static_positive": 60.0, "static_negative": 60.0}
+    course = motion([0.1, 0.11, 3.0], [0.0, 1e-4, 1e-4])
+    seen = run(simulator, course, tubing_creep__share=0.25, tubing_creep__delay=0.2, **held).readings[:, P1] - 0.5e6
+    step = STIFFNESS * PUMP_AREA * 1e-4
+    assert np.max(seen) == pytest.approx(step, rel=0.03)
+    assert seen[-1] == pytest.approx(step / 1.25, rel=0.01)
+
+
+@pytest.mark.parametrize(("rest", "share"), [(0.3, 0.5), (2.7, 0.9)])
+def test_static_friction_grows_with_the_rest(simulator: Simulator, rest: float, share: float) -> None:
+    begin = 0.8 + rest
+    course = motion([0.1, 0.5, 0.8, begin, begin + 0.6], [0.0, 2e-3, 2e-3, 2e-3, 4e-3])
+    followed = run(
+        simulator,
+        course,
+        static_friction_ageing__growth=0.5,
+        static_friction_ageing__half_time=0.3,
+        static_friction_ageing__rest_before=0.01,
+    )
+    moved = np.flatnonzero(np.diff(followed.ideal[:, 3]) > 1e-7)
+    stopped = moved[moved < 700][-1]
+    again = moved[moved > begin * 1000][0]
+    rested = (again - stopped) * 1e-3
+    assert rested / (rested + 0.3) > share
+    assert force(followed)[again] == pytest.approx(7.20 * (1 + 0.5 * rested / (rested + 0.3)), rel=0.01)
+
+
+def test_pressure_friction_follows_the_mean_pressure(simulator: Simulator) -> None:
+    course = motion([0.1, 1.1], [0.0, 4e-3], (0.7e6, 0.7e6))
+    followed = run(simulator, course, pressure_friction__sensitivity=1e-6)
+    assert np.max(force(followed)) == pytest.approx(7.20 * 1.7, rel=0.01)
+
+
+def test_friction_drift_and_position_friction_change_the_sliding_force(simulator: Simulator) -> None:
+    drift = run(simulator, RISE, friction_drift__drift=0.1)
+    assert sliding(drift) == pytest.approx(5.27 * 1.1, rel=0.01)
+    uneven = run(simulator, RISE, position_friction__amplitude=0.2, position_friction__period=6.0)
+    angle = uneven.ideal[-100:, 3] / PumpJoint.parameters["pulley_radius"].default
+    assert sliding(uneven) == pytest.approx(5.27 * np.mean(1 + 0.2 * np.sin(2 * np.pi * angle / 6.0)), rel=0.01)
+
+
+def test_dither_relief_needs_dither_and_never_lifts_coulomb_above_static_friction(simulator: Simulator) -> None:
+    shaken = replace(RISE, dither=np.where(np.arange(len(RISE.time)) // 2 % 2 == 0, 1.0, -1.0))
+    values = {"dither_relief__static_relief": 0.5, "dither_relief__coulomb_relief": 0.1}
+    assert np.array_equal(run(simulator, RISE, **values).readings, run(simulator, RISE).readings)
+    relieved = run(simulator, shaken, **values)
+    assert sliding(relieved) == pytest.approx(3.60, rel=0.02)
+    assert relieved.steps < 20 * len(RISE.time)
+
+
+def test_the_string_stretches_by_compliance_times_force(simulator: Simulator) -> None:
+    held = {"static_positive": 60.0, "static_negative": 60.0}
+    rest = motion([0.5], [0.0])
+    weight = {"gravity_load__load_mass": 8.5e-3, "gravity_load__radius": 0.02, "gravity_load__rest_angle": -1.5}
+    seen = run(simulator, rest, string_elasticity__compliance=1e-3, string_elasticity__arm_share=0.5, **held, **weight)
+    load = -8.5e-3 * 9.81 * 0.02 / 3.41e-3 * np.sin(seen.readings[-1, ARM] + 1.5)
+    assert seen.readings[-1, ARM] * 3.41e-3 == pytest.approx(1e-3 * 0.5 * load, rel=0.01)
+
+
+def test_sensor_effects_leave_the_motion_alone(simulator: Simulator) -> None:
+    course = pump_courses()["sine"]
+    plain = run(simulator, course)
+    seen = run(
+        simulator,
+        course,
+        encoder_eccentricity__amplitude=0.05,
+        encoder_eccentricity__phase=1.0,
+        encoder_bias__bias=0.1,
+        pressure_offset__offset1=1e4,
+        pressure_gain__error2=0.1,
+        pressure_gain__error1=0.0,
+    )
+    assert np.array_equal(seen.ideal, plain.ideal)
+    angle = plain.readings[:, ARM]
+    assert seen.readings[:, ARM] - angle == pytest.approx(0.1 + 0.05 * (np.sin(angle + 1.0) - np.sin(1.0)), abs=1e-9)
+    assert seen.readings[0, ARM] == pytest.approx(0.1)
+    assert seen.readings[:, P1] - plain.readings[:, P1] == pytest.approx(1e4, abs=1e-6)
+    assert seen.readings[:, P2] == pytest.approx(1.1 * plain.readings[:, P2] - 1e4, abs=1e-6)

@@ -1,0 +1,20 @@
+"""A few kill -9 at random moments of a campaign on the simulator and on the virtual rig; many: kill_campaign.py."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).with_name("kill_campaign.py")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="fork and kill -9")
+def test_kills(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(SCRIPT.parents[2]))
+    monkeypatch.delenv("HJCAMP_CONF", raising=False)
+    done = subprocess.run([sys.executable, str(SCRIPT), "6"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count("nothing lost") == 2

@@ -1,0 +1,112 @@
+"""Each limit of a rig, alone, and what a configuration must say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hjcamp.backends.rig_limits import LimitCheck, Limits, read_limits
+from hjcamp.errors import UsageError
+
+DEGREE = pi / 180
+VOLTS = np.array([2.0, 2.0])
+LIMITS = Limits(-0.12, 0.65, 0.2, 6.0, 70.0, 1500.0, 250.0, 1.2, 170.0, 5000.0, 50.0, 2, 4, 100.0)
+
+
+def row(phase: float = 3.0, reference: float = 0.0, command: float = 0.0) -> np.ndarray:
+    return np.array([phase, reference * DEGREE, command * DEGREE, 0.0, 0.0, 0.0, 0.0])
+
+
+def check(limits: Limits = LIMITS, **values: Any) -> str | None:
+    given = {"missed": 0, "volts": VOLTS, "pressure1": 0.26e6, "pressure2": 0.26e6, "arm": 0.0, "motor": 0.0, "out": row()}
+    return LimitCheck(limits, 1e-3, ((0.9, 5.1), (0.9, 5.1))).check(**{**given, **values})
+
+
+def test_nothing_is_wrong() -> None:
+    assert check() is None
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"pressure2": 0.66e6}, "pressure 0.660 MPa is above 0.65 MPa"),
+        ({"pressure1": -0.13e6}, "below -0.12 MPa"),
+        ({"pressure1": 0.05e6, "pressure2": 0.1e6}, "lose water"),
+        ({"volts": np.array([2.0, 0.0])}, "pressure sensor 2 is lost"),
+        ({"volts": np.array([5.2, 2.0])}, "pressure sensor 1 is lost"),
+        ({"volts": np.array([np.nan, 2.0])}, "pressure sensor 1 is lost"),
+        ({"arm": -171 * DEGREE}, "arm at -171.0 deg"),
+        ({"motor": 6.1 * 2 * pi}, "pump at 6.10 mm"),
+        ({"out": row(command=1501.0)}, "behind its command"),
+        ({"out": row(reference=51.0)}, "tracking error 51.0 deg"),
+        ({"out": row(phase=0.0), "arm": 60 * DEGREE}, "tracking error 60.0 deg"),
+        ({"missed": 3}, "3 samples were missed at once"),
+    ],
+)
+def test_limit(values: dict[str, Any], words: str) -> None:
+    reason = check(**values)
+    assert reason is not None
+    assert words in reason
+
+
+def test_lines_may_be_low_before_the_rest_and_in_the_release() -> None:
+    low = {"pressure1": 0.06e6, "pressure2": 0.06e6}
+    assert check(**low, out=row(phase=0.0)) is None
+    assert check(**low, out=row(phase=4.0)) is None
+    assert check(**low, out=row(phase=2.0)) is not None
+
+
+def test_speeds_and_samples_in_all() -> None:
+    def watch(**step: float) -> str | None:
+        limits = LimitCheck(LIMITS, 1e-3, ((0.9, 5.1), (0.9, 5.1)))
+        for k in range(40):
+            arm, motor = k * step.get("arm", 0.0), k * step.get("motor", 0.0)
+            out = row(reference=arm / DEGREE, command=motor / DEGREE)
+            reason = limits.check(int(step.get("missed", 0)), VOLTS, 0.26e6, 0.26e6, arm, motor, out)
+            if reason:
+                return reason
+        return None
+
+    assert watch(arm=4 * DEGREE, motor=0.3) is None
+    assert "arm speed 5100" in str(watch(arm=5.1 * DEGREE, motor=0.3)).replace(",", "")
+    assert "pump speed 75.0" in str(watch(arm=0.05, motor=0.075 * 2 * pi))
+    assert "5 samples were missed in all" in str(watch(arm=0.05, missed=1))
+
+
+def test_silent_encoders() -> None:
+    limits = LimitCheck(LIMITS, 1e-3, ((0.9, 5.1), (0.9, 5.1)))
+    reasons = [limits.check(0, VOLTS, 0.26e6, 0.26e6, 0.0, 0.0, row(command=2.0 * k)) for k in range(130)]
+    assert reasons[124] is None
+    assert "pump encoder is silent" in str(reasons[126])
+    limits = LimitCheck(LIMITS, 1e-3, ((0.9, 5.1), (0.9, 5.1)))
+    jump = [limits.check(0, VOLTS, 0.26e6, 0.26e6, 0.0, 0.0, row(command=300.0 * (k > 0))) for k in range(30)]
+    assert jump[19] is None
+    assert "pump encoder is silent" in str(jump[20])
+    limits = LimitCheck(LIMITS, 1e-3, ((0.9, 5.1), (0.9, 5.1)))
+    steps = [0.01 * 2 * pi * k for k in range(140)]
+    reasons = [limits.check(0, VOLTS, 0.26e6, 0.26e6, 0.0, m, row(command=m / DEGREE)) for m in steps]
+    assert reasons[119] is None
+    assert "arm encoder is silent" in str(reasons[122])
+
+
+def test_a_missing_limit_is_no_permission(compose: Any) -> None:
+    config = compose()
+    assert read_limits(config).arm_deg == 200.0
+    broken = {**config, "rig": {**config["rig"], "limits": dict(config["rig"]["limits"])}}
+    del broken["rig"]["limits"]["arm_deg"]
+    with pytest.raises(UsageError, match="arm_deg is missing"):
+        read_limits(broken)
+    broken["rig"]["limits"] = {**config["rig"]["limits"], "arm_degs": 1}
+    with pytest.raises(UsageError, match="did you mean 'arm_deg'"):
+        read_limits(broken)
+    broken["rig"]["limits"] = {**config["rig"]["limits"], "arm_deg": "far"}
+    with pytest.raises(UsageError, match="a number or null"):
+        read_limits(broken)
+
+
+def test_null_is_no_limit() -> None:
+    assert check(replace(LIMITS, arm_deg=float("inf"), arm_speed_deg_per_s=float("inf")), arm=3.0, out=row(4.0)) is None

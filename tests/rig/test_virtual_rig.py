@@ -1,0 +1,84 @@
+"""The virtual rig against the simulator: equal seeds give equal tests, through the vendor's client code."""
+
+from __future__ import annotations
+
+import gc
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hjcamp import backends
+from hjcamp.backends.virtual_rig.device import VirtualDevice
+from hjcamp.backends.virtual_rig.faults import Fault
+
+SEED = 42
+CONDITIONS = (
+    ("trajectory=ramp_pos",),
+    ("trajectory=cycloid_neg", "controller=ffwd_pid", "payload=brass_8p5g", "orientation=vertical"),
+)
+
+
+@pytest.mark.parametrize("lines", CONDITIONS, ids=["plain", "payload"])
+def test_equal_to_the_simulation(compose: Any, device: VirtualDevice, lines: tuple[str, ...]) -> None:
+    simulated, _ = backends.run_test(compose(*lines, "backend=simulation"), SEED)
+    measured, notes = backends.run_test(compose(*lines), SEED)
+    assert set(measured) == set(simulated)
+    for name in ("time_s", "phase", "reference_deg", "command_deg", "pid_deg", "feedforward_deg", "dither_v"):
+        np.testing.assert_array_equal(measured[name], simulated[name], err_msg=name)
+    for name in ("arm_deg", "pump_deg"):
+        np.testing.assert_array_equal(measured[name], simulated[name], err_msg=name)
+    for name in ("pressure1_mpa", "pressure2_mpa"):
+        np.testing.assert_allclose(measured[name], simulated[name], rtol=0, atol=1e-12, err_msg=name)
+    assert notes["late_samples"] == "0"
+    assert notes["devices"].startswith("Dev1 Virtual-6363")
+
+
+def test_seeds_differ(compose: Any, device: VirtualDevice) -> None:
+    first, _ = backends.run_test(compose(), 1)
+    second, _ = backends.run_test(compose(), 2)
+    assert not np.array_equal(first["command_deg"][:500], second["command_deg"][:500])
+
+
+def test_hidden_effect_is_the_rigs_own(compose: Any, device: VirtualDevice) -> None:
+    plain, _ = backends.run_test(compose(), SEED)
+    # The composition is that of the payload test, so no kernel is compiled for this one.
+    device.hidden = {"gravity_load": {}, "payload_inertia": {}}
+    changed, _ = backends.run_test(compose(), SEED)
+    size = min(len(plain["arm_deg"]), len(changed["arm_deg"]))
+    assert np.abs(plain["arm_deg"][:size] - changed["arm_deg"][:size]).max() > 0.0
+
+
+def test_voltage_drive_closes_the_loop_here(compose: Any, device: VirtualDevice) -> None:
+    lines = ("+rig.outputs.pump.loop_v_per_deg=0.0278", "+rig.outputs.pump.sign=1", "rig.outputs.pump.safe_v=0.0")
+    config = compose("rig.outputs.pump.quantity=voltage", *lines, "rig.limits.tracking_deg=100")
+    columns, _ = backends.run_test(config, SEED)
+    moving = columns["phase"] == 3.0
+    behind = np.abs(columns["command_deg"] - columns["pump_deg"])[moving]
+    assert columns["pump_deg"].max() > 360.0  # the motor really went where it was sent
+    assert np.median(behind) < 120.0
+
+
+def test_a_late_sample_is_counted_and_held(compose: Any, device: VirtualDevice) -> None:
+    device.faults = [Fault("one_late_sample", 1000)]
+    columns, notes = backends.run_test(compose(), SEED)
+    assert notes["late_samples"] == "1"
+    assert "2-3ms:1" in notes["cycle_times"]
+    np.testing.assert_allclose(np.diff(columns["time_s"]), 1e-3, atol=1e-9)
+    held = 1000
+    assert columns["arm_deg"][held] == columns["arm_deg"][held - 1]
+    assert columns["time_s"][columns["phase"] == 3.0][0] == 0.0
+
+
+def test_outputs_are_written_through_the_watchdog(compose: Any, device: VirtualDevice) -> None:
+    backends.run_test(compose(), SEED)
+    assert device.samples > 1500
+    # The preload stands still and the dither is off when the test has ended.
+    assert device.volts["Dev1/ao1"] == 0.0
+    assert device.volts["Dev1/ao2"] == 0.0
+
+
+def test_tasks_are_cleared(compose: Any, device: VirtualDevice) -> None:
+    backends.run_test(compose(), SEED)
+    assert device.tasks._tasks == {}
+    gc.collect()  # a task that was not closed would warn here
