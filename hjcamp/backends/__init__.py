@@ -34,7 +34,9 @@ def check_test(config: Mapping[str, Any]) -> None:
 def _backend(config: Mapping[str, Any]) -> Any:
     name = config["backend"]["name"]
     if name == "replay":
-        raise UsageError("backend 'replay' drives a model along logs that exist: hjcamp compare PATH --model MODEL does it")
+        raise UsageError(
+            "backend 'replay' drives a model along logs that exist: hjcamp compare PATH --model MODEL does it"
+        )
     if name not in BACKENDS:
         raise unknown("backend", name, BACKENDS)
     return importlib.import_module(f"hjcamp.backends.{name}")

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.backends.recording import current_recording
 from hjcamp.backends.rig_check_stamp import require_check
-from hjcamp.backends.rig_connection import Connection, connect
+from hjcamp.backends.rig_connection import connect
 from hjcamp.backends.rig_control import RigControl
 from hjcamp.backends.rig_journal import Journal
 from hjcamp.backends.rig_limits import LimitCheck, read_limits
@@ -21,7 +22,6 @@ from hjcamp.backends.rig_stop import StopSignals
 from hjcamp.backends.rig_tasks import RigTasks
 from hjcamp.backends.rig_timing import LoopTiming
 from hjcamp.backends.rig_wiring import Wiring, read_wiring
-from hjcamp.backends.recording import current_recording
 from hjcamp.backends.simulation import (
     control_values,
     dither_of,
@@ -60,8 +60,7 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
     with StopSignals() as signals:
         connection = connect(config, seed)
         try:
-            with_journal = current_recording()
-            journal = Journal(with_journal, longest)
+            journal = Journal(current_recording(), longest)
             try:
                 loop = RigLoop(
                     RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3),
@@ -161,6 +160,3 @@ def _notes(loop: RigLoop, columns: dict[str, Array], config: Mapping[str, Any], 
     notes["late_samples"] = str(loop.limits.missed)
     notes["cycle_times"] = loop.timing.histogram()
     return notes
-
-
-__all__ = ["Connection", "check_test", "drive", "rig_control", "run_test"]

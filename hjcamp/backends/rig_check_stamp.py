@@ -43,6 +43,6 @@ def require_check(config: Mapping[str, Any]) -> None:
     if config["rig"].get("check_required", True) and not stamp_path(config).is_file():
         name = config["rig"].get("name")
         raise RigUnavailable(
-            f"rig '{name}' was not checked as it is configured now, so nothing moves: run `hjcamp rig check rig={name}` "
-            "first, or say rig.check_required=false"
+            f"rig '{name}' was not checked as it is configured now, so nothing moves: "
+            f"run `hjcamp rig check rig={name}` first, or say rig.check_required=false"
         )

@@ -104,7 +104,7 @@ def _arrange(channel: Any, config: Mapping[str, Any], seed: int) -> None:
     except grpc.RpcError as error:
         if error.code() == grpc.StatusCode.UNIMPLEMENTED:
             raise UsageError(
-                "the server at rig.connection.address is no virtual rig; for a real one set rig.connection.virtual=false"
+                "the server at rig.connection.address is no virtual rig; for a real one: rig.connection.virtual=false"
             ) from None
         raise RigUnavailable(f"the virtual rig does not answer: {error.details()}") from None
     if "error" in answer:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 from typing import Any
 
@@ -27,7 +28,7 @@ procedure: Any = None
 control: Any = None
 
 
-def rig_step(pressure1, pressure2, arm, steps, h, c, m, pc, pm, reference, dither, state, out):  # type: ignore[no-untyped-def]
+def rig_step(pressure1, pressure2, arm, steps, h, c, m, pc, pm, reference, dither, state, out):
     """Fill ``out`` with phase, reference, command, pid, feedforward, dither (V) and preload speed (m/s).
 
     ``steps``: sample periods since the last call, 1 unless samples were missed. ``state``: samples of the command
@@ -60,6 +61,7 @@ def rig_step(pressure1, pressure2, arm, steps, h, c, m, pc, pm, reference, dithe
     out[6] = speed
 
 
+@functools.cache
 def control_source(law: type[Controller]) -> str:
     """Return the text that is compiled for a controller."""
     header = HEADER.format(name=law.name or law.__name__, mathematics=", ".join(MATHEMATICS), decorator="{decorator}")

@@ -65,7 +65,7 @@ class Journal:
     def columns(self, start: int, end: int) -> dict[str, Array]:
         """Return some rows as columns of a log."""
         first = max(self.first, 0)
-        columns = {"time_s": (np.arange(start, end) - first) * PERIOD}
+        columns: dict[str, Array] = {"time_s": np.asarray((np.arange(start, end) - first) * PERIOD, dtype=np.float64)}
         for place, (name, scale) in enumerate(SCALES.items()):
             columns[name] = self.rows[start:end, place] * scale
         return columns

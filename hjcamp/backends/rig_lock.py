@@ -24,7 +24,7 @@ _held: dict[str, int] = {}
 
 
 def rig_identity(config: Mapping[str, Any]) -> str | None:
-    """Return what names the hardware: server and devices. None for a virtual rig of this process: it is nobody else's."""
+    """Return what names the hardware: server and devices; None for a virtual rig of this process."""
     connection = config["rig"]["connection"]
     if connection["kind"] == "in_process":
         return None
@@ -32,12 +32,18 @@ def rig_identity(config: Mapping[str, Any]) -> str | None:
     return f"{place} {' '.join(sorted(read_wiring(config).devices))}"
 
 
-def lock_path(identity: str) -> Path:
-    """Return the lock's file: one folder for all users of this computer."""
+def lock_folder() -> Path:
+    """Return the folder of all locks, one for all users of this computer."""
     folder = Path(tempfile.gettempdir()) / FOLDER
     folder.mkdir(exist_ok=True)
     with suppress(OSError):
         folder.chmod(0o1777)
+    return folder
+
+
+def lock_path(identity: str) -> Path:
+    """Return the file of a lock."""
+    folder = lock_folder()
     label = re.sub(r"[^A-Za-z0-9]+", "_", identity)[:40].strip("_")
     return folder / f"{label}_{hashlib.sha256(identity.encode()).hexdigest()[:8]}.lock"
 

@@ -87,7 +87,9 @@ class RigLoop:
         except Error as error:
             lines = str(error).strip().splitlines()
             code = getattr(error, "error_code", None)
-            raise Stopped(f"reading failed: {lines[0] if lines else error}" + (f" (error {code})" if code else "")) from error
+            raise Stopped(
+                f"reading failed: {lines[0] if lines else error}" + (f" (error {code})" if code else "")
+            ) from error
         self.timing.cycle(time.perf_counter_ns(), missed)
         encoders = wiring.encoders
         arm = encoders["arm"].sign * tasks.counts[0] * encoders["arm"].count

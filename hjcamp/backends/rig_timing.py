@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 BIN_MS = (0.0, 0.9, 1.1, 1.5, 2.0, 3.0, 5.0, 10.0)
@@ -27,5 +29,5 @@ class LoopTiming:
         """Return the number of cycles by length, such as ``0.9-1.1ms:2993 1.1-1.5ms:7``."""
         lengths = self._lengths[: self._cycles]
         counts = np.histogram(lengths, bins=[*BIN_MS, np.inf])[0]
-        names = [f"{low:g}-{high:g}ms" for low, high in zip(BIN_MS, BIN_MS[1:], strict=False)] + [f"{BIN_MS[-1]:g}ms-"]
+        names = [f"{low:g}-{high:g}ms" for low, high in pairwise(BIN_MS)] + [f"{BIN_MS[-1]:g}ms-"]
         return " ".join(f"{name}:{count}" for name, count in zip(names, counts, strict=True) if count)

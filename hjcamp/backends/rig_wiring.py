@@ -13,6 +13,7 @@ DEGREE = math.pi / 180
 DECODING = {"x1": 1, "x2": 2, "x4": 4}
 CONNECTIONS = ("in_process", "address", "driver")
 QUANTITIES = ("position", "voltage")
+TERMINALS = ("diff", "rse", "nrse", "default")
 TIMINGS = ("on_demand", "hardware_timed")
 
 
@@ -97,7 +98,9 @@ def read_wiring(config: Mapping[str, Any]) -> Wiring:
     where = f"rig '{rig.get('name')}'"
     for key in ("connection", "inputs", "outputs", "limits"):
         if not isinstance(rig.get(key), Mapping):
-            raise UsageError(f"{where}: '{key}' is missing; a rig for backend=nidaqmx describes its wiring (docs/rig.md)")
+            raise UsageError(
+                f"{where}: '{key}' is missing; a rig for backend=nidaqmx describes its wiring (docs/rig.md)"
+            )
     _one_of(rig["connection"].get("kind"), CONNECTIONS, "connection.kind", where)
     given = rig["outputs"]
     quantity = _one_of(_part(given, "pump", where).get("quantity"), QUANTITIES, "outputs.pump.quantity", where)
@@ -128,7 +131,8 @@ def read_wiring(config: Mapping[str, Any]) -> Wiring:
 
 
 def _with_devices(wiring: Wiring, config: Mapping[str, Any], where: str) -> Wiring:
-    terminals = [one.channel for one in (*wiring.pressures.values(), *wiring.encoders.values())]
+    terminals = [one.channel for one in wiring.pressures.values()]
+    terminals += [one.channel for one in wiring.encoders.values()]
     terminals += [one.channel for one in wiring.outputs.values()]
     twice = {one for one in terminals if terminals.count(one) > 1}
     if twice:
@@ -153,8 +157,9 @@ def _pressure(given: Mapping[str, Any], where: str) -> PressureInput:
     slope = _number(given, "mpa_per_v", where)
     if slope == 0.0:
         raise UsageError(f"{where}: mpa_per_v is 0; a sensor has a slope")
-    numbers = [_number(given, key, where) for key in ("mpa_at_0v", "lowest_v", "highest_v")]
-    return PressureInput(str(given["channel"]), slope, *numbers, str(given.get("terminal", "diff")))
+    offset, lowest, highest = (_number(given, key, where) for key in ("mpa_at_0v", "lowest_v", "highest_v"))
+    terminal = _one_of(given.get("terminal", "diff"), TERMINALS, "terminal", where)
+    return PressureInput(str(given["channel"]), slope, offset, lowest, highest, terminal)
 
 
 def _encoder(given: Mapping[str, Any], where: str) -> EncoderInput:

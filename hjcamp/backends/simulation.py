@@ -83,7 +83,8 @@ def dither_of(config: Mapping[str, Any], samples: int) -> Array:
     dither = config["controller"].get("dither") or {"amplitude_v": 0.0, "frequency_hz": 250.0}
     half = round(0.5 / (dither["frequency_hz"] * PERIOD))
     if half < 1:
-        raise UsageError(f"controller.dither.frequency_hz = {dither['frequency_hz']:g}: at most 500 Hz at 1 kHz sampling")
+        given = f"controller.dither.frequency_hz = {dither['frequency_hz']:g}"
+        raise UsageError(f"{given}: at most 500 Hz at 1 kHz sampling")
     return np.where((np.arange(samples) // half) % 2 == 0, 1.0, -1.0) * float(dither["amplitude_v"])
 
 
@@ -147,7 +148,7 @@ class PreparedTest:
 
 def prepare(config: Mapping[str, Any], seed: int) -> PreparedTest:
     """Return what a resolved configuration and a seed say about one test, before anything is run."""
-    law = find_controller(config["controller"]["name"])
+    law: Any = find_controller(config["controller"]["name"])
     values, given = model_values(config)
     effects, parameters = chosen_effects(given)
     simulator = _simulator(tuple(effects), law)
@@ -205,7 +206,7 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
 def log_columns(recorded: Mapping[str, Any]) -> dict[str, Array]:
     phase = recorded["phase"]
     first = int(np.argmax(phase == 3.0))
-    columns = {"time_s": (np.arange(len(phase)) - first) * PERIOD}
+    columns = {"time_s": np.asarray((np.arange(len(phase)) - first) * PERIOD, dtype=np.float64)}
     for name, (field, scale) in LOG_NAMES.items():
         columns[field] = recorded[name] * scale
     for channel in PumpJoint.channels:

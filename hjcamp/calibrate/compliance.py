@@ -18,6 +18,8 @@ from hjcamp.records.log import TestLog
 Array = NDArray[np.float64]
 SMALLEST_RISE_MPA = 0.02
 BIN_MPA = 0.04
+PARTS = 10
+FEWEST_SAMPLES = 20
 LINEAR = 0.05  # of dp/dV: how far a part of the range may be off
 SCALE = 1e-15  # Pa/m^3 to MPa/mm^3
 
@@ -28,6 +30,14 @@ class Line(NamedTuple):
     volume: Array
     pressure: Array
     time: Array
+
+
+class Piece(NamedTuple):
+    """A part of a line: mean pressure (MPa), dp/dV (Pa/m^3), and which samples."""
+
+    pressure: float
+    slope: float
+    rows: NDArray[np.intp]
 
 
 def lines_of(log: TestLog, constants: Constants) -> tuple[Line, Line]:
@@ -62,57 +72,52 @@ def slope_of(line: Line) -> float:
     return float(answer[1] / np.ptp(line.volume)) * 1e6
 
 
-def local_slopes(lines: Sequence[Line]) -> tuple[Array, Array, Array]:
-    """Return pressures (MPa), dp/dV there (Pa/m^3) and its standard error, in bins of 0.04 MPa over all lines."""
-    low = min(float(line.pressure.min()) for line in lines)
-    high = max(float(line.pressure.max()) for line in lines)
-    edges = np.arange(low, high + BIN_MPA, BIN_MPA)
-    middles, slopes, errors = [], [], []
-    for start in edges[:-1]:
-        inside = [_within(line, start, start + BIN_MPA) for line in lines]
-        own = np.array([slope_of(part) for part in inside if part is not None])
-        if len(own):
-            middles.append(start + 0.5 * BIN_MPA)
-            slopes.append(float(own.mean()))
-            errors.append(float(own.std(ddof=1) / np.sqrt(len(own))) if len(own) > 1 else np.inf)
-    return np.array(middles), np.array(slopes), np.array(errors)
+def pieces_of(line: Line) -> list[Piece]:
+    """Return the line in ten parts of equal volume, each with its pressure (MPa) and its own dp/dV (Pa/m^3)."""
+    edges = np.linspace(line.volume.min(), line.volume.max(), PARTS + 1)
+    part = np.clip(np.digitize(line.volume, edges) - 1, 0, PARTS - 1)
+    found = []
+    for number in range(PARTS):
+        rows = np.flatnonzero(part == number)
+        if len(rows) >= FEWEST_SAMPLES and np.ptp(line.volume[rows]) > 0:
+            own = Line(line.volume[rows], line.pressure[rows], line.time[rows])
+            found.append(Piece(float(own.pressure.mean()), slope_of(own), rows))
+    return found
 
 
-def _within(line: Line, low: float, high: float) -> Line | None:
-    # The bin is cut by volume: a cut by the noisy pressure itself would flatten the slope.
-    slope, start = np.polyfit(line.volume * 1e9, line.pressure, 1)
-    expected = start + slope * line.volume * 1e9
-    rows = (expected >= low) & (expected < high)
-    if np.count_nonzero(rows) < 20 or float(np.ptp(expected[rows])) < 0.8 * (high - low):
-        return None
-    return Line(line.volume[rows], line.pressure[rows], line.time[rows])
+def valid_range(pieces: Sequence[Piece]) -> tuple[float, float] | None:
+    """Return the widest range (MPa gauge) in which the local dp/dV is the usual one within 5 %; None without one.
 
-
-def valid_range(pressures: Array, slopes: Array, errors: Array, slope: float) -> tuple[float, float] | None:
-    """Return the widest range (MPa gauge) in which the local dp/dV is that of the whole within 5 %."""
-    fits = np.abs(slopes - slope) <= LINEAR * slope + 2.0 * np.where(np.isfinite(errors), errors, 0.0)
-    best: tuple[int, int] | None = None
-    start = None
-    for index, good in enumerate([*fits, False]):
-        if good and start is None:
-            start = index
-        elif not good and start is not None:
-            if best is None or index - start > best[1] - best[0]:
-                best = start, index
-            start = None
-    if best is None:
-        return None
-    return float(pressures[best[0]] - 0.5 * BIN_MPA), float(pressures[best[1] - 1] + 0.5 * BIN_MPA)
+    The usual one is the median over all parts; twice the standard error of a range's parts is allowed beside.
+    """
+    pressure, slope = np.array([one.pressure for one in pieces]), np.array([one.slope for one in pieces])
+    usual = float(np.median(slope))
+    edges = np.arange(pressure.min(), pressure.max() + BIN_MPA, BIN_MPA)
+    owner = np.digitize(pressure, edges)
+    runs: list[list[float]] = []
+    going = False
+    for number in range(1, len(edges) + 1):
+        own = slope[owner == number]
+        if not len(own):
+            continue
+        error = float(own.std(ddof=1) / np.sqrt(len(own))) if len(own) > 1 else 0.0
+        fits = abs(float(own.mean()) - usual) <= LINEAR * usual + min(2.0 * error, LINEAR * usual)
+        if fits and not going:
+            runs.append([])
+        if fits:
+            runs[-1] += list(pressure[owner == number])
+        going = fits
+    widest = max(runs, key=lambda run: max(run) - min(run), default=None)
+    return None if widest is None else (min(widest), max(widest))
 
 
 def identify_compliance(logs: Sequence[TestLog], constants: Constants) -> Finding:
     """Return dp/dV with its range of validity, the effective bulk modulus, and the air content that it implies."""
     tests = [lines_of(log, constants) for log in logs]
     every = [line for pair in tests for line in pair]
-    pressures, slopes, errors = local_slopes(every)
+    parts = [[pieces_of(line) for line in pair] for pair in tests]
     per_test = [float(np.mean([slope_of(line) for line in pair])) for pair in tests]
-    middle, _ = mean_interval(per_test)
-    valid = valid_range(pressures, slopes, errors, middle) if len(pressures) else None
+    valid = valid_range([piece for pair in parts for line in pair for piece in line])
     warnings = []
     low, high = min(float(line.pressure.min()) for line in every), max(float(line.pressure.max()) for line in every)
     if valid is not None and (valid[0] > low + BIN_MPA or valid[1] < high - BIN_MPA):
@@ -120,13 +125,18 @@ def identify_compliance(logs: Sequence[TestLog], constants: Constants) -> Findin
             f"dp/dV is constant within 5 % between {valid[0]:.2f} and {valid[1]:.2f} MPa gauge alone; the tests went "
             f"from {low:.2f} to {high:.2f} MPa (bubbles at low pressure, or a line at its vapour pressure)"
         )
-        cut = [[_cut(line, valid) for line in pair] for pair in tests]
-        whole = [pair for pair in cut if all(len(line.time) for line in pair)]
-        per_test = [float(np.mean([slope_of(line) for line in pair])) for pair in whole] or per_test
+        inside = [
+            [_cut(line, own, valid) for line, own in zip(pair, pieces, strict=True)]
+            for pair, pieces in zip(tests, parts, strict=True)
+        ]
+        found = [[slope_of(line) for line in pair if line is not None] for pair in inside]
+        per_test = [float(np.mean(slopes)) for slopes in found if slopes] or per_test
     if valid is None:
         warnings.append("dp/dV differs by more than 5 % all over the range: the line is not linear")
         valid = low, high
-    mean, interval = mean_interval(per_test, _resolution(logs[0], constants) / float(np.ptp(every[0].volume)) * middle)
+    mean, interval = mean_interval(
+        per_test, _resolution(logs[0], constants) / float(np.ptp(every[0].volume)) * per_test[0]
+    )
     first = Estimate(
         "line_stiffness", mean, "Pa/m^3", interval, len(per_test), "dp/dV of one line", "MPa/mm³", SCALE,
         constants.published.get("line_stiffness"),
@@ -141,8 +151,12 @@ def identify_compliance(logs: Sequence[TestLog], constants: Constants) -> Findin
     return Finding("compliance", (first, *moduli), chart, (*warnings, *further), facts | more)
 
 
-def _cut(line: Line, valid: tuple[float, float]) -> Line:
-    return _within(line, *valid) or Line(line.volume[:0], line.pressure[:0], line.time[:0])
+def _cut(line: Line, pieces: Sequence[Piece], valid: tuple[float, float]) -> Line | None:
+    rows = [piece.rows for piece in pieces if valid[0] <= piece.pressure <= valid[1]]
+    if not rows:
+        return None
+    kept = np.sort(np.concatenate(rows))
+    return Line(line.volume[kept], line.pressure[kept], line.time[kept])
 
 
 def _resolution(log: TestLog, constants: Constants) -> float:

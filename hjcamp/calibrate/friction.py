@@ -42,7 +42,7 @@ def identify_friction(logs: Sequence[TestLog], constants: Constants) -> Finding:
         broke = [one for test in shown for one in test.breakaways if one.direction == sign]
         estimates += _static(name, broke, constants, repeated, warnings)
         own = [one for one in plateaus if one.direction == sign]
-        estimates += _line(name, own, constants, repeated, warnings)
+        estimates += _line(name, own, constants, repeated, warnings, left_out(shown))
     named = {one.name: one.value for one in estimates}
     lines = {
         sign: (named[f"coulomb_{name}"], named[f"viscous_{name}"])
@@ -50,8 +50,8 @@ def identify_friction(logs: Sequence[TestLog], constants: Constants) -> Finding:
         if named.get(f"coulomb_{name}", 0.0) > 0
     }
     estimates += friction_scatter(plateaus, lines) if repeated else []
-    refused = Counter(one.reason for test in shown for one in test.refused)
-    warnings += [f"{count} strokes were left out: {reason}" for reason, count in refused.most_common()]
+    if left_out(shown):
+        warnings.append(f"strokes were left out: {left_out(shown)}")
     parted = sum(_parted(log) for log in logs)
     if parted:
         warnings.append(f"in {parted} tests a line ran down to its vapour pressure; preload more")
@@ -85,9 +85,14 @@ def _parted(log: TestLog) -> bool:
     return min(float(columns["pressure1_mpa"].min()), float(columns["pressure2_mpa"].min())) < VAPOUR_MPA
 
 
-def _nothing_steady(logs: Sequence[TestLog], shown: Sequence[Shown]) -> str:
+def left_out(shown: Sequence[Shown]) -> str:
+    """Return why strokes are no plateaus, and how many; empty where all are."""
     refused = Counter(one.reason for test in shown for one in test.refused)
-    reasons = ", ".join(f"{reason} ({count})" for reason, count in refused.most_common()) or "the pump's speed changes"
+    return ", ".join(f"{reason} ({count})" for reason, count in refused.most_common())
+
+
+def _nothing_steady(logs: Sequence[TestLog], shown: Sequence[Shown]) -> str:
+    reasons = left_out(shown) or "the pump's speed changes"
     return (
         f"no constant-speed segment in {len(logs)} friction tests: {reasons}. Ramps of the pump are needed, "
         "see campaign=friction"
@@ -122,7 +127,7 @@ def speeds_among(values: Sequence[float]) -> int:
 
 
 def _line(
-    name: str, plateaus: Sequence[Plateau], constants: Constants, repeated: bool, warnings: list[str]
+    name: str, plateaus: Sequence[Plateau], constants: Constants, repeated: bool, warnings: list[str], missing: str
 ) -> list[Estimate]:
     from scipy.stats import linregress, t
 
@@ -133,7 +138,7 @@ def _line(
     if speeds < FEWEST_SPEEDS:
         raise UsageError(
             f"too few speeds in the {name} direction: {speeds} where {FEWEST_SPEEDS} are needed to tell Coulomb from "
-            "viscous friction; add ramps at other speeds"
+            f"viscous friction; add ramps at other speeds{f' (left out: {missing})' if missing else ''}"
         )
     points = means_of_tests(plateaus)
     line = linregress(points[:, 0], points[:, 1])

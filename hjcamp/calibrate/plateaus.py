@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.calibrate.constants import Constants
-from hjcamp.calibrate.strokes import Stroke, find_strokes
+from hjcamp.calibrate.strokes import find_strokes
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hjcamp.calibrate.constants import Constants
 from hjcamp.calibrate.estimate import Chart, Estimate, Finding, Series, mean_interval
-from hjcamp.calibrate.step_response import TransferFunction, fit, rise_time
+from hjcamp.calibrate.step_response import TransferFunction, fit, rise_time, telling_rows
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
 
@@ -84,12 +84,14 @@ def fit_orders(responses: Array) -> dict[int, tuple[TransferFunction, float]]:
     rate = 2.2 / max((high - low) * 1e-3, 1e-3)
     found: dict[int, tuple[TransferFunction, float]] = {}
     for order in ORDERS:
-        starts = [_plain_start(final, delay * share, rate, order) for share in (0.9, 0.4)] if order <= PLANT_ORDER else []
+        starts = (
+            [_plain_start(final, delay * share, rate, order) for share in (0.9, 0.4)] if order <= PLANT_ORDER else []
+        )
         if order > 1:
             starts += _grown(found[order - 1][0], order)
         if order > 2:
             starts += _grown(found[order - 2][0], order)
-        function = fit(mean, order, starts)
+        function = fit(mean, order, starts, telling_rows(mean))
         error = float(np.mean((function.step(len(mean)) - mean) ** 2)) + within
         found[order] = function, final_prediction_error(error, order + 2, responses.size)
     return found
@@ -133,7 +135,8 @@ def identify_pump(logs: Sequence[TestLog], constants: Constants) -> Finding:
     errors = {order: error for order, (_, error) in orders.items()}
     order = chosen_order(errors)
     joint = orders[PLANT_ORDER][0]
-    single = [fit(response, PLANT_ORDER, [joint]) for response in responses]
+    rows = np.arange(shortest)
+    single = [fit(response, PLANT_ORDER, [joint], rows) for response in responses]
     count = float(np.min(np.abs(np.diff(np.unique(logs[0].command_phase["pump_deg"]))), initial=360.0))
     estimates = _estimates(single, constants, count / abs(steps[0][1]))
     warnings = []

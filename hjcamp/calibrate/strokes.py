@@ -12,6 +12,7 @@ SMOOTHING = 21  # samples of the polynomial that gives the speed
 SHORTEST = 40  # samples
 SLOWEST = 50.0  # deg/s of the pump motor: 0.14 mm/s
 CHANGE = 0.05  # of the speed, over one smoothing length
+SHARE = 0.55  # of the way between two turns: a sine is straight for 0.4 of it
 
 
 class Stroke(NamedTuple):
@@ -50,5 +51,17 @@ def find_strokes(pump: Array) -> list[Stroke]:
         alike = np.abs(speed[start:stop] - middle) <= CHANGE * abs(middle)
         inner = np.flatnonzero(alike)
         if len(inner) >= max(SHORTEST, 0.8 * (stop - start)):
-            found.append(Stroke(int(start + inner[0]), int(start + inner[-1] + 1), middle))
+            stroke = Stroke(int(start + inner[0]), int(start + inner[-1] + 1), middle)
+            if _share_of_way(stroke, pump, speed) >= SHARE:
+                found.append(stroke)
     return found
+
+
+def _share_of_way(stroke: Stroke, pump: Array, speed: Array) -> float:
+    """Return how much of the way in its direction, at speeds like its own, the stroke is."""
+    along = speed * stroke.direction / abs(stroke.speed)
+    off = np.flatnonzero((along < 0.1) | (along > 1.0 + 4.0 * CHANGE))
+    first = int(off[off < stroke.start].max(initial=-1)) + 1
+    last = int(off[off >= stroke.stop].min(initial=len(pump))) - 1
+    way = abs(float(pump[last] - pump[first]))
+    return abs(float(pump[stroke.stop - 1] - pump[stroke.start])) / way if way > 0 else 0.0

@@ -122,7 +122,8 @@ def execute(job: Job) -> Outcome:
     except RigStopped as error:
         return outcome("failed", str(error), stops=error.exit_code)
     except (HjcampError, OSError) as error:
-        return outcome("failed", str(error), stops=1 if disk_is_full(error) else getattr(error, "stops", None))
+        text = no_place(error, job.path) if isinstance(error, OSError) else str(error)
+        return outcome("failed", text, stops=1 if disk_is_full(error) else getattr(error, "stops", None))
     except MemoryError:
         return outcome("failed", "not enough memory for this test", stops=1)
     except Exception as error:
@@ -142,6 +143,14 @@ def execute_in_worker(job: Job) -> Outcome:
 def ignore_interrupts() -> None:
     """Let a worker live through Ctrl-C: the runner lets it finish the test in hand."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def no_place(error: OSError, log: Path) -> str:
+    """Return what to say about a file that cannot be written; numba's errors name none."""
+    from hjcamp.model.kernel import cache_folder
+
+    place = error.filename or f"{log.parent}, or the kernels in {cache_folder()}"
+    return f"cannot write to {place}: {error.strerror or error}"
 
 
 def disk_is_full(error: BaseException | None) -> bool:

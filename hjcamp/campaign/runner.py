@@ -81,7 +81,10 @@ def _run(
     fail_fast: bool,
 ) -> Outcome | None:
     from hjcamp.campaign.progress import progress_bar
+    from hjcamp.model.kernel import cache_folder
 
+    # Chosen here, so that the workers share it where the user's own cannot be written.
+    cache_folder()
     stoppers: list[Outcome] = []
     jobs = make_jobs(folder.plan, waiting, folder.path)
     with progress_bar(console, len(folder.plan.tests), result.kept) as advance:

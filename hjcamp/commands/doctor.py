@@ -114,13 +114,13 @@ def folders() -> Iterator[Finding]:
 
 def kernel_cache() -> Iterator[Finding]:
     """Whether compiled kernels are kept from call to call."""
-    from hjcamp.model.kernel import cache_folder
+    from hjcamp.model.kernel import TEMPORARY, cache_folder
 
     if os.environ.get("NUMBA_DISABLE_JIT") == "1":
         yield "note", "kernels", "NUMBA_DISABLE_JIT=1: nothing is compiled, simulations are slow"
         return
     folder = cache_folder()
-    if folder.name != "kernels":
+    if folder.parent.name.startswith(TEMPORARY):
         yield "note", "kernels", "the cache folder cannot be written: kernels are compiled anew in every call"
     else:
         yield "good", "kernels", f"{len(list(folder.glob('*.py')))} compiled kernels are kept in {folder}"

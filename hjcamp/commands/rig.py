@@ -30,7 +30,9 @@ def serve(
         list[str] | None, typer.Argument(metavar="EFFECTS", help="Hidden effects: effects.leakage.conductance=1e-13")
     ] = None,
     address: Annotated[str, typer.Option(help="HOST:PORT to serve on.")] = "localhost:31763",
-    fault: Annotated[list[str] | None, typer.Option(help="KIND@SAMPLE or KIND@SAMPLE#TEST; more than one is fine.")] = None,
+    fault: Annotated[
+        list[str] | None, typer.Option(help="KIND@SAMPLE or KIND@SAMPLE#TEST; more than one is fine.")
+    ] = None,
     anybody: Annotated[bool, typer.Option(help="Serve on an address that other computers reach.")] = False,
 ) -> None:
     """Serve a virtual rig on the vendor's protocol, in lockstep virtual time, until Ctrl-C."""
@@ -48,7 +50,9 @@ def serve(
     server, port, _ = start_server(address, faults, hidden)
     host = address.rpartition(":")[0]
     print(f"a virtual rig is served at {host}:{port}; Ctrl-C ends it")
-    print(f"use it with: backend=nidaqmx rig=virtual rig.connection={{kind:address,address:'{host}:{port}'}}", flush=True)
+    print(
+        f"use it with: backend=nidaqmx rig=virtual rig.connection={{kind:address,address:'{host}:{port}'}}", flush=True
+    )
     try:
         server.wait_for_termination()
     finally:
@@ -82,19 +86,15 @@ def check(
 
 
 def unlock() -> None:
-    """Say who holds each rig of this computer, and clear what dead processes left."""
-    import tempfile
-    from pathlib import Path
-
-    from hjcamp.backends.rig_lock import FOLDER, describe, is_free, read_holder
+    """Say who holds each rig of this computer. A lock ends with its process, so there is nothing to remove."""
+    from hjcamp.backends.rig_lock import describe, is_free, lock_folder, read_holder
 
     held: list[dict[str, Any]] = []
-    for path in sorted((Path(tempfile.gettempdir()) / FOLDER).glob("*.lock")):
+    for path in sorted(lock_folder().glob("*.lock")):
         holder = read_holder(path)
         rig = holder.get("rig", path.stem)
         if is_free(path):
             print(f"{rig}: free (last used by {describe(holder)})")
-            path.unlink(missing_ok=True)
         else:
             held.append(holder)
             print(f"{rig}: in use by {describe(holder)}")

@@ -10,7 +10,7 @@ class Controller(Law):
 
     Per sample it receives ``reference``, ``velocity`` and ``acceleration`` of the arm (rad, rad/s, rad/s^2), the
     measured ``arm`` angle (rad), the ``feedforward`` command (rad of the pump motor), the ``period`` (s) and the
-    ``index`` of the sample. It returns the feedback part and the feedforward part of the command, rad of the pump motor.
+    ``index`` of the sample. It returns the feedback and the feedforward part of the command, rad of the pump motor.
     """
 
     samples = ("reference", "velocity", "acceleration", "arm", "feedforward", "period", "index")

@@ -25,12 +25,18 @@ class Feedforward:
     friction_direction: str = "reference"
 
     def command(
-        self, model: Simulator, values: dict[str, float], reference: Array, pressures: tuple[float, float], direction: float
+        self,
+        model: Simulator,
+        values: dict[str, float],
+        reference: Array,
+        pressures: tuple[float, float],
+        direction: float,
     ) -> Array:
         r"""Return the pump command (n,), rad, for ``reference`` (n, 3): arm angle, velocity, acceleration.
 
         .. math:: F = m\ddot y + f(\dot y) - F_{load}, \quad
-                  \Delta V = \frac{F / A_2 - (p_1 - p_2)}{K_1 + K_2} , \quad \theta_f = g\,\frac{\Delta V + A_2 \Delta y}{A_1 l}
+                  \Delta V = \frac{F / A_2 - (p_1 - p_2)}{K_1 + K_2} , \quad
+                  \theta_f = g\,\frac{\Delta V + A_2 \Delta y}{A_1 l}
 
         with friction, mass, load, dp/dV and losses those of ``model`` along the reference. At rest the push keeps the
         last commanded ``direction``. Source: thesis 5.3.1.1 - 5.3.1.5; for other models its own equations, inverted.
@@ -41,7 +47,17 @@ class Feedforward:
                 chosen[f"{kind}_negative"] = chosen.get(f"{kind}_positive", 0.0)
         p = model.vector(chosen)
         constant = dict(zip(model.composition.parameters, p, strict=True))
-        names = ("mass", "friction", "friction_static", "load_force", "stiffness1", "stiffness2", "leak1", "leak2", "cross_flow")
+        names = (
+            "mass",
+            "friction",
+            "friction_static",
+            "load_force",
+            "stiffness1",
+            "stiffness2",
+            "leak1",
+            "leak2",
+            "cross_flow",
+        )
         place = model.signals(names)
         radius, area = constant["pulley_radius"], constant["joint_area"]
         z = model.begin({"pressure1": pressures[0], "pressure2": pressures[1]}, p)

@@ -19,7 +19,9 @@ class Pid(Controller):
     """
 
     scale = Parameter("1", 8.5, (1e-3, 1e3), text="pump motor angle for one unit of controller output")
-    derivative_samples = Parameter("1", 5.0, (1.0, LONGEST_DERIVATIVE - 1.0), text="samples over which the error is differenced")
+    derivative_samples = Parameter(
+        "1", 5.0, (1.0, LONGEST_DERIVATIVE - 1.0), text="samples over which the error is differenced"
+    )
     first_direction = Parameter("1", 1.0, (-1.0, 1.0), text="direction of the first motion")
     positive_kp = Parameter("1", 1.05, text="proportional gain, positive direction")
     positive_ki = Parameter("1/s", 70.0, text="integral gain, positive direction")

@@ -16,6 +16,7 @@ from hjcamp.discrepancy.views import Candidate
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]
+FACTORS = (0.3, 1.0, 2.5)
 Progress = Callable[[str, float], None]
 
 
@@ -67,17 +68,16 @@ def screen(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]]) -> Scree
     return Screening(about, floor, probes, gram, known, visible, best)
 
 
-def started(screening: Screening, effect: type[Effect]) -> Candidate:
-    """Return the model with ``effect`` at the amplitude that the screening predicts."""
+def started(screening: Screening, effect: type[Effect], factor: float = 1.0) -> Candidate:
+    """Return the model with ``effect`` at ``factor`` times the amplitude that the screening predicts."""
     probe, coefficients = screening.best[effect.name]
     parameters = {**effect.defaults(), **probe.parameters}
     for name, coefficient in zip(probe.lifted, coefficients, strict=True):
         if name:
             low, high = effect.parameters[name].bounds
-            value = parameters[name] * float(coefficient)
-            least = 0.05 * abs(parameters[name])
-            value = value if abs(value) > least else least
-            parameters[name] = min(max(value, low), high)
+            value = parameters[name] * float(coefficient) * factor
+            least = 0.05 * factor * abs(parameters[name])
+            parameters[name] = min(max(value if abs(value) > least else least, low), high)
     for name, parameter in effect.parameters.items():
         if parameter.off is not None and name not in probe.lifted and not parameter.shape:
             parameters[name] = parameter.off
@@ -95,7 +95,7 @@ def unknowns_of(candidate: Candidate, effects: Sequence[type[Effect]]) -> list[U
 
 def fit_effect(fitter: Fitter, screening: Screening, effect: type[Effect], effects: Sequence[type[Effect]], steps: int) -> Fit:
     """Return the joint fit of one more effect, from the screening's start."""
-    start = started(screening, effect)
+    start = min((fitter.look(started(screening, effect, factor)) for factor in FACTORS), key=lambda fit: fit.loss).candidate
     return fitter.fit(start, unknowns_of(start, effects), steps=steps, enough=0.05)
 
 

@@ -12,7 +12,7 @@ from hjcamp.model.user_folders import extension_folders
 
 
 def load_effects(folders: Sequence[Path] | None = None) -> dict[str, type[Effect]]:
-    """Return every effect by name, ours and the user's; a faulty file is refused with what, where and what is allowed."""
+    """Return every effect by name, ours and the user's; a faulty file is refused, saying what is allowed."""
     chosen = extension_folders("effects") if folders is None else list(folders)
     return scan(Path(__file__).parent, __name__, Effect, chosen)
 

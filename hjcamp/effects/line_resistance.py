@@ -7,13 +7,15 @@ from hjcamp.model.parameter import Parameter
 
 
 class LineResistance(Effect):
-    r"""Flow towards the joint costs pressure between the sensor, at the pump, and the joint cylinder.
+    r"""Flow costs pressure along the tubing, half of it on either side of the volume that yields.
 
-    .. math:: p_{joint} = p \mp R\,Q, \quad Q = A_2 \dot y, \quad R = \frac{128 \mu L}{\pi d_i^4}
+    .. math:: p_{sensor} = p + \tfrac12 R\,A_1 \dot x, \quad p_{joint} = p - \tfrac12 R\,A_2 \dot y, \quad
+              R = \frac{128 \mu L}{\pi d_i^4}
 
-    laminar; the volume that yields is on the pump's side of the resistance.
-    Seen as: viscous friction 2 R A2^2, equal in both directions; 6 N s/m here. Where sensors stand at the pump only,
-    these tests cannot tell it from viscous friction. The published tubing has 2.3e8 Pa s/m^3: negligible.
+    laminar; the tube's elasticity is lumped in its middle and the sensors stand at the pump.
+    Seen as: a pressure error in step with pump speed, and viscous friction R A2^2 that both directions share. The
+    published tubing has 2.3e8 Pa s/m^3: negligible; fittings and kinks have more.
+    Not for: friction at the sliders; a rig whose sensors stand in the middle of its compliance cannot tell it from that.
     Source: thesis 4.4.1.2 (Reynolds number below 900); White (2011), Fluid Mechanics, 7th ed., section 6.4.
     """
 
@@ -23,9 +25,19 @@ class LineResistance(Effect):
     @staticmethod
     def joint_pressure1(slider_flow, resistance):
         """Pressure that joint cylinder 1 lacks, Pa."""
-        return -resistance * slider_flow
+        return -0.5 * resistance * slider_flow
 
     @staticmethod
     def joint_pressure2(slider_flow, resistance):
         """Pressure that joint cylinder 2 has in addition, Pa."""
-        return resistance * slider_flow
+        return 0.5 * resistance * slider_flow
+
+    @staticmethod
+    def pressure1_reading(pump_flow, resistance):
+        """Pressure that sensor 1 sees in addition, Pa."""
+        return 0.5 * resistance * pump_flow
+
+    @staticmethod
+    def pressure2_reading(pump_flow, resistance):
+        """Pressure that sensor 2 sees less, Pa."""
+        return -0.5 * resistance * pump_flow

@@ -49,7 +49,10 @@ def class_in(path: Path, base: type[Kind], package: str | None = None) -> type[K
     found = [
         value
         for value in vars(module).values()
-        if inspect.isclass(value) and issubclass(value, base) and value is not base and value.__module__ == module.__name__
+        if inspect.isclass(value)
+        and issubclass(value, base)
+        and value is not base
+        and value.__module__ == module.__name__
     ]
     if len(found) > 1:
         names = ", ".join(value.__name__ for value in found)
@@ -61,7 +64,7 @@ def class_in(path: Path, base: type[Kind], package: str | None = None) -> type[K
 
 
 def scan(package_folder: Path, package: str, base: type[Kind], folders: Sequence[Path] = ()) -> dict[str, type[Kind]]:
-    """Return every class derived from ``base`` by file name: the package's own, then those of the user's ``folders``."""
+    """Return every class derived from ``base`` by file name: the package's own, then those of ``folders``."""
     found: dict[str, type[Kind]] = {}
     for path in sorted(package_folder.glob("*.py")):
         if not path.stem.startswith("_"):

@@ -19,9 +19,10 @@ from hjcamp.model.parameter import Cut, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
 
-MATHEMATICS = (
-    "acos asin atan atan2 ceil copysign cos cosh erf exp expm1 floor fmod hypot log log10 log1p pi pow sin sinh sqrt tan tanh"
-).split()
+MATHEMATICS = [
+    "acos", "asin", "atan", "atan2", "ceil", "copysign", "cos", "cosh", "erf", "exp", "expm1", "floor", "fmod",
+    "hypot", "log", "log10", "log1p", "pi", "pow", "sin", "sinh", "sqrt", "tan", "tanh",
+]  # fmt: skip
 BUILTINS = ("abs", "min", "max", "float", "int")
 
 
@@ -114,7 +115,7 @@ class Composition:
         return _function("correct(time, direction, a, u, p, e, p2, before)", lines)
 
     def contact_source(self) -> str:
-        """Return the source of ``contact(time, direction, z, u, p)``: push, limit, locks, and 1 where a limiter acts."""
+        """Return the source of ``contact(time, direction, z, u, p)``: push, limit, locks, and 1 if a limiter acts."""
         contact = self.plant.contact
         lines = self._body()
         tests = [f"not ({low} <= {value} <= {high})" for value, low, high in self.vocabulary.limits]
@@ -130,7 +131,7 @@ class Composition:
         return _function("readings(time, direction, z, u, p, out)", lines)
 
     def balance_source(self) -> str:
-        """Return the source of ``balance(time, direction, z, u, p, out)``: the plant's force balance, signal by signal."""
+        """Return the source of ``balance(time, direction, z, u, p, out)``: the plant's force balance."""
         lines = self._body()
         lines += [f"out[{index}] = {name}" for index, name in enumerate(self.plant.balance)]
         return _function("balance(time, direction, z, u, p, out)", lines)
@@ -154,8 +155,11 @@ class Composition:
                     starts.append(f"z[{index}] = {effect.states[name].start!r}")
                 if name in effect.updates:
                     updates.append(f"next_{index} = {self._call(effect, f'next_{name}', effect.updates[name])}")
-        updates += [line.replace(" = ", "] = ", 1).split(" = ")[0].replace("next_", "z[") + f" = {line.split(' = ')[0]}"
-                    for line in updates if line.startswith("next_")]
+        updates += [
+            line.replace(" = ", "] = ", 1).split(" = ")[0].replace("next_", "z[") + f" = {line.split(' = ')[0]}"
+            for line in updates
+            if line.startswith("next_")
+        ]
         return _function("begin(time, direction, z, u, p)", starts) + _function(
             "remember(time, direction, z, u, p)", updates
         )
@@ -262,7 +266,9 @@ def _check_globals(function: Callable[..., float], where: str) -> None:
     code = function.__code__
     for name in code.co_names:
         if name not in MATHEMATICS and name not in BUILTINS:
-            raise unknown("function or constant", name, [*MATHEMATICS, *BUILTINS], f"{where}, method '{function.__name__}'")
+            raise unknown(
+                "function or constant", name, [*MATHEMATICS, *BUILTINS], f"{where}, method '{function.__name__}'"
+            )
 
 
 def _copied(name: str, function: Callable[..., float]) -> str:

@@ -39,7 +39,25 @@ def measure(time, direction, z, u, p, counts, phases, noise, out):  # type: igno
 
 
 def closed_loop(  # type: ignore[no-untyped-def]
-    z, u, p, propagator, h, c, m, pc, pm, reference, dither, delay, preload_area, counts, phases, noise, scatter, record, work
+    z,
+    u,
+    p,
+    propagator,
+    h,
+    c,
+    m,
+    pc,
+    pm,
+    reference,
+    dither,
+    delay,
+    preload_area,
+    counts,
+    phases,
+    noise,
+    scatter,
+    record,
+    work,
 ):
     """Run a whole test; return the number of samples recorded.
 
@@ -75,7 +93,9 @@ def closed_loop(  # type: ignore[no-untyped-def]
                 time = 0.0
             row = min(index, reference.shape[0] - 1)
             wanted = reference[row, 0]
-            pid, ahead = control(wanted, reference[row, 1], reference[row, 2], seen[ARM], reference[row, 3], h, index, c, m)
+            pid, ahead = control(
+                wanted, reference[row, 1], reference[row, 2], seen[ARM], reference[row, 3], h, index, c, m
+            )
             shake = dither[row]
             index += 1
         elif index > 0:

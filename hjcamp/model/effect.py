@@ -20,7 +20,7 @@ class Effect:
     A subclass declares its ``subsystem``, its parameters and its own states as class attributes, and one static
     method per slot that it acts on. The method's name is the slot; its arguments are named after the signals, states,
     inputs and parameters that it uses. A term that takes its slot's own name transforms it, otherwise it adds.
-    ``d_z`` gives the rate of the own state ``z``, ``next_z`` its new value once per sample, ``start_z`` where it starts.
+    ``d_z`` gives the rate of the own state ``z``, ``next_z`` its new value once a sample, ``start_z`` where it starts.
     """
 
     subsystem: ClassVar[str] = ""
@@ -89,7 +89,7 @@ class Effect:
 
     @classmethod
     def checked(cls, values: dict[str, float], where: str = "") -> dict[str, float]:
-        """Return ``values`` completed by the defaults; refuse unknown names, non-finite values and values out of bounds."""
+        """Return ``values`` completed by the defaults; refuse unknown names and values that are not within bounds."""
         full = cls.defaults()
         place = f"effect {cls.name}" + (f" ({where})" if where else "")
         for name, value in values.items():

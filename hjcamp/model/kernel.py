@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import atexit
 import functools
 import hashlib
 import importlib.util
 import inspect
 import math
 import os
+import shutil
 import sys
 import tempfile
 import types
@@ -23,6 +25,7 @@ from hjcamp.model.marks import limited
 from hjcamp.model.structure import couplings, is_affine
 
 LEVELS = 10
+TEMPORARY = "hjcamp_kernels_"
 INTEGRATOR = ("linearise", "propagators", "prepare", "turned", "attempt", "regime_after", "advance", "trial", "move")
 INLINED = ("turned", "attempt", "trial", "move", "measure")
 PLAIN = ("regime_after", "advance", "closed_loop", "follow")
@@ -63,9 +66,14 @@ def cache_folder() -> Path:
 
 @functools.cache
 def _temporary_folder() -> Path:
-    folder = Path(tempfile.mkdtemp(prefix="hjcamp_kernels_"))
-    print(f"hjcamp: the cache folder cannot be written; kernels are compiled anew in {folder}", file=sys.stderr)
-    return folder
+    base = Path(tempfile.mkdtemp(prefix=TEMPORARY))
+    (base / "kernels").mkdir()
+    # Worker processes share it, and it goes with the process that made it.
+    os.environ["HJCAMP_CACHE"] = str(base)
+    owner = os.getpid()
+    atexit.register(lambda: shutil.rmtree(base, ignore_errors=True) if os.getpid() == owner else None)
+    print("hjcamp: the cache folder cannot be written; kernels are compiled anew in this call", file=sys.stderr)
+    return base / "kernels"
 
 
 def _plain(source: str, names: dict[str, Any]) -> dict[str, Any]:
@@ -104,7 +112,12 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
         typical=[state.typical for state in states],
     )
     rest = composition.contact_source() + composition.readings_source() + composition.memory_source()
-    rest += composition.signals_source() + composition.balance_source() + composition.predict_source(pattern) + composition.correct_source(pattern)
+    rest += (
+        composition.signals_source()
+        + composition.balance_source()
+        + composition.predict_source(pattern)
+        + composition.correct_source(pattern)
+    )
     return header + equations + rest + copied(integrator, INTEGRATOR) + extra
 
 

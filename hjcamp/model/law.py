@@ -32,7 +32,7 @@ class Memory:
 
 
 class Law:
-    """The base class: ``parameters`` and ``memories`` by name, ``samples`` the arguments, ``results`` the returned values."""
+    """The base class: ``parameters`` and ``memories`` by name, ``samples`` the arguments, ``results`` the answers."""
 
     name: ClassVar[str] = ""
     samples: ClassVar[tuple[str, ...]] = ()
@@ -116,5 +116,7 @@ def law_source(law: type[Law], function: str) -> str:
     definition.returns = None
     definition.args.args = [ast.arg(name) for name in names]
     body = [_Flatten(law).visit(line) for line in definition.body]
-    definition.body = [line for line in body if not (isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant))]
+    definition.body = [
+        line for line in body if not (isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant))
+    ]
     return "@inlined\n" + ast.unparse(ast.fix_missing_locations(tree)) + "\n\n\n"

@@ -91,7 +91,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Contact:
-    """Where dry friction holds: ``velocity`` stays zero while the ``push`` is within ``limit`` and ``locks`` is not 0."""
+    """Where dry friction holds: ``velocity`` stays 0 while the ``push`` is within ``limit`` and ``locks`` is not 0."""
 
     velocity: str
     push: str

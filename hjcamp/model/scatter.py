@@ -22,7 +22,7 @@ class Scatter:
 
 @dataclass(frozen=True)
 class Draw:
-    """What one seed gives for one test: factors on friction (n), noise (n, channels), offsets of pressures and counts."""
+    """What one seed gives for one test: factors on friction (n), noise (n, channels), offsets of pressures, counts."""
 
     friction: Array
     noise: Array

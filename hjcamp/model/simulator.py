@@ -149,7 +149,9 @@ class Simulator:
         self.kernel.prepare(z, self.inputs(), p, period, out)
         return out
 
-    def run(self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Array | None = None) -> dict[str, Any]:
+    def run(
+        self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Array | None = None
+    ) -> dict[str, Any]:
         """Run one test from its preload to its release; return the recorded columns in SI units by name."""
         assert self.controller is not None and self.procedure is not None
         z = self.begin(start, p)
@@ -168,8 +170,9 @@ class Simulator:
         phase = int(procedure_memory[list(self.procedure.memories).index("phase")])
         if count < 0 or phase > 5:
             reached = record[: count if count >= 0 else None, 0]
+            last = int(reached[-1]) if len(reached) else 0
             raise HjcampError(
-                f"the test never left phase {int(reached[-1]) if len(reached) else 0} (0 preload, 1 pressure adjustment, "
+                f"the test never left phase {last} (0 preload, 1 pressure adjustment, "
                 "2 rest, 3 control, 4 release); check procedure.preload_mpa, the adjustment and procedure.phase_limit_s"
             )
         record = record[:count]
@@ -197,8 +200,8 @@ class Simulator:
         work = np.zeros((3, max(states, 8)))
         work[2, 5] = tolerance
         self.kernel.follow(
-            z, self.inputs(), p, propagators, course.period, course.restart, course.time, course.driven, course.observed,
-            course.velocity, course.dither, course.scatter, readings, ideal, forces, work,
+            z, self.inputs(), p, propagators, course.period, course.restart, course.time, course.driven,
+            course.observed, course.velocity, course.dither, course.scatter, readings, ideal, forces, work,
         )  # fmt: skip
         return Followed(readings, ideal, forces, work[2, 1])
 

@@ -57,7 +57,9 @@ def is_affine(composition: Composition, rates: Callable[..., None], draws: int =
     with np.errstate(all="ignore"):
         for _ in range(draws):
             z, u, p = _draws(composition, generator)
-            move = np.array([0.3 * state.typical for state in composition.states.values()]) * generator.uniform(-1, 1, n)
+            move = np.array([0.3 * state.typical for state in composition.states.values()]) * generator.uniform(
+                -1, 1, n
+            )
             for direction in (-1.0, 0.0, 1.0):
                 for value, factor in zip(values, (-1.0, 0.0, 1.0), strict=True):
                     rates(0.1, direction, z + factor * move, u, p, value)

@@ -1,4 +1,4 @@
-"""Where the user's own files are looked for: the one order for configuration, campaigns, effects, controllers, motions."""
+"""Where the user's own files are looked for: one order for configuration, campaigns, effects and all others."""
 
 from __future__ import annotations
 

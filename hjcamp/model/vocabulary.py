@@ -7,6 +7,7 @@ import inspect
 import textwrap
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 from hjcamp.errors import HjcampError
 from hjcamp.model.plant import Plant
@@ -69,10 +70,15 @@ class _Rename(ast.NodeTransformer):
         return node
 
 
-@cache
 def read_vocabulary(plant: type[Plant]) -> Vocabulary:
     """Parse ``plant.equations`` into statements; the docstring and comments are skipped."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(plant.equations)))  # type: ignore[attr-defined]
+    hashable: Any = plant
+    return _parsed(hashable)
+
+
+@cache
+def _parsed(plant: Any) -> Vocabulary:
+    tree = ast.parse(textwrap.dedent(inspect.getsource(plant.equations)))
     function = tree.body[0]
     assert isinstance(function, ast.FunctionDef)
     rename = _Rename()

@@ -15,7 +15,7 @@ def transfer_function(config: Mapping[str, Any]) -> Mapping[str, float]:
     known = pump["transfer_function"]
     if amplifier not in known:
         raise unknown("amplifier", amplifier, known, f"pump '{pump['name']}': it has no transfer function with it")
-    return known[amplifier]  # type: ignore[no-any-return]
+    return known[amplifier]
 
 
 def plant_parameters(config: Mapping[str, Any]) -> dict[str, float]:

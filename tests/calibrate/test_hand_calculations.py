@@ -1,4 +1,4 @@
-"""The hand calculations of the thesis from the code's own formulas; where its arithmetic does not close, a test says so."""
+"""The thesis's hand calculations from the code's own formulas; where its arithmetic does not close, a test says so."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.configuration.setups import configuration_for
 
 PUMP_BORE, INNER, OUTER, LENGTH = 6.35e-3, 2.69e-3, 3.99e-3, 0.3
-VISCOSITY, DENSITY, WATER = 1.002e-3, 1000.0, 2150e6
+VISCOSITY, DENSITY, water = 1.002e-3, 1000.0, 2150e6
 RADIUS = 3.41e-3
-LDPE = tubing.tubing_modulus(INNER, OUTER, 300e6, 0.4)
-HDPE = tubing.tubing_modulus(INNER, OUTER, 2000e6, 0.4)
+ldpe = tubing.tubing_modulus(INNER, OUTER, 300e6, 0.4)
+hdpe = tubing.tubing_modulus(INNER, OUTER, 2000e6, 0.4)
 
 
 def test_flow_and_resistance_of_section_4_4_1() -> None:
@@ -29,12 +29,12 @@ def test_inertance_of_section_4_4_2() -> None:
 
 
 def test_bulk_modulus_of_the_tubing_and_the_three_compressibilities_of_section_4_4_3() -> None:
-    assert pytest.approx(48.9, abs=0.05) == LDPE * 1e-6
-    assert 1e6 / WATER == pytest.approx(0.465e-3, abs=5e-7)
-    assert 1e6 / LDPE == pytest.approx(20.4e-3, abs=5e-5)
+    assert ldpe * 1e-6 == pytest.approx(48.9, abs=0.05)
+    assert 1e6 / water == pytest.approx(0.465e-3, abs=5e-7)
+    assert 1e6 / ldpe == pytest.approx(20.4e-3, abs=5e-5)
     for share, pressure, printed in ((0.001, 0.8, 1.25e-3), (0.01, 0.2, 50e-3)):
-        with_air = 1e6 / tubing.effective_modulus(WATER, LDPE, share, pressure * 1e6)
-        assert with_air - 1e6 / WATER - 1e6 / LDPE == pytest.approx(printed, rel=1e-6)
+        with_air = 1e6 / tubing.effective_modulus(water, ldpe, share, pressure * 1e6)
+        assert with_air - 1e6 / water - 1e6 / ldpe == pytest.approx(printed, rel=1e-6)
 
 
 def test_wall_ratio_does_not_close() -> None:
@@ -48,20 +48,20 @@ def test_wall_ratio_does_not_close() -> None:
 def test_stiff_tubing_of_section_5_6_does_not_close() -> None:
     # The text says 0.15 MPa/mm3 for E = 2000 MPa and S = 0.5 % above 0.5 MPa gauge, from 4.4.3.11 to 4.4.3.14.
     volume, pressure = tubing.tubing_volume(INNER, LENGTH), 0.5e6 + tubing.ATMOSPHERE
-    as_printed = tubing.effective_modulus(WATER, HDPE, 0.005, pressure) / volume * 1e-15
+    as_printed = tubing.effective_modulus(water, hdpe, 0.005, pressure) / volume * 1e-15
     assert as_printed == pytest.approx(0.050, abs=5e-4)
     # With the bubbles' share taken at atmospheric pressure the printed value lies between 0.5 MPa gauge and no air.
-    compressed = tubing.compressed_air_modulus(WATER, HDPE, 0.005, pressure) / volume * 1e-15
-    without_air = tubing.compressed_air_modulus(WATER, HDPE, 0.0, pressure) / volume * 1e-15
+    compressed = tubing.compressed_air_modulus(water, hdpe, 0.005, pressure) / volume * 1e-15
+    without_air = tubing.compressed_air_modulus(water, hdpe, 0.0, pressure) / volume * 1e-15
     assert compressed == pytest.approx(0.119, abs=5e-4)
     assert without_air == pytest.approx(0.166, abs=5e-4)
-    at = tubing.compressed_air_modulus(WATER, HDPE, 0.005, 1.05e6 + tubing.ATMOSPHERE) / volume * 1e-15
-    assert compressed < 0.15 < without_air and at == pytest.approx(0.147, abs=1e-3)
+    at = tubing.compressed_air_modulus(water, hdpe, 0.005, 1.05e6 + tubing.ATMOSPHERE) / volume * 1e-15
+    assert compressed < 0.15 < without_air and at == pytest.approx(0.150, abs=1e-3)
 
 
 def test_air_content_undoes_the_effective_modulus() -> None:
-    effective = tubing.effective_modulus(WATER, LDPE, 0.003, 0.4e6)
-    assert tubing.air_fraction(effective, WATER, LDPE, 0.4e6) == pytest.approx(0.003, rel=1e-9)
+    effective = tubing.effective_modulus(water, ldpe, 0.003, 0.4e6)
+    assert tubing.air_fraction(effective, water, ldpe, 0.4e6) == pytest.approx(0.003, rel=1e-9)
 
 
 def test_effective_masses_of_section_4_5_2_and_5_5() -> None:

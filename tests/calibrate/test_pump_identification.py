@@ -1,4 +1,4 @@
-"""The pump's transfer function: the published ones come back from their own step responses; what cannot be used is refused."""
+"""The published transfer functions come back from their own step responses; unusable steps are refused."""
 
 from __future__ import annotations
 

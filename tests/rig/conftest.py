@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from hjcamp.backends import rig_connection
+from hjcamp.backends import rig_connection, rig_lock
 from hjcamp.backends.rig_lock import release_locks
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.configuration.composer import Composer
@@ -33,6 +33,7 @@ def device(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[VirtualD
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.delenv("HJCAMP_CONF", raising=False)
+    monkeypatch.setattr(rig_lock, "lock_folder", lambda: tmp_path)
     rig_connection._in_process.clear()
     yield rig_connection.in_process_channel().device
     rig_connection._in_process.clear()

@@ -22,7 +22,7 @@ OTHERS = {
 
 @dataclass(frozen=True)
 class Case:
-    """One row: ``fault`` of the virtual rig or an ``action`` in the loop, overrides, and the words that must be said."""
+    """One row: ``fault`` of the virtual rig or an ``action`` in the loop, overrides, words that must be said."""
 
     name: str
     fault: str = ""
@@ -54,7 +54,12 @@ CASES = (
     Case("limit: arm angle", "arm_jump", alone("arm", "arm_deg"), "arm at"),
     Case("limit: arm speed", "arm_jump", alone("arm", "arm_speed_deg_per_s"), "arm speed"),
     Case("limit: tracking error", "arm_jump", alone("arm", "tracking_deg"), "tracking error"),
-    Case("limit: samples missed in all", "one_late_sample", ("rig.limits.missed_in_all=0",), "1 samples were missed in all"),
+    Case(
+        "limit: samples missed in all",
+        "one_late_sample",
+        ("rig.limits.missed_in_all=0",),
+        "1 samples were missed in all",
+    ),
     Case("stop: SIGTERM", action="sigterm", says="SIGTERM was received"),
     Case("stop: Ctrl-C twice", action="sigint", says="Ctrl-C"),
     Case("stop: exception in the loop", action="exception", says="RuntimeError: boom"),
@@ -105,7 +110,9 @@ def _fill_the_disk(sample: int, device: VirtualDevice, monkeypatch: Any) -> None
 
     def full(self: Journal) -> None:
         if device.tests == test and device.samples >= sample:
-            raise HjcampError(f"{self._recording.path if self._recording else ''}: cannot be written: No space left on device")
+            raise HjcampError(
+                f"{self._recording.path if self._recording else ''}: cannot be written: No space left on device"
+            )
         write(self)
 
     monkeypatch.setattr(Journal, "_write", full)

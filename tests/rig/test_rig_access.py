@@ -24,8 +24,10 @@ from hjcamp.errors import UsageError
 
 HOLDER = """
 import sys, time
+from pathlib import Path
 from hjcamp.backends import rig_lock
 config = {"rig": {"connection": {"kind": "address", "address": "localhost:1"}}, "amplifier": {}}
+rig_lock.lock_folder = lambda: Path(sys.argv[1])
 rig_lock.rig_identity = lambda config: "the test rig"
 rig_lock.take_lock(config)
 print("held", flush=True)
@@ -36,10 +38,12 @@ time.sleep(60)
 @pytest.fixture
 def holder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
     """Another process that holds the lock of "the test rig"."""
-    monkeypatch.setattr(rig_lock.tempfile, "gettempdir", lambda: str(tmp_path))
     monkeypatch.setattr(rig_lock, "rig_identity", lambda config: "the test rig")
-    environment = {**os.environ, "TMPDIR": str(tmp_path), "PYTHONPATH": str(Path(rig_lock.__file__).parents[2])}
-    process = subprocess.Popen([sys.executable, "-c", HOLDER], stdout=subprocess.PIPE, text=True, env=environment)
+    monkeypatch.setattr(rig_lock, "lock_folder", lambda: tmp_path)
+    environment = {**os.environ, "PYTHONPATH": str(Path(rig_lock.__file__).parents[2])}
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE, text=True, env=environment
+    )
     assert process.stdout is not None
     assert process.stdout.readline() == "held\n"
     yield process
@@ -79,7 +83,9 @@ def test_no_driver_is_one_message(compose: Any, device: VirtualDevice) -> None:
     assert "rig=virtual" in str(caught.value)
 
 
-def test_nothing_moves_before_the_check(compose: Any, device: VirtualDevice, capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_moves_before_the_check(
+    compose: Any, device: VirtualDevice, capsys: pytest.CaptureFixture[str]
+) -> None:
     config = copy.deepcopy(compose("rig.check_required=true"))
     with pytest.raises(RigUnavailable, match="run `hjcamp rig check rig=virtual` first"):
         backends.run_test(config, 1)
@@ -132,7 +138,7 @@ def test_sockets_give_the_same_test(compose: Any, device: VirtualDevice) -> None
         lines = (address, "trajectory.amplitude_deg=6", "trajectory.duration=0.05", "trajectory.rise_time=0.05")
         config = compose(*lines)
         config["rig"]["return_speed_mm_per_s"] = None
-        measured, notes = backends.run_test(config, 3)
+        measured, _ = backends.run_test(config, 3)
         simulated, _ = backends.run_test({**config, "backend": {"name": "simulation"}}, 3)
         assert (measured["command_deg"] == simulated["command_deg"]).all()
         remote.owner = "somebody else"

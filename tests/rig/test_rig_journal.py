@@ -25,7 +25,8 @@ from pathlib import Path
 from hjcamp.backends.recording import Recording
 from hjcamp.backends.rig_journal import Journal
 from hjcamp.records.write import LogWriter
-journal = Journal(Recording(Path(sys.argv[1]), lambda p, n: LogWriter(p, n, {"campaign": "c"}, {}, replace=True)), 100000)
+open_writer = lambda p, n: LogWriter(p, n, {"campaign": "c"}, {}, replace=True)
+journal = Journal(Recording(Path(sys.argv[1]), open_writer), 100000)
 start = time.perf_counter()
 for k in range(100000):
     while time.perf_counter() - start < k * 1e-3:

@@ -22,7 +22,15 @@ def row(phase: float = 3.0, reference: float = 0.0, command: float = 0.0) -> np.
 
 
 def check(limits: Limits = LIMITS, **values: Any) -> str | None:
-    given = {"missed": 0, "volts": VOLTS, "pressure1": 0.26e6, "pressure2": 0.26e6, "arm": 0.0, "motor": 0.0, "out": row()}
+    given = {
+        "missed": 0,
+        "volts": VOLTS,
+        "pressure1": 0.26e6,
+        "pressure2": 0.26e6,
+        "arm": 0.0,
+        "motor": 0.0,
+        "out": row(),
+    }
     return LimitCheck(limits, 1e-3, ((0.9, 5.1), (0.9, 5.1))).check(**{**given, **values})
 
 

@@ -20,8 +20,8 @@ Written by `python tests/rig/write_fault_table.py`, on the virtual rig through t
 run of two tests (`trajectory=ramp_pos`, 1.8 s each) whose first test is disturbed at its start (sample 20, preload),
 in its middle (sample 1000, halfway along the ramp) or at its end (sample 1500, ramp not yet over).
 
-* *outputs*: dither off, preload standing still, the pump held where it was measured. "Within 2 samples": of the sample in
-  which the fault showed; for a fault that shows later (a stuck encoder), of the sample in which a limit was passed.
+* *outputs*: dither off, preload standing still, the pump held where it was measured. "Within 2 samples": of the sample
+  in which the fault showed; for a fault that shows later (a stuck encoder), of the sample in which a limit was passed.
 * *log*: what `hjcamp log recover` makes of the `.part` file. *code*: exit code of the run. *resumed*: after
   `hjcamp resume` without the fault.
 * A device that disappears cannot be written to: its own watchdog makes the outputs safe, and the message says so.

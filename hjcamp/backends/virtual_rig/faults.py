@@ -28,7 +28,7 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault that begins at ``sample`` of each test; ``test`` limits it to that test (1 is the first), 0 is every test."""
+    """A fault that begins at ``sample`` of test number ``test``, or of every test where that is 0."""
 
     kind: str
     sample: int = 0

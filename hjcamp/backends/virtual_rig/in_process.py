@@ -11,7 +11,7 @@ from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.backends.virtual_rig.servicer import VirtualServicer
 
 
-class InProcessError(grpc.RpcError):  # type: ignore[misc]
+class InProcessError(grpc.RpcError):
     """What a client sees of a call that was aborted."""
 
     def __init__(self, code: Any, details: str, metadata: tuple[Any, ...]) -> None:
@@ -52,7 +52,7 @@ class _Context:
         raise InProcessError(code, details, self._metadata)
 
 
-class InProcessChannel(grpc.Channel):  # type: ignore[misc]
+class InProcessChannel(grpc.Channel):
     """Calls the servicer directly; messages pass as they are."""
 
     def __init__(self, device: VirtualDevice) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import inspect
 from collections.abc import Mapping
 from functools import cached_property
@@ -21,6 +22,11 @@ from hjcamp.plants.pump_joint import PumpJoint
 Array = NDArray[np.float64]
 LONGEST_DELAY = 1024  # samples of the command that are kept
 READINGS = tuple(channel.field for channel in PumpJoint.channels)
+
+
+@functools.cache
+def _tick_text() -> str:
+    return f"@hot\n{inspect.getsource(tick.rig_tick)}"
 
 
 class VirtualPlant:
@@ -58,8 +64,7 @@ class VirtualPlant:
 
     @cached_property
     def _kernel(self) -> Any:
-        text = f"@hot\n{inspect.getsource(tick.rig_tick)}\n\n"
-        return load_kernel(self._simulator.source + "\n\n" + text)
+        return load_kernel(f"{self._simulator.source}\n\n{_tick_text()}\n\n")
 
     def advance(self, outputs: Array) -> Array:
         """Go on to the next sample under ``outputs`` (pump command rad, dither V, preload speed m/s).

@@ -24,7 +24,9 @@ def check_address(address: str, anybody: bool = False) -> None:
     if not host or not port.isdigit() or int(port) > 65535:
         raise UsageError(f"address '{address}': expected HOST:PORT such as localhost:31763")
     if host not in LOCAL_HOSTS and not anybody:
-        raise UsageError(f"address '{address}': other computers can reach it, without a password; add --anybody if so wanted")
+        raise UsageError(
+            f"address '{address}': other computers can reach it, without a password; add --anybody if so wanted"
+        )
 
 
 def start_server(

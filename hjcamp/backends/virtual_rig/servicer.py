@@ -42,7 +42,7 @@ def call(method: Callable[..., Any]) -> Callable[..., Any]:
     return answer
 
 
-class VirtualServicer(NiDAQmxServicer):  # type: ignore[misc]
+class VirtualServicer(NiDAQmxServicer):
     """Serves analog input, counter input, analog output, timing, watchdog and the questions a client asks."""
 
     def __init__(self, device: VirtualDevice) -> None:

@@ -17,7 +17,7 @@ move: Any = None
 procedure: Any = None
 
 
-def rig_tick(  # type: ignore[no-untyped-def]
+def rig_tick(
     k, outputs, z, u, p, propagator, h, pc, pm, delay, preload_area, burst, counts, phases, noise, scatter, history,
     memory, seen, work,
 ):  # fmt: skip

@@ -1,0 +1,122 @@
+"""What the unexplained part depends on: regression of the residual force and flow on what could drive them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.discrepancy.features import Features
+from hjcamp.discrepancy.fit import Fit
+
+Array = NDArray[np.float64]
+DRIVERS = (
+    "arm_angle",
+    "arm_velocity",
+    "direction",
+    "pressure_sum",
+    "pressure_difference",
+    "pump_position",
+    "pump_velocity",
+    "time",
+    "time_at_rest",
+    "repetition",
+)
+KNOTS = 5
+# A force is a pressure difference and a line error is one too: those pairs would explain themselves.
+TAUTOLOGIES = {"sliding": ("pressure_difference",), "line_difference": ("pressure_difference",), "line_sum": ("pressure_sum",)}
+EXPLAINED = {"sliding": 4, "line_sum": 2, "line_difference": 3}
+
+
+def driver_values(features: Features) -> dict[str, Array]:
+    """Return every driver (blocks,), block by block."""
+    evidence = features.evidence
+    starts = features._starts
+    at = starts + 2
+    velocity = evidence.joined("velocity")
+    pump = evidence.joined("pump")
+    rest = np.zeros(len(velocity))
+    for k in range(1, len(rest)):
+        rest[k] = rest[k - 1] + 0.004 if velocity[k] == 0.0 else 0.0
+    repetition = np.zeros(len(evidence.tests))
+    for tests in evidence.conditions.values():
+        repetition[tests] = np.arange(len(tests))
+    sums = evidence.joined("pressure1") + evidence.joined("pressure2")
+    return {
+        "arm_angle": evidence.joined("arm")[at],
+        "arm_velocity": np.abs(velocity)[at],
+        "direction": np.sign(velocity)[at],
+        "pressure_sum": sums[at],
+        "pressure_difference": (evidence.joined("pressure1") - evidence.joined("pressure2"))[at],
+        "pump_position": pump[at],
+        "pump_velocity": np.gradient(pump, 0.004)[at],
+        "time": evidence.joined("time")[at],
+        "time_at_rest": rest[at],
+        "repetition": repetition[features.of_test],
+    }
+
+
+def _basis(values: Array, sign: Array | None) -> Array:
+    """Return piecewise linear functions of the values (blocks, knots), times the direction for an odd part."""
+    low, high = np.quantile(values, [0.02, 0.98])
+    if high <= low:
+        return np.zeros((len(values), 0))
+    distinct = np.unique(np.round(values, 12))
+    if len(distinct) <= 3:
+        columns = [(values == value).astype(float) for value in distinct[1:]]
+    else:
+        knots = np.linspace(low, high, KNOTS)
+        width = knots[1] - knots[0]
+        columns = [np.clip(1 - np.abs(np.clip(values, low, high) - knot) / width, 0, 1) for knot in knots]
+    basis = np.column_stack(columns)
+    return basis if sign is None else basis * sign[:, None]
+
+
+def _gain(features: Features, residual: Array, valid: NDArray[np.bool_], basis: Array) -> float:
+    """Return the share of the squared residual that the basis predicts in conditions left out of the regression."""
+    if basis.shape[1] == 0 or valid.sum() < 50:
+        return 0.0
+    conditions = list(features.evidence.conditions.values())
+    before, after = 0.0, 0.0
+    for tests in conditions:
+        out = np.isin(features.of_test, tests) & valid
+        inside = valid & ~np.isin(features.of_test, tests)
+        if out.sum() < 5 or inside.sum() < 3 * basis.shape[1]:
+            continue
+        a = basis[inside]
+        ridge = 1e-3 * np.trace(a.T @ a) / a.shape[1] * np.eye(a.shape[1])
+        weights = np.linalg.solve(a.T @ a + ridge, a.T @ residual[inside])
+        before += float((residual[out] ** 2).sum())
+        after += float(((residual[out] - basis[out] @ weights) ** 2).sum())
+    return 1.0 - after / before if before > 0 else 0.0
+
+
+def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, str, float]]:
+    """Return (driver, channel, share explained on conditions left out), largest first, of the channel most off its floor.
+
+    A force that is even in direction is looked for as it is, friction as its product with the direction.
+    """
+    values = driver_values(features)
+    sign = values["direction"]
+    found = []
+    for channel, index in EXPLAINED.items():
+        valid = features.valid[:, index]
+        residual = fit.features[:, index]
+        power = float((residual[valid] ** 2).sum()) / max(floor[index] ** 2 * valid.sum(), 1e-30)
+        excess = max(1.0 - 1.0 / max(power, 1e-9), 0.0) * min(power, 25.0)
+        for driver, column in values.items():
+            if driver in TAUTOLOGIES.get(channel, ()):
+                continue
+            plain = _gain(features, residual, valid, _basis(column, None))
+            odd = _gain(features, residual, valid, _basis(column, sign)) if channel == "sliding" else 0.0
+            best = max(plain, 0.98 * odd)
+            found.append((driver, channel, best * max(excess, 0.05)))
+    return sorted(found, key=lambda row: -row[2])
+
+
+def top_drivers(ranked: list[tuple[str, str, float]]) -> list[str]:
+    """Return the drivers, most likely first, each once, those that explain nothing left out."""
+    order: list[str] = []
+    for driver, _, share in ranked:
+        if share > 0 and driver not in order:
+            order.append(driver)
+    return order

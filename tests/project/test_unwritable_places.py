@@ -1,0 +1,33 @@
+"""A home that cannot be written and a full disk: work goes on where it can, else one message says what is wrong."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+import pytest
+
+from hjcamp.campaign.execution import no_place
+from hjcamp.model import kernel
+
+
+def test_without_a_cache_kernels_are_kept_for_this_call(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("HJCAMP_CACHE", str(tmp_path / "file" / "cache"))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(kernel.tempfile, "tempdir", None)
+    kernel._temporary_folder.cache_clear()
+    folder = kernel.cache_folder()
+    assert folder.is_dir() and tmp_path in folder.parents
+    assert os.environ["HJCAMP_CACHE"] == str(folder.parent), "worker processes would each make their own"
+    assert kernel.cache_folder() == folder
+    assert capsys.readouterr().err.count("cannot be written") == 1
+    kernel._temporary_folder.cache_clear()
+
+
+def test_a_full_disk_is_named_even_where_the_error_names_no_file() -> None:
+    message = no_place(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)), Path("runs/one/logs/rep_01.mcap"))
+    assert "runs/one/logs" in message and "kernels" in message and "No space left" in message
