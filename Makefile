@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 WARM := $(VENV)/.warm
 
-.PHONY: help setup demo test lint bench clean
+.PHONY: help setup demo test lint bench recovery clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, kernels compiled (about 3 minutes the first time)"
@@ -14,6 +14,7 @@ help:
 	@echo "make test    lint, types, layers, tests"
 	@echo "make lint    lint, types, layers"
 	@echo "make bench   speed of the model against the same model in SciPy, and of the whole chain"
+	@echo "make recovery  calibrate 20 simulated rigs drawn at random; the result is docs/identification_recovery.md"
 	@echo "make clean   remove .venv and caches; runs/ stays"
 
 setup: $(WARM)
@@ -41,6 +42,10 @@ test: $(INSTALLED) lint
 
 bench: $(WARM)
 	$(BIN)/python benchmarks/bench.py
+
+recovery: $(WARM)
+	$(BIN)/python tests/calibrate/recovery_study.py > docs/identification_recovery.md.part
+	mv docs/identification_recovery.md.part docs/identification_recovery.md
 
 clean:
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache build dist

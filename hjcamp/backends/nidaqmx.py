@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from hjcamp.backends.recording import current_recording
 from hjcamp.backends.rig_check_stamp import require_check
 from hjcamp.backends.rig_connection import connect
-from hjcamp.backends.rig_control import RigControl
+from hjcamp.backends.rig_control import COMMAND, RigControl
 from hjcamp.backends.rig_journal import Journal
 from hjcamp.backends.rig_limits import LimitCheck, read_limits
 from hjcamp.backends.rig_lock import take_lock
 from hjcamp.backends.rig_loop import RigLoop, Stopped
+from hjcamp.backends.rig_park import note_parked, parked_at
 from hjcamp.backends.rig_stop import StopSignals
 from hjcamp.backends.rig_tasks import RigTasks
 from hjcamp.backends.rig_timing import LoopTiming
@@ -38,6 +39,7 @@ from hjcamp.model.simulator import PERIOD
 Array = NDArray[np.float64]
 SWITCH_INTERVAL_S = 1e-4  # the thread that writes the log gives way to the loop within it; Python's own is 5 ms
 SPARE_SAMPLES = 100
+SLOWEST_RETURN = 2 * np.pi  # rad/s: 1 mm/s of the pump
 
 
 def check_test(config: Mapping[str, Any]) -> None:
@@ -56,6 +58,7 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
     require_check(config)
     control, procedure = rig_control(config)
     take_lock(config)
+    parked = parked_at(config, wiring)
     longest = samples_at_most(config, procedure)
     with StopSignals() as signals:
         connection = connect(config, seed)
@@ -63,12 +66,13 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
             journal = Journal(current_recording(), longest)
             try:
                 loop = RigLoop(
-                    RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3),
+                    RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3, parked),
                     control,
                     limit_check(config, wiring),
                     journal,
                     LoopTiming(longest, config["rig"]["connection"]["kind"] != "driver"),
                     lambda: signals.reason,
+                    parked,
                 )
                 facts = loop.tasks.device_facts()
                 drive(loop, config)
@@ -85,11 +89,16 @@ def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
     reason = "the test could not be started"
     before = sys.getswitchinterval()
     sys.setswitchinterval(SWITCH_INTERVAL_S)
+    speed = (config["rig"].get("return_speed_mm_per_s") or 0.0) / config["pump"]["lead_mm_per_rev"] * 2 * np.pi
+    note_parked(config, loop.tasks.wiring, None)
     try:
+        if loop.motor != 0.0:
+            loop.control.out[COMMAND] = loop.motor
+            loop.return_to_start(speed or SLOWEST_RETURN)
+            loop.control.out[:] = 0.0
         loop.run()
-        speed = config["rig"].get("return_speed_mm_per_s")
         if speed:
-            loop.return_to_start(speed / config["pump"]["lead_mm_per_rev"] * 2 * np.pi)
+            loop.return_to_start(speed)
         reason = ""
     except Stopped as error:
         reason = str(error)
@@ -99,6 +108,7 @@ def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
         reason = f"{type(error).__name__}: {error}"
     finally:
         problem = loop.tasks.make_safe(loop.motor)
+        note_parked(config, loop.tasks.wiring, loop.motor)
         sys.setswitchinterval(before)
         loop.journal.close()
         loop.tasks.close()

@@ -182,6 +182,7 @@ def check_rig(
     from hjcamp.backends.rig_connection import connect
     from hjcamp.backends.rig_limits import read_limits
     from hjcamp.backends.rig_lock import take_lock
+    from hjcamp.backends.rig_park import note_parked
     from hjcamp.backends.rig_stop import StopSignals
     from hjcamp.backends.rig_wiring import read_wiring
 
@@ -203,6 +204,7 @@ def check_rig(
                     say(finding)
             finally:
                 problem = tasks.make_safe(check.motor)
+                note_parked(config, wiring, check.motor)
                 tasks.close()
                 if problem is not None:
                     raise RigStopped(f"THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand")

@@ -75,7 +75,7 @@ class RigControl:
     def __init__(
         self, law: type[Controller], control: Array, procedure: Array, reference: Array, dither: Array, period: float
     ) -> None:
-        self._step = load_kernel(control_source(law)).rig_step
+        self._step = load_kernel(control_source(law)).rig_step  # type: ignore[arg-type]
         self._control, self._memory = control, law.fresh_memory()
         self._procedure, self._procedure_memory = procedure, Procedure.fresh_memory()
         self._reference, self._dither, self._period = np.ascontiguousarray(reference), dither, period

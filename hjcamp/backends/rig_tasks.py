@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import time
 import warnings
 from typing import Any
 
@@ -41,16 +42,19 @@ class RigTasks:
     """The running tasks of one test.
 
     ``read`` waits for the next edge of the sample clock (hardware-timed single point): it is what paces the loop.
+    ``parked`` (rad) is where the pump stands before the first sample.
     ``volts`` (2,) and ``counts`` (arm, pump) hold what was read; ``acquired`` is the device's own count of samples.
     """
 
-    def __init__(self, wiring: Wiring, connection: Connection, timeout: float) -> None:
+    def __init__(self, wiring: Wiring, connection: Connection, timeout: float, parked: float = 0.0) -> None:
         self.wiring = wiring
         self.volts = np.zeros(2)
         self.counts = [0.0, 0.0]
         self.acquired = 0
         self.is_safe = True
         self._timeout = timeout
+        self._parked = parked
+        self._last_ns = 0
         self._options = connection.options
         self._watchdog: Any = None
         self._opened: list[Any] = []
@@ -77,14 +81,15 @@ class RigTasks:
         analog.timing.cfg_samp_clk_timing(RATE, sample_mode=point)
         clock = f"/{wiring.pressures['pressure1'].channel.lstrip('/').split('/')[0]}/ai/SampleClock"
         self._counters = []
-        for encoder in wiring.encoders.values():
+        for name, encoder in wiring.encoders.items():
+            start = round(encoder.sign * self._parked / encoder.count) if name == "pump" else 0
             task = self._task()
             task.ci_channels.add_ci_ang_encoder_chan(
                 encoder.channel,
                 decoding_type=DECODING[encoder.decoding],
                 units=AngleUnits.TICKS,
                 pulses_per_rev=encoder.pulses_per_turn,
-                initial_angle=0.0,
+                initial_angle=float(start),
             )
             task.timing.cfg_samp_clk_timing(RATE, source=clock, sample_mode=point)
             self._counters.append(CounterReader(task.in_stream))
@@ -99,7 +104,7 @@ class RigTasks:
         self._reader.verify_array_shape = False
         self._in_stream = analog.in_stream
         self._opened_watchdog()
-        self._write_safe(0.0)
+        self._write_safe(self._parked)
         # The slaves of the sample clock first: none may miss its first edge.
         for task in [*self._opened[1:3], *([drives] if wiring.timing == "hardware_timed" else []), analog]:
             task.start()
@@ -134,10 +139,12 @@ class RigTasks:
             except Error:
                 if before:
                     raise
-                # Not every device counts single points; then only its own late errors tell.
+                # Not every device counts single points; then the wall clock tells.
                 self._counts_samples = False
         if not self._counts_samples:
-            self.acquired = before + 1
+            now = time.perf_counter_ns()
+            passed = round((now - self._last_ns) * 1e-9 * RATE) if self._last_ns else 1
+            self.acquired, self._last_ns = before + max(1, passed), now
         self.counts[0] = self._counters[0].read_one_sample_double(self._timeout)
         self.counts[1] = self._counters[1].read_one_sample_double(self._timeout)
         return max(0, self.acquired - before - 1) if before else 0

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
 from hjcamp.errors import HjcampError
@@ -24,6 +25,9 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
     console.print(f"[bold]{folder.path}[/bold]   {total} tests, {len(result.failures)} failed{kept}")
     for text, count in grouped(result.warnings)[:SHOWN]:
         console.print(f"  note    {text} ({count} test{'s' * (count != 1)})", style="yellow", markup=False)
+    for slip in dict.fromkeys(string_warning(one.config) for one in folder.plan.conditions):
+        if slip:
+            console.print(f"  note    {slip}", style="yellow", markup=False)
     if result.done + result.kept:
         _report(folder, console)
     if result.failures:

@@ -39,6 +39,7 @@ def serve(
     from hjcamp.backends.virtual_rig.faults import parse_fault
     from hjcamp.backends.virtual_rig.server import check_address, start_server
     from hjcamp.configuration.composer import Composer, free
+    from hjcamp.effects import chosen_effects
     from hjcamp.errors import UsageError
 
     check_address(address, anybody)
@@ -47,6 +48,7 @@ def serve(
     if wrong := [line for line in lines if not line.lstrip("+").startswith("effects.")]:
         raise UsageError(f"'{wrong[0]}': only effects can be hidden in the rig; the client says what hardware is on it")
     hidden = Composer().compose(lines).config.get("effects") or {}
+    chosen_effects(hidden)
     server, port, _ = start_server(address, faults, hidden)
     host = address.rpartition(":")[0]
     print(f"a virtual rig is served at {host}:{port}; Ctrl-C ends it")

@@ -11,19 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.fit import Fit, Fitter
+from hjcamp.discrepancy.unknowns import Unknown, read, written
 from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter
 
 Array = NDArray[np.float64]
-GRID = {1: 5, 2: 4}
+GRID = {1: 4, 2: 3}
 WANTED = 1.5
+SMOOTH = 2
 
 
 @dataclass(frozen=True)
 class Probe:
     """One shape of one effect: its parameters at a finite amplitude, and the positions of its response columns.
 
-    ``lifted`` names, column by column, the amplitude that the column raises from "off" to the value in ``parameters``.
+    ``lifted`` names, column by column, the amplitude that the column raises from "off" to the value in ``parameters``;
+    ``shifts`` holds, column by column, the move of the base parameters (on the fitted scale) that goes with it.
     """
 
     effect: str
@@ -31,6 +34,7 @@ class Probe:
     lifted: tuple[str, ...]
     columns: tuple[int, ...]
     signed: tuple[bool, ...]
+    shifts: tuple[tuple[float, ...], ...] = ()
 
 
 def amplitudes(effect: type[Effect]) -> list[str]:
@@ -66,8 +70,15 @@ def shapes(effect: type[Effect]) -> Iterator[dict[str, float]]:
 class Responses:
     """Collects response columns (columns, blocks, channels) about one fitted model."""
 
-    def __init__(self, fitter: Fitter, about: Fit, floor: Array) -> None:
-        self.fitter, self.about, self.floor = fitter, about, floor
+    def __init__(self, fitter: Fitter, about: Fit, floor: Array, unknowns: Sequence[Unknown], jacobian: Array) -> None:
+        self.fitter, self.about, self.floor, self.unknowns = fitter, about, floor, unknowns
+        weights = np.sqrt(fitter.weights(about.mean_square))
+        weights[:, :SMOOTH] = 0.0
+        self.weights = weights
+        flat = (jacobian * weights).reshape(len(jacobian), -1)
+        spread = np.array([unknown.spread for unknown in unknowns]) ** -2.0
+        gram = flat @ flat.T
+        self.solve = np.linalg.solve(gram + np.diag(spread) + 1e-6 * np.trace(gram) * np.eye(len(gram)), flat)
         self.columns: list[Array] = []
         self.spoken = np.maximum(fitter.features.valid.sum(axis=0), 1)
 
@@ -75,6 +86,17 @@ class Responses:
         """Return the change of the features that the effect makes."""
         full = {**effect.defaults(), **parameters}
         return np.nan_to_num(self.fitter.look(self.about.candidate.with_effect(effect.name, full)).features - self.about.features)
+
+    def compensated(self, effect: type[Effect], parameters: dict[str, float], response: Array) -> tuple[Array, Array]:
+        """Return the response together with the move of the base that makes up for it best, and that move.
+
+        The move is found where the residuals are smooth (lines, forces): windows with slips answer too wildly.
+        """
+        move = np.clip(-self.solve @ (self.weights * response).ravel(), -0.7, 0.7)
+        candidate = self.about.candidate.with_effect(effect.name, {**effect.defaults(), **parameters})
+        places = read(candidate, self.unknowns) + move
+        seen = self.fitter.look(written(candidate, self.unknowns, places))
+        return np.nan_to_num(seen.features - self.about.features), move
 
     def size(self, response: Array) -> float:
         """Return the size of a response over the floor, in the channel where it is largest."""
@@ -87,7 +109,7 @@ class Responses:
         off = {name: float(effect.parameters[name].off or 0.0) for name in linear}
         scale: dict[str, float] = {}
         for shape in shapes(effect):
-            columns, lifted, parameters, signed = [], [], dict(shape), []
+            columns, lifted, parameters, signed, shifts = [], [], dict(shape), [], []
             for name in linear or [""]:
                 given = {**off, **shape}
                 parameter = effect.parameters.get(name)
@@ -105,18 +127,25 @@ class Responses:
                     parameters[name] = given[name]
                 if not 0.02 < size < 1e6:
                     continue
+                response, move = self.compensated(effect, given, response)
+                shifts.append(tuple(float(step) for step in move))
                 columns.append(len(self.columns))
                 lifted.append(name)
                 signed.append(parameter is not None and parameter.bounds[0] < 0)
                 self.columns.append(response)
             if columns:
-                found.append(Probe(effect.name, parameters, tuple(lifted), tuple(columns), tuple(signed)))
+                found.append(Probe(effect.name, parameters, tuple(lifted), tuple(columns), tuple(signed), tuple(shifts)))
         return found
 
 
-def probe_all(fitter: Fitter, about: Fit, floor: Array, effects: Sequence[type[Effect]]) -> tuple[list[Probe], Array]:
-    """Return the probes of all effects about a fit, and their response columns (columns, blocks, channels)."""
-    responses = Responses(fitter, about, floor)
+def probe_all(
+    fitter: Fitter, about: Fit, floor: Array, effects: Sequence[type[Effect]], unknowns: Sequence[Unknown], jacobian: Array
+) -> tuple[list[Probe], Array]:
+    """Return the probes of all effects about a fit, and their response columns (columns, blocks, channels).
+
+    ``jacobian`` (unknowns, blocks, channels) are the responses of the unknowns already in the model.
+    """
+    responses = Responses(fitter, about, floor, unknowns, jacobian)
     probes = [probe for effect in effects for probe in responses.probe(effect)]
     shape = (0, *about.features.shape)
     return probes, np.array(responses.columns) if responses.columns else np.zeros(shape)

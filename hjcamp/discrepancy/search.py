@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.gram import Gram, all_gains
 from hjcamp.discrepancy.probes import Probe, probe_all
-from hjcamp.discrepancy.unknowns import Unknown, base_unknowns, effect_unknowns
+from hjcamp.discrepancy.unknowns import Unknown, base_unknowns, effect_unknowns, read, written
 from hjcamp.discrepancy.views import Candidate
 from hjcamp.model.effect import Effect
 
@@ -30,6 +30,7 @@ class Screening:
     gram: Gram
     known: Array
     gains: dict[str, float]
+    unknowns: list[Unknown]
     best: dict[str, tuple[Probe, Array]] = field(default_factory=dict)
 
     @property
@@ -57,20 +58,23 @@ def screen(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]]) -> Scree
             here += effect_unknowns(effect)
     known = np.array([unknown.spread for unknown in here]) ** -2.0
     left = [effect for effect in effects if effect.name not in about.candidate.effects]
-    probes, columns = probe_all(fitter, about, floor, left)
     jacobian = fitter.jacobian(about, here)
+    probes, columns = probe_all(fitter, about, floor, left, here, jacobian)
     gram = Gram.of(np.concatenate([jacobian, columns]), fitter.features, fitter.least)
-    screening = Screening(about, floor, probes, gram, known, {})
+    screening = Screening(about, floor, probes, gram, known, {}, here)
     _, gains, coefficients = all_gains(gram, about.features, known, screening.groups)
     found = strongest(probes, gains, coefficients)
     visible = {effect.name: found[effect.name][2] if effect.name in found else 0.0 for effect in left}
-    best = {name: (probe, coefficient[len(known) :]) for name, (probe, coefficient, _) in found.items()}
-    return Screening(about, floor, probes, gram, known, visible, best)
+    best = {name: (probe, coefficient) for name, (probe, coefficient, _) in found.items()}
+    return Screening(about, floor, probes, gram, known, visible, here, best)
 
 
 def started(screening: Screening, effect: type[Effect], factor: float = 1.0) -> Candidate:
     """Return the model with ``effect`` at ``factor`` times the amplitude that the screening predicts."""
-    probe, coefficients = screening.best[effect.name]
+    probe, found = screening.best[effect.name]
+    coefficients, move = found[len(screening.known) :], found[: len(screening.known)].copy()
+    for coefficient, shift in zip(coefficients, probe.shifts, strict=True):
+        move += float(coefficient) * np.array(shift)
     parameters = {**effect.defaults(), **probe.parameters}
     for name, coefficient in zip(probe.lifted, coefficients, strict=True):
         if name:
@@ -81,7 +85,9 @@ def started(screening: Screening, effect: type[Effect], factor: float = 1.0) -> 
     for name, parameter in effect.parameters.items():
         if parameter.off is not None and name not in probe.lifted and not parameter.shape:
             parameters[name] = parameter.off
-    return screening.about.candidate.with_effect(effect.name, parameters)
+    candidate = screening.about.candidate
+    places = read(candidate, screening.unknowns) + factor * np.clip(move, -1.0, 1.0)
+    return written(candidate, screening.unknowns, places).with_effect(effect.name, parameters)
 
 
 def unknowns_of(candidate: Candidate, effects: Sequence[type[Effect]]) -> list[Unknown]:
@@ -96,7 +102,10 @@ def unknowns_of(candidate: Candidate, effects: Sequence[type[Effect]]) -> list[U
 def fit_effect(fitter: Fitter, screening: Screening, effect: type[Effect], effects: Sequence[type[Effect]], steps: int) -> Fit:
     """Return the joint fit of one more effect, from the screening's start."""
     start = min((fitter.look(started(screening, effect, factor)) for factor in FACTORS), key=lambda fit: fit.loss).candidate
-    return fitter.fit(start, unknowns_of(start, effects), steps=steps, enough=0.05)
+    here = unknowns_of(start, effects)
+    smooth = fitter.smooth().fit(start, here, steps=steps, enough=0.05).candidate
+    start = min((fitter.look(start), fitter.look(smooth)), key=lambda fit: fit.loss).candidate
+    return fitter.fit(start, here, steps=steps, enough=0.05)
 
 
 def rival_weights(fits: dict[str, Fit], least: Array) -> dict[str, float]:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
+import hjcamp.backends
+from hjcamp import cli
 from hjcamp.calibrate import tubing
 from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.configuration.setups import configuration_for
@@ -84,3 +89,20 @@ def test_string_warns_where_a_test_would_slip_it() -> None:
     heavy = {**config, "payload": {**config["payload"], "mass_g": 120.0}}
     warning = string_warning(heavy)
     assert warning is not None and "slips" in warning and "0.19 N" in warning
+
+
+def test_run_says_when_a_test_would_slip_the_string(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def quick_test(config: dict, seed: int) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+        time = np.arange(300) * 1e-3
+        columns = dict.fromkeys(("arm_deg", "pressure1_mpa", "pressure2_mpa", "pump_deg"), 0.1 * time)
+        return {"time_s": time, "reference_deg": time, **columns}, {}
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(hjcamp.backends, "run_test", quick_test)
+    call = ["run", "payload=brass_8p5g", "orientation=vertical", "repetitions=1", "workers=1"]
+    assert cli.run([*call, "run_dir=light"]) == 0
+    assert "slips" not in capfd.readouterr().out
+    assert cli.run([*call, "run_dir=heavy", "payload.mass_g=200"]) == 0
+    assert "slips on the pulley" in " ".join(capfd.readouterr().out.split())

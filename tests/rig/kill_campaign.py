@@ -1,4 +1,4 @@
-"""Kills campaigns with kill -9 at random moments, goes on, and compares: python tests/rig/kill_campaign.py [kills [backend ...]]
+"""Kills campaigns with kill -9 at random moments, goes on, and compares; arguments: kills, then backends.
 
 After each kill every file under a final name must be whole, and what was finished must still be there, byte for byte.
 When a campaign is complete its tables must be those of a run that nobody disturbed. Half of the kills hit the

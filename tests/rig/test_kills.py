@@ -15,6 +15,6 @@ SCRIPT = Path(__file__).with_name("kill_campaign.py")
 def test_kills(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(SCRIPT.parents[2]))
     monkeypatch.delenv("HJCAMP_CONF", raising=False)
-    done = subprocess.run([sys.executable, str(SCRIPT), "6"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    done = subprocess.run([sys.executable, str(SCRIPT), "4"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("nothing lost") == 2

@@ -197,6 +197,20 @@ def test_faults_are_parsed() -> None:
         parse_fault("stuck_encoder@x")
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["payload=none"], "only effects can be hidden"),
+        (["effects.leekage.conductance=1"], "leakage"),
+        (["--fault", "burst"], "unknown fault 'burst'"),
+        (["--address", "here"], "HOST:PORT"),
+    ],
+)
+def test_serve_refuses(arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["rig", "serve", *arguments]) == 2
+    assert words in capsys.readouterr().err
+
+
 def test_addresses() -> None:
     check_address("localhost:31763")
     with pytest.raises(UsageError, match="--anybody"):

@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 
 from hjcamp import backends
+from hjcamp.backends import rig_park
+from hjcamp.backends.rig_connection import RigUnavailable
+from hjcamp.backends.rig_wiring import read_wiring
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.backends.virtual_rig.faults import Fault
 
@@ -57,6 +60,25 @@ def test_voltage_drive_closes_the_loop_here(compose: Any, device: VirtualDevice)
     behind = np.abs(columns["command_deg"] - columns["pump_deg"])[moving]
     assert columns["pump_deg"].max() > 360.0  # the motor really went where it was sent
     assert np.median(behind) < 120.0
+
+
+def test_a_parked_pump_comes_back_slowly(compose: Any, device: VirtualDevice, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rig_park, "keeps_its_place", lambda config, wiring: True)
+    config = compose()
+    wiring = read_wiring(config)
+    rig_park.note_parked(config, wiring, -1.0)
+    backends.run_test(config, SEED)
+    pump = [(sample, volts) for sample, channel, volts in device.written if channel == "Dev1/ao0"]
+    slope = wiring.outputs["pump"].volts_per_unit
+    assert pump[0] == (0, pytest.approx(-slope))
+    step = 10.0 * 2 * np.pi * 1e-3 * slope  # 10 mm/s in one sample
+    first = [volts for sample, volts in pump if sample <= 16]
+    assert np.abs(np.diff(first)).max() <= step * 1.001
+    assert first[-1] == 0.0
+    assert abs(rig_park.parked_at(config, wiring)) < 0.2  # it went back at the end
+    rig_park.note_parked(config, wiring, None)  # as a killed test leaves it
+    with pytest.raises(RigUnavailable, match="bring it to its start by hand"):
+        backends.run_test(config, SEED)
 
 
 def test_a_late_sample_is_counted_and_held(compose: Any, device: VirtualDevice) -> None:
