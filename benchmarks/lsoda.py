@@ -48,7 +48,7 @@ def solve(duration: float, tolerance: float, held: bool = False) -> Array:
 
         def rate(time: float, z: Array) -> list[float]:
             x, v, a, y, w = z.tolist()
-            jolt = GAIN * given(time) - A2 * a - A1 * v - A0 * x  # noqa: B023
+            jolt = GAIN * given(time) - A2 * a - A1 * v - A0 * x
             if side == 0:  # noqa: B023
                 return [v, a, jolt, 0.0, 0.0]
             push = push0 + spring * (AREA1 * x - AREA2 * y)

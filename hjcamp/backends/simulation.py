@@ -22,7 +22,7 @@ from hjcamp.model.compose import Composition
 from hjcamp.model.scatter import Scatter, draw
 from hjcamp.model.simulator import PERIOD, ClosedLoop, Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_hardware import plant_parameters, transfer_function
+from hjcamp.plants.pump_joint_hardware import plant_parameters
 from hjcamp.trajectories import build_trajectory
 
 Array = NDArray[np.float64]
@@ -183,7 +183,7 @@ def prepare(config: Mapping[str, Any], seed: int) -> PreparedTest:
         procedure=Procedure.vector(procedure),
         reference=np.column_stack([reference, feedforward_of(config, samples)]),
         dither=dither_of(config, samples),
-        delay=transfer_function(config)["delay_ms"] * 1e-3,
+        delay=plant["pump_delay"],
         preload_area=plant["pump_area"],
         counts=counts,
         phases=drawn.phases,

@@ -25,7 +25,8 @@ def direct_estimate(evidence: Evidence) -> dict[str, float]:
     values = evidence.tests[0].hardware.values
     area, pump_area = values["joint_area"], values["pump_area"]
     lead, radius = values["pump_lead"], values["pulley_radius"]
-    rows, pushes = [], {1.0: [], -1.0: []}  # type: ignore[var-annotated]
+    rows: list[Array] = []
+    pushes: dict[float, list[Array]] = {1.0: [], -1.0: []}
     for test in evidence.tests:
         difference = test.pressure1 - test.pressure2
         volume = pump_area * lead * test.pump - area * radius * test.arm
@@ -35,11 +36,11 @@ def direct_estimate(evidence: Evidence) -> dict[str, float]:
     both = np.vstack(rows)
     estimate = {"line_stiffness": float(np.dot(both[:, 0], both[:, 1]) / (2 * np.dot(both[:, 0], both[:, 0])))}
     for direction, name in ((1.0, "positive"), (-1.0, "negative")):
-        found = np.vstack(pushes[direction])
-        if len(found) < 20:
+        seen = np.vstack(pushes[direction])
+        if len(seen) < 20:
             continue
         viscous = values[f"viscous_{name}"]
-        sliding = float(np.median(direction * found[:, 0] * area - viscous * found[:, 1]))
+        sliding = float(np.median(direction * seen[:, 0] * area - viscous * seen[:, 1]))
         estimate[f"coulomb_{name}"] = max(sliding, 0.1)
         estimate[f"viscous_{name}"] = viscous
     return estimate

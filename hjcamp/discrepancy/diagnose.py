@@ -18,7 +18,7 @@ from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.gram import all_gains, project
 from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
-from hjcamp.discrepancy.search import Screening, fit_effect, rival_weights, screen, strongest, unknowns_of
+from hjcamp.discrepancy.search import Screening, fit_effect, rival_weights, screen, strongest
 from hjcamp.discrepancy.twins import make_twin, match_scatter
 from hjcamp.discrepancy.views import CHANNELS, Views
 from hjcamp.model.effect import Effect

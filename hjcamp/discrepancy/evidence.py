@@ -101,7 +101,7 @@ def breakaways(arm: Array, count: float) -> NDArray[np.int64]:
 def _parabola_kernels() -> tuple[Array, Array, Array]:
     from scipy.signal import savgol_coeffs
 
-    return tuple(savgol_coeffs(41, 2, deriv=order, delta=1e-3) for order in range(3))  # type: ignore[return-value]
+    return tuple(savgol_coeffs(41, 2, deriv=order, delta=1e-3) for order in range(3))
 
 
 def prepare_test(log: TestLog) -> TestEvidence:

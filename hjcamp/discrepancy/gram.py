@@ -47,7 +47,7 @@ class Gram:
 def project(
     products: Any, cross: Any, square: Any, least: Any, columns: Any, positive: Any, stiff: Any, train: Any, rounds: int
 ) -> Any:
-    """Return the loss over all tests (tests,) after the columns are fitted on the tests in ``train``, and the coefficients.
+    """Return loss (tests,), coefficients (k,) and error (tests, channels) after a fit on the tests in ``train``.
 
     Iteratively reweighted least squares on the logarithm of each test's error; a coefficient that must be positive and
     is not is left at zero. ``stiff`` (k,): one over the squared spread with which a coefficient is known. ``rounds``
@@ -57,7 +57,7 @@ def project(
     k = len(columns)
     weight = np.empty((tests, channels))
     error = square.copy()
-    move = np.zeros(k)
+    move: Any = np.zeros(k)
     active = np.ones(k, dtype=np.bool_)
     for _ in range(rounds):
         for t in range(tests):
@@ -116,7 +116,7 @@ def project(
 
 
 def all_gains(
-    gram: Gram, residual: Array, base: int, groups: Sequence[tuple[tuple[int, ...], tuple[bool, ...]]], rounds: int = 3
+    gram: Gram, residual: Array, base: Array, groups: Sequence[tuple[tuple[int, ...], tuple[bool, ...]]], rounds: int = 3
 ) -> tuple[Array, Array, list[Array]]:
     """Return the loss (tests,) with the base columns alone, the gains (groups, tests) of each group, its coefficients.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from hjcamp.model.compose import Composition
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_hardware import plant_parameters, transfer_function
+from hjcamp.plants.pump_joint_hardware import plant_parameters
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]
@@ -23,12 +22,11 @@ NAMED = ("pump", "amplifier", "tubing", "payload", "orientation")
 
 @dataclass(frozen=True)
 class Hardware:
-    """Plant parameters (SI), the effects that the setup itself brings (payload, weight), and the pump's delay (s)."""
+    """Plant parameters (SI), and the effects that the setup itself brings (payload, weight)."""
 
     names: tuple[tuple[str, str], ...]
     values: Mapping[str, float]
     effects: Mapping[str, Mapping[str, float]]
-    delay: float
 
     def pump_motion(self, command: Array) -> Array:
         """Return the angle of the pump motor (n,), rad, for its command (n,) at 1 kHz."""
@@ -36,7 +34,7 @@ class Hardware:
 
         system = ([self.values["pump_gain"]], [1.0, *(self.values[name] for name in ("pump_a2", "pump_a1", "pump_a0"))])
         numerator, denominator, _ = cont2discrete(system, 1e-3, method="zoh")
-        late = np.interp(np.arange(len(command)) * 1e-3 - self.delay, np.arange(len(command)) * 1e-3, command)
+        late = np.interp(np.arange(len(command)) * 1e-3 - self.values["pump_delay"], np.arange(len(command)) * 1e-3, command)
         moved = lfilter(numerator.ravel(), denominator, late - command[0])
         return np.asarray(moved) / self.values["pump_lead"] + command[0]
 
@@ -54,7 +52,7 @@ def _hardware(names: tuple[tuple[str, str], ...]) -> Hardware:
     config: dict[str, Any] = configuration_for(names)
     values = plant_parameters(config)
     effects = {name: dict(given) for name, given in (config.get("effects") or {}).items()}
-    return Hardware(names, values, effects, float(transfer_function(config)["delay_ms"]) * 1e-3)
+    return Hardware(names, values, effects)
 
 
 def composition(effects: tuple[Any, ...], cut: str, gated: bool = True) -> Composition:
@@ -66,8 +64,3 @@ def composition(effects: tuple[Any, ...], cut: str, gated: bool = True) -> Compo
 def simulator(effects: tuple[Any, ...], cut: str, gated: bool = True) -> Simulator:
     """Return the compiled model of ``composition``."""
     return Simulator(composition(effects, cut, gated))
-
-
-def degrees(value: float) -> float:
-    """Return radians in degrees."""
-    return value * 180.0 / math.pi

@@ -7,7 +7,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.evidence import PERIOD, STRIDE, Evidence, TestEvidence, _smooth, breakaways, misfit_of, slider_motion
+from hjcamp.discrepancy.evidence import (
+    PERIOD,
+    STRIDE,
+    Evidence,
+    TestEvidence,
+    _smooth,
+    breakaways,
+    misfit_of,
+    slider_motion,
+)
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.repetition import RepetitionScatter

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
+import textwrap
 from collections.abc import Callable
 from typing import Any
 
@@ -9,11 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.model.compose import Composition
+from hjcamp.model.effect import Effect
 
 
 def _draws(composition: Composition, generator: np.random.Generator) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     z = np.array([state.typical * generator.uniform(-1, 1) for state in composition.states.values()])
-    u = generator.uniform(-1, 1, len(composition.inputs)) * 1e-6
+    known = composition.plant.inputs
+    u = np.array([known[name].default if name in known else 0.0 for name in composition.inputs])
+    u = u + generator.uniform(-1, 1, len(u)) * 1e-6
     p = []
     for name, parameter in composition.parameters.items():
         value = 1.0 if name.startswith("gate.") else parameter.default
@@ -48,8 +54,26 @@ def couplings(composition: Composition, rates: Callable[..., None], draws: int =
     return reach
 
 
+def _functions(effect: type[Effect]) -> list[Callable[..., float]]:
+    return [*effect.terms.values(), *effect.rates.values(), *effect.updates.values()]
+
+
+def _has_kink(function: Callable[..., float]) -> bool:
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    kinked = (ast.IfExp, ast.If, ast.Compare)
+    names = ("max", "min", "abs", "floor", "ceil", "copysign")
+    return any(
+        isinstance(node, kinked) or (isinstance(node, ast.Name) and node.id in names) for node in ast.walk(tree)
+    )
+
+
 def is_affine(composition: Composition, rates: Callable[..., None], draws: int = 8) -> bool:
-    """Whether the rates are linear in the states within every regime, apart from the plant's limiters."""
+    """Whether the rates are linear in the states within every regime, apart from the plant's limiters.
+
+    An effect with a kink (a maximum, a condition) counts as curved, wherever its kink lies.
+    """
+    if any(_has_kink(function) for effect in composition.effects for function in _functions(effect)):
+        return False
     generator = np.random.default_rng(20090402)
     n = len(composition.states)
     time_rate = np.zeros(n)

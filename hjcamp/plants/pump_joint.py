@@ -40,6 +40,7 @@ class PumpJoint(Plant):
     pump_a2 = Parameter("1/s", 245.0, text="its coefficient of s^2 (4.3.4)")
     pump_a1 = Parameter("1/s^2", 35700.0, text="its coefficient of s (4.3.4)")
     pump_a0 = Parameter("1/s^3", 2205000.0, text="its constant coefficient (4.3.4)")
+    pump_delay = Parameter("s", 0.002, (0.0, 0.1), text="delay of its command (4.3.4)")
     pump_speed_limit = Parameter("m/s", 0.060, text="largest speed of the pistons (4.3.5)")
     pump_acceleration_limit = Parameter("m/s^2", INFINITE, text="largest acceleration of the pistons")
     dither_gain = Parameter("rad/V", 0.628, text="pump command equivalent to one volt at the motor")
@@ -69,7 +70,7 @@ class PumpJoint(Plant):
     )
     balance = ("push", "friction", "friction_static", "mass")
     contact = Contact(velocity="slider_velocity", push="push", limit="friction_static", locks="friction_locks")
-    observed = {
+    observed = {  # noqa: RUF012 - read only, like every declaration here
         "pump_position": ("pump_deg", "pump_lead"),
         "pressure1": ("pressure1_mpa", None),
         "pressure2": ("pressure2_mpa", None),
@@ -84,7 +85,7 @@ class PumpJoint(Plant):
         "viscous_negative",
         "line_stiffness",
     )
-    # The mass is computed from drawings in 4.5.2 (E13), to about a seventh; two tubes of one make differ by about a percent.
+    # 4.5.2 computes the mass from drawings (E13), to about a seventh; two tubes of one make differ by a percent.
     uncertain = {"moving_mass": 0.15, "stiffness_asymmetry": 0.01}  # noqa: RUF012
     cuts = (
         Cut("whole"),
@@ -136,8 +137,8 @@ class PumpJoint(Plant):
         piston_velocity = slot(motor_velocity, "m/s", "speed of the pump pistons")
 
         # --- Lines (4.4.3.15, 4.4.3.16): dp = dp/dV (A1 dx - A2 dy); water parts at the vapour pressure
-        pressure1 = slot(limited(state.pressure1, parameter.vapour_pressure, 1e9), "Pa", "pressure of line 1 at the pump")
-        pressure2 = slot(limited(state.pressure2, parameter.vapour_pressure, 1e9), "Pa", "pressure of line 2 at the pump")
+        pressure1 = slot(limited(state.pressure1, parameter.vapour_pressure, 1e9), "Pa", "pressure of line 1")
+        pressure2 = slot(limited(state.pressure2, parameter.vapour_pressure, 1e9), "Pa", "pressure of line 2")
         stiffness1 = slot(
             parameter.line_stiffness * (1.0 + 0.5 * parameter.stiffness_asymmetry), "Pa/m^3", "dp/dV of line 1"
         )
@@ -190,7 +191,7 @@ class PumpJoint(Plant):
         )
         mass = slot(parameter.moving_mass, "kg", "effective mass at the sliders")
         slider_acceleration = signal(
-            (push - friction) / mass if drive.direction != 0.0 else 0.0, "m/s^2", "acceleration of the sliders (4.5.2.3)"
+            (push - friction) / mass if drive.direction != 0.0 else 0.0, "m/s^2", "acceleration (4.5.2.3)"
         )
         rate.slider_position = state.slider_velocity
         rate.slider_velocity = slider_acceleration

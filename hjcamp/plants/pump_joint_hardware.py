@@ -31,6 +31,7 @@ def plant_parameters(config: Mapping[str, Any]) -> dict[str, float]:
         "pump_a2": function["a2"],
         "pump_a1": function["a1"],
         "pump_a0": function["a0"],
+        "pump_delay": function["delay_ms"] * 1e-3,
         "pump_speed_limit": pump["speed_limit_mm_per_s"] * 1e-3,
         "pump_acceleration_limit": math.inf if limit is None else limit * 1e-3,
         "pump_lead": pump["lead_mm_per_rev"] * 1e-3 / (2 * math.pi),

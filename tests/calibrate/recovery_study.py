@@ -80,7 +80,7 @@ def page(rigs: int, rows: dict[str, list[tuple[float, bool, float]]], orders: li
         "",
         "Made by `make recovery` (`python tests/calibrate/recovery_study.py`). Every rig has its own friction (each",
         "direction), dp/dV, pump, leak, noise and scatter; 70 test logs each: campaigns `pump_step`, `compliance`,",
-        "`leakage` and `friction` with 7 repetitions, without the configuration that made them.",
+        "`leakage` and `friction` with 7 repetitions, without the configuration that made them. Delays are whole ms.",
         "",
         f"* The 95 % intervals cover the truth in {np.mean(covered):.0%} of {len(covered)} cases (asked: 85 to 100 %).",
         f"* Order 3 is chosen for {orders.count('3')} of {rigs} pumps (asked: at least 18 of 20).",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import resource
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,9 +25,11 @@ def test_help_is_quick_and_imports_nothing_heavy() -> None:
 print(c, [name for name in {HEAVY} if name in sys.modules])"""
     best = 9.0
     for _ in range(3):
-        start = time.perf_counter()
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-        best = min(best, time.perf_counter() - start)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        # Time on the processor: the clock on the wall also measures what else the machine does.
+        best = min(best, after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
         assert done.stdout.splitlines()[-1] == "0 []"
     assert best < 0.4
 

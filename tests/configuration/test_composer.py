@@ -61,11 +61,11 @@ def test_every_choice_composes(composer: Composer) -> None:
 
 def test_one_condition_takes_a_tenth_of_a_second(composer: Composer) -> None:
     composer.compose([])
-    start = time.perf_counter()
+    start = time.process_time()
     for _ in range(4):
         composer.compose(["controller=ffwd_pid", "payload=brass_8p5g"])
     # 65 ms when idle; the margin is for a busy machine.
-    assert (time.perf_counter() - start) / 4 < 0.3
+    assert (time.process_time() - start) / 4 < 0.3
 
 
 @pytest.mark.parametrize(
