@@ -33,7 +33,7 @@ demo: $(WARM)
 	$(BIN)/hjcamp run campaign=robustness_vertical
 
 lint: $(INSTALLED)
-	$(BIN)/ruff check .
+	$(BIN)/ruff check hjcamp tests benchmarks
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 

@@ -23,7 +23,7 @@ SURPRISE = 0.1
 
 def _shows_otherwise(effect: Any) -> bool:
     return any(slot == "arm_angle" or slot.endswith("_reading") for slot in effect.terms)
-TOLERANCE = 300.0
+TOLERANCE = 10.0
 
 
 @dataclass(frozen=True)

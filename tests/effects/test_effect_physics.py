@@ -70,13 +70,17 @@ def test_presliding_gives_way_before_breakaway_and_comes_back(simulator: Simulat
     assert abs(loose[-1]) < 0.6 * np.max(loose)
 
 
-def test_line_resistance_is_viscous_friction_seen_from_the_pump(simulator: Simulator) -> None:
+def test_line_resistance_is_viscous_friction_and_lifts_the_sensor_with_the_pump_flow(simulator: Simulator) -> None:
     resistance = 3e10
-    more = 2 * resistance * AREA**2
+    more = resistance * AREA**2
     course = pump_courses()["sine"]
     seen = run(simulator, course, line_resistance__resistance=resistance)
     same = run(simulator, course, viscous_positive=23.5 + more, viscous_negative=17.2 + more)
-    assert np.max(np.abs(seen.readings - same.readings) / [1e-4, 50.0, 50.0, 1.0]) < 1.0
+    assert np.max(np.abs(seen.readings[:, 0] - same.readings[:, 0])) < 1e-4
+    flow = PUMP_AREA * np.append(np.diff(course.driven[:, 0]), 0.0) / course.period
+    lifted = seen.readings[:, P1] - same.readings[:, P1]
+    assert np.max(np.abs(lifted - 0.5 * resistance * flow)) < 100.0
+    assert np.max(np.abs(lifted)) > 5e3
 
 
 def test_backlash_is_the_play_operator(simulator: Simulator) -> None:
@@ -129,10 +133,10 @@ def test_static_friction_grows_with_the_rest(simulator: Simulator, rest: float, 
     assert force(followed)[again] == pytest.approx(7.20 * (1 + 0.5 * rested / (rested + 0.3)), rel=0.01)
 
 
-def test_pressure_friction_follows_the_mean_pressure(simulator: Simulator) -> None:
+def test_pressure_friction_adds_to_static_friction_with_both_pressures(simulator: Simulator) -> None:
     course = motion([0.1, 1.1], [0.0, 4e-3], (0.7e6, 0.7e6))
-    followed = run(simulator, course, pressure_friction__sensitivity=1e-6)
-    assert np.max(force(followed)) == pytest.approx(7.20 * 1.7, rel=0.01)
+    followed = run(simulator, course, pressure_friction__coefficient=2e-6)
+    assert np.max(force(followed)) == pytest.approx(7.20 + 2e-6 * 1.4e6, rel=0.01)
 
 
 def test_friction_drift_and_position_friction_change_the_sliding_force(simulator: Simulator) -> None:

@@ -1,0 +1,73 @@
+"""What compare, diagnose and add share: reading the tests, the answer file, the progress line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.errors import UsageError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from hjcamp.discrepancy.evidence import Evidence
+
+
+def evidence_of(paths: Sequence[Path]) -> Evidence:
+    """Return the evidence of the logs at ``paths``."""
+    from hjcamp.discrepancy.evidence import prepare
+    from hjcamp.records.find import read_logs
+
+    return prepare(read_logs(list(paths)))
+
+
+def check_answer_file(path: Path | None) -> None:
+    """Refuse a place for the answer that cannot take it, before any work is done."""
+    if path is not None and path.is_dir():
+        raise UsageError(f"--json {path}: this is a folder; give a file")
+
+
+def write_answer(path: Path | None, answer: dict[str, Any]) -> None:
+    """Write the answer as JSON, whole or not at all."""
+    from hjcamp.records.write import whole_file
+
+    if path is not None:
+        with whole_file(path) as stream:
+            stream.write((json.dumps(answer, indent=2, allow_nan=False) + "\n").encode())
+
+
+def folder_for(name: str, paths: Sequence[Path], answer: Path | None) -> Path:
+    """Return where pictures go: a folder ``name`` in the run folder, else beside the answer, else here."""
+    if len(paths) == 1 and (paths[0] / "logs").is_dir():
+        return paths[0] / name
+    return answer.parent / name if answer is not None else Path(name)
+
+
+def joined(paths: Sequence[Path]) -> str:
+    """Return the paths as they would be typed."""
+    import shlex
+
+    return shlex.join(str(path) for path in paths)
+
+
+@contextmanager
+def progress_of(console: Console) -> Iterator[Callable[[str, float], None]]:
+    """Show what is being done and the time left on a terminal, nothing elsewhere; yields report(text, share)."""
+    if not console.is_terminal:
+        yield lambda text, share: None
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description:<44}"),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("reading", total=1.0)
+        yield lambda text, share: progress.update(task, completed=share, description=text)

@@ -1,0 +1,108 @@
+"""Add effects to a model: fit them with the base parameters on part of the tests, judge on the others."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hjcamp.discrepancy.baseline import calibrate
+from hjcamp.discrepancy.features import Features
+from hjcamp.discrepancy.fit import Fit, Fitter
+from hjcamp.discrepancy.heldout import Fold, folds, intervals, judged_error, parameter_rows
+from hjcamp.discrepancy.saved import complete
+from hjcamp.discrepancy.search import fit_effect, screen, unknowns_of
+from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.errors import UsageError
+from hjcamp.model.effect import Effect
+
+SCHEMA = "hjcamp.addition/1"
+
+
+@dataclass(frozen=True)
+class Addition:
+    """The new model, its fit on the train tests, and the held-out errors over the floor: start, calibrated, new."""
+
+    candidate: Candidate
+    fit: Fit
+    fold: Fold
+    start: float
+    before: float
+    after: float
+    calibration: dict[str, dict[str, Any]]
+    effects: dict[str, dict[str, dict[str, Any]]]
+
+
+def check_effects(names: Sequence[str], library: Mapping[str, type[Effect]], start: Candidate, model: str) -> None:
+    """Refuse unknown effects, names given twice, and effects that the start model has already."""
+    from hjcamp.errors import unknown
+
+    for name in names:
+        if name not in library:
+            raise unknown("effect", name, library)
+        if names.count(name) > 1:
+            raise UsageError(f"effect {name} is named twice")
+        if name in start.effects:
+            raise UsageError(f"effect {name} is in model {model} already")
+
+
+def add(views: Views, start: Candidate, names: Sequence[str], steps: int = 8) -> Addition:
+    """Return ``start`` with the effects ``names``, fitted with the base on all repetitions but the last of each condition.
+
+    The effects of ``start`` stay and are fitted again too. Effects are tried in every order (up to three of them) and
+    the best fit is kept.
+    """
+    evidence = views.evidence
+    features = Features(evidence)
+    parts = folds(evidence, 1)
+    fold = parts[0] if parts else Fold(tuple(range(len(evidence.tests))), tuple(range(len(evidence.tests))))
+    base, whole = calibrate(views, features)
+    fitter = Fitter(views, features, whole.least, fold.train)
+    begin = complete(start, evidence)
+    unknowns = unknowns_of(start, views.effects)
+    starts = [begin, Candidate(base.candidate.base, start.effects)]
+    before = min((fitter.fit(one, unknowns, steps=steps) for one in starts), key=lambda fit: fit.loss)
+    orders = list(itertools.permutations(names)) if len(names) <= 3 else [tuple(names)]
+    best = min((_in_order(fitter, before, order, views.effects, steps) for order in orders), key=lambda fit: fit.loss)
+    floor = np.minimum(features.floor(best.features), features.floor(before.features))
+    unknowns = unknowns_of(best.candidate, views.effects)
+    found = intervals(fitter, best, unknowns)
+    errors = [
+        judged_error(features, fit.mean_square, floor, fold.held_out) for fit in (fitter.look(begin), before, best)
+    ]
+    published = begin.base
+    calibration = {
+        name: {"start": published[name], **row} for name, row in parameter_rows(found, unknowns, "").items()
+    }
+    effects = {name: parameter_rows(found, unknowns, name) for name in best.candidate.effects}
+    return Addition(best.candidate, best, fold, errors[0], errors[1], errors[2], calibration, effects)
+
+
+def _in_order(fitter: Fitter, fit: Fit, names: Sequence[str], effects: Sequence[type[Effect]], steps: int) -> Fit:
+    for name in names:
+        effect = next(one for one in effects if one.name == name)
+        screening = screen(fitter, fit, [one for one in effects if one.name in fit.candidate.effects or one is effect])
+        if name in screening.best:
+            fit = fit_effect(fitter, screening, effect, effects, steps)
+        else:
+            # These tests do not show it at all: it joins at its smallest amplitude and the fit decides.
+            joined = fit.candidate.with_effect(name, effect.defaults())
+            fit = fitter.fit(joined, unknowns_of(joined, effects), steps=steps)
+    return fit
+
+
+def answer(addition: Addition, name: str, names: Sequence[str], path: str) -> dict[str, Any]:
+    """Return the answer for programs, schema hjcamp.addition/1: errors on held-out tests over the repetition scatter."""
+    return {
+        "schema": SCHEMA,
+        "model": name,
+        "file": path,
+        "effects": list(names),
+        "error": {"start": addition.start, "before": addition.before, "after": addition.after, "floor": 1.0},
+        "tests": {"fitted": len(addition.fold.train), "held_out": len(addition.fold.held_out)},
+        "parameters": addition.effects,
+        "calibration": addition.calibration,
+    }

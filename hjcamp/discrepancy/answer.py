@@ -1,0 +1,111 @@
+"""The answer of a diagnosis for programs: schema hjcamp.diagnosis/1."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from hjcamp.discrepancy.diagnose import Diagnosis, Step
+from hjcamp.discrepancy.fit import Fit
+from hjcamp.discrepancy.heldout import folds, heldout_error, intervals, parameter_rows
+from hjcamp.discrepancy.replay import replay
+from hjcamp.discrepancy.search import unknowns_of
+from hjcamp.discrepancy.unknowns import base_unknowns
+from hjcamp.discrepancy.views import Views
+from hjcamp.discrepancy.where import Place, where
+from hjcamp.model.effect import Effect
+
+SCHEMA = "hjcamp.diagnosis/1"
+FOLDS = {"quick": 1, "standard": 3, "thorough": 3}
+SHOWN = {"quick": 3, "standard": 5, "thorough": 10}
+Report = Callable[[str, float], None]
+
+
+def places_of(found: Diagnosis, views: Views, fit: Fit) -> list[Place]:
+    """Return where the error of one fit of a diagnosis is."""
+    replayed = replay(views, "calibrated", fit.candidate)
+    return where(found.features, fit.features, found.features.floor(fit.features), replayed)
+
+
+def answer(
+    found: Diagnosis, effects: Sequence[type[Effect]], effort: str, seconds: float, report: Report = lambda text, share: None
+) -> dict[str, Any]:
+    """Return every key of the contract; ``seconds`` is what passed before, the time of this is added by the caller."""
+    views, fitter = found.fitter.views, found.fitter
+    parts = folds(views.evidence, FOLDS[effort])
+    base, final = found.baseline, found.final
+    report("judging on tests not used for the fit", 0.96)
+    own = unknowns_of(base.candidate, effects)
+    baseline = heldout_error(fitter, base.candidate, own, parts, found.floor)
+    if final.candidate.effects != base.candidate.effects:
+        chosen = unknowns_of(final.candidate, effects)
+        augmented = heldout_error(fitter, final.candidate, chosen, parts, found.floor)
+    else:
+        chosen, augmented = own, baseline
+    places = places_of(found, views, base)
+    report("intervals", 0.98)
+    calibration = _calibration(found, chosen)
+    return {
+        "schema": SCHEMA,
+        "verdict": found.verdict,
+        "effects": list(found.effects),
+        "drivers": list(found.drivers) if found.verdict == "outside_library" else [],
+        "p_value": float(found.p_value),
+        "candidates": _candidates(found, effects, effort, baseline, parts),
+        "error": {"baseline": _finite(baseline), "augmented": _finite(augmented), "floor": 1.0},
+        "calibration": calibration,
+        "where": [place.row() for place in places],
+        "minimum_detectable": _detectable(found),
+        "seconds": seconds,
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _detectable(found: Diagnosis) -> dict[str, dict[str, Any]]:
+    if found.verdict != "nothing_missing":
+        return {}
+    return {
+        name: {"parameter": parameter, "value": float(value), "unit": unit}
+        for name, (parameter, value, unit) in sorted(found.detectable.items())
+    }
+
+
+def _calibration(found: Diagnosis, unknowns: Sequence[Any]) -> dict[str, dict[str, Any]]:
+    published = found.fitter.views.evidence.tests[0].hardware.values
+    rows = parameter_rows(intervals(found.fitter, found.final, unknowns), unknowns, "")
+    known = {one.name: one.parameter.default for one in base_unknowns()}
+    return {name: {"published": float(published.get(name, known[name])), **row} for name, row in rows.items()}
+
+
+def _candidates(
+    found: Diagnosis, effects: Sequence[type[Effect]], effort: str, baseline: float, parts: Sequence[Any]
+) -> list[dict[str, Any]]:
+    """Return the effects named first, then the rivals of the last step by weight; each fitted effect once."""
+    rows: dict[str, tuple[Step, float, int]] = {}
+    for number, step in enumerate(found.steps):
+        taken = step.best in found.final.candidate.effects
+        for name, weight in step.weights.items():
+            # Where no effect was taken, "nothing" is the strongest rival of all.
+            posterior = weight if taken else weight * (1.0 - step.p_value)
+            first = 0 if taken and name == step.best else 1
+            if name not in rows or (first, -posterior) < (rows[name][2], -rows[name][1]):
+                rows[name] = (step, posterior, first)
+    order = sorted(rows, key=lambda name: (rows[name][2], -rows[name][1]))[: SHOWN[effort] + len(found.effects)]
+    answers = []
+    for name in order:
+        step, posterior, _ = rows[name]
+        fit = step.fits[name]
+        unknowns = unknowns_of(fit.candidate, effects)
+        error = heldout_error(found.fitter, fit.candidate, unknowns, parts, found.floor)
+        final = found.final if name in found.final.candidate.effects else fit
+        unknowns = unknowns_of(final.candidate, effects)
+        parameters = parameter_rows(intervals(found.fitter, final, unknowns), unknowns, name)
+        ratio = _finite(error / baseline) if baseline > 0 else None
+        answers.append(
+            {"effect": name, "posterior": float(posterior), "heldout_error_ratio": ratio, "parameters": parameters}
+        )
+    return answers

@@ -1,0 +1,113 @@
+"""Compare models with measured tests: errors by channel beside the floor, where they come from, when they are born."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.discrepancy.evidence import PERIOD, WINDOW, Evidence
+from hjcamp.discrepancy.features import Features
+from hjcamp.discrepancy.replay import Replay, floor_of, replay
+from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.discrepancy.where import Place, where
+from hjcamp.model.effect import Effect
+
+Array = NDArray[np.float64]
+SCHEMA = "hjcamp.comparison/1"
+HEADLINE = ("arm_deg", "pressure1_mpa", "pressure2_mpa")
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """Error against the time since a restart from measured states: s, rms and floor of the arm (rad), each (k,)."""
+
+    time: Array
+    rms: Array
+    floor: Array | None
+
+    @property
+    def born(self) -> tuple[float, float] | None:
+        """When a tenth and nine tenths of the window's excess are there (s), None without any excess."""
+        excess = self.rms**2 - (0.0 if self.floor is None else self.floor**2)
+        excess = np.maximum.accumulate(np.maximum(excess, 0.0))
+        if excess[-1] <= 0:
+            return None
+        early, late = (float(self.time[int(np.argmax(excess >= part * excess[-1]))]) for part in (0.1, 0.9))
+        return early, late
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One model on the tests: replay, residuals (n, channels) of the views and their features, horizon."""
+
+    replay: Replay
+    residuals: Array
+    seen: Array
+    floor: Array
+    horizon: Horizon
+    places: list[Place]
+    score: float
+
+
+def compare(evidence: Evidence, effects: tuple[type[Effect], ...], models: Mapping[str, Candidate]) -> list[Compared]:
+    """Return every model on the same tests.
+
+    The score is the geometric mean over arm and both pressures of the error over the lowest floor of the models
+    compared (over the spread of the measurement where nothing was repeated): 1 is perfect, lower is better.
+    """
+    views, features = Views(evidence, effects), Features(evidence)
+    replays = {name: replay(views, name, candidate) for name, candidate in models.items()}
+    found = []
+    for name, candidate in models.items():
+        residuals = views.residuals(candidate)
+        seen = features.of(residuals)
+        floor = features.floor(seen)
+        places = where(features, seen, floor, replays[name])
+        found.append(
+            Compared(
+                replays[name], residuals, seen, floor, horizon_of(evidence, residuals[:, 0]), places,
+                score_of(replays[name], list(replays.values())),
+            )  # fmt: skip
+        )
+    return found
+
+
+def score_of(one: Replay, every: list[Replay]) -> float:
+    """Return the score of one replay among all that are compared."""
+    parts = []
+    for index, name in enumerate(HEADLINE):
+        error = one.errors[name]
+        assert error is not None
+        floors = [found.floor for other in every if (found := other.errors[name]) is not None and found.floor]
+        parts.append(error.rms / (min(floors) if floors else max(float(np.std(one.measured[:, index])), 1e-12)))
+    return float(np.exp(np.mean(np.log(np.maximum(parts, 1e-12)))))
+
+
+def horizon_of(evidence: Evidence, arm: Array) -> Horizon:
+    """Return the error of the arm (n,) against the time since the last restart of its window."""
+    width = round(WINDOW / PERIOD)
+    blocks: list[Array] = []
+    for begin, end in zip(evidence.edges[:-1], evidence.edges[1:], strict=True):
+        count = (end - begin) // width
+        blocks.append(arm[begin : begin + count * width].reshape(count, width))
+    square = np.concatenate([one**2 for one in blocks])
+    floors = [floor_of([one[:, k] for one in blocks], evidence.conditions.values()) for k in range(width)]
+    known = [one for one in floors if one is not None]
+    floor = np.array(known) if len(known) == width else None
+    return Horizon(np.arange(width) * PERIOD, np.sqrt(square.mean(axis=0)), floor)
+
+
+def answer(compared: list[Compared], tests: int) -> dict[str, Any]:
+    """Return the answer for programs, schema hjcamp.comparison/1; ``where`` is that of the model named last."""
+    models = []
+    for one in compared:
+        error = {
+            name: None if found is None else {"rms": found.rms, "floor": found.floor, "r2": found.r2}
+            for name, found in one.replay.errors.items()
+        }
+        models.append({"name": one.replay.name, "tests": tests, "error": error, "score": one.score})
+    return {"schema": SCHEMA, "models": models, "where": [place.row() for place in compared[-1].places]}
