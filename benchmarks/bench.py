@@ -23,7 +23,15 @@ from hjcamp.records.write import write_log
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from quiet_loop import DEGREE, columns, sine
 
-SEVEN = ("gravity_load", "payload_inertia", "leakage", "entrained_air", "stribeck_friction", "encoder_lag", "line_inertance")
+SEVEN = (
+    "gravity_load",
+    "payload_inertia",
+    "leakage",
+    "entrained_air",
+    "stribeck_friction",
+    "encoder_lag",
+    "line_inertance",
+)
 Row = tuple[str, str, str]
 
 
@@ -62,7 +70,11 @@ def against_scipy() -> Iterator[Row]:
             break
     other = best_of(3, lambda: lsoda.solve(4.0, tolerance))
     restarted = best_of(1, lambda: lsoda.solve(4.0, tolerance, held=True))
-    yield "published model, 4 s open loop", f"{mine * 1e3:.3f} ms, error {error:.5f} deg", "with propagators and release"
+    yield (
+        "published model, 4 s open loop",
+        f"{mine * 1e3:.3f} ms, error {error:.5f} deg",
+        "with propagators and release",
+    )
     note = f"{other * 1e3:.0f} ms, error {other_error:.5f} deg"
     yield f"SciPy LSODA with events, rtol {tolerance:g}", note, "smooth command: its best case"
     yield "ratio", f"{other / mine:.0f}", "at least 300"

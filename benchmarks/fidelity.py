@@ -1,4 +1,4 @@
-"""Write docs/fidelity.md: every published cell beside the simulated mean. Run it as `make fidelity`."""
+"""Write docs/fidelity.md: every published cell beside the simulated mean."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ GROUPS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = (
 )
 HEADING = """# Fidelity: the published cells beside the simulated means
 
-Made by `make fidelity`: 7 repetitions of each test, seed {seed}, model `published`. Nothing here is tuned; a cell that is
-off stays off. Angles in degrees; the deviation is that of the 7 repetitions. `in std` is the difference in units of the
-published deviation (empty where none is printed). The measured cells come from a real joint, those of 5.3.2 and 5.6.1
-from the author's own simulation program.
+Made by `python benchmarks/fidelity.py`: 7 repetitions of each test, seed {seed}, model `published`. Nothing here is tuned;
+a cell that is off stays off. Angles in degrees; the deviation is that of the 7 repetitions. `in std` is the difference in
+units of the published deviation (empty where none is printed). The measured cells come from a real joint, those of 5.3.2
+and 5.6.1 from the author's own simulation program. Table 5.5.3 repeats means of 5.4.1 to 5.5.2 in another arrangement.
 """
 
 
@@ -74,7 +74,9 @@ def section(name: str, cells: pl.DataFrame) -> list[str]:
 
 def page(cells: pl.DataFrame, seed: int) -> str:
     """Return the whole text."""
-    near = cells.filter(pl.col("difference").abs() <= pl.max_horizontal(pl.lit(0.5), 0.3 * pl.col("published_mean").abs()))
+    near = cells.filter(
+        pl.col("difference").abs() <= pl.max_horizontal(pl.lit(0.5), 0.3 * pl.col("published_mean").abs())
+    )
     lines = [HEADING.format(seed=seed)]
     lines.append(f"{near.height} of {cells.height} cells are within 0.5 deg or 30 % of what is printed.\n")
     lines += [*COMMON_CAUSE, ""]

@@ -64,7 +64,14 @@ def solve(duration: float, tolerance: float, held: bool = False) -> Array:
         ends.terminal, ends.direction = True, -1  # type: ignore[attr-defined]
         wanted = times[(times >= now - 1e-12) & (times < end - 1e-12)]
         found = solve_ivp(
-            rate, (now, end), state, "LSODA", np.append(wanted, end), events=ends, rtol=tolerance, atol=tolerance * SCALES
+            rate,
+            (now, end),
+            state,
+            "LSODA",
+            np.append(wanted, end),
+            events=ends,
+            rtol=tolerance,
+            atol=tolerance * SCALES,
         )
         before = found.t < end - 1e-12
         first = round(now * 1e3 + 0.499999) if len(wanted) else 0

@@ -153,7 +153,9 @@ class Arm:
             event.terminal = True  # type: ignore[attr-defined]
         return [*ends, *crossings]
 
-    def advance(self, start: float, end: float, command: Callable[[float], float], samples: np.ndarray | None = None) -> np.ndarray:
+    def advance(
+        self, start: float, end: float, command: Callable[[float], float], samples: np.ndarray | None = None
+    ) -> np.ndarray:
         """Move the solution from ``start`` to ``end``; return the states at ``samples`` (n, 8)."""
         physics, now = self.physics, start
         # one nm, um/s, ... for the scale of each state

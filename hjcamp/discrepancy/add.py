@@ -74,9 +74,7 @@ def add(views: Views, start: Candidate, names: Sequence[str], steps: int = 8) ->
         judged_error(features, fit.mean_square, floor, fold.held_out) for fit in (fitter.look(begin), before, best)
     ]
     published = begin.base
-    calibration = {
-        name: {"start": published[name], **row} for name, row in parameter_rows(found, unknowns, "").items()
-    }
+    calibration = {name: {"start": published[name], **row} for name, row in parameter_rows(found, unknowns, "").items()}
     effects = {name: parameter_rows(found, unknowns, name) for name in best.candidate.effects}
     return Addition(best.candidate, best, fold, errors[0], errors[1], errors[2], calibration, effects)
 

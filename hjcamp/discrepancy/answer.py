@@ -29,7 +29,11 @@ def places_of(found: Diagnosis, views: Views, fit: Fit) -> list[Place]:
 
 
 def answer(
-    found: Diagnosis, effects: Sequence[type[Effect]], effort: str, seconds: float, report: Report = lambda text, share: None
+    found: Diagnosis,
+    effects: Sequence[type[Effect]],
+    effort: str,
+    seconds: float,
+    report: Report = lambda text, share: None,
 ) -> dict[str, Any]:
     """Return every key of the contract; ``seconds`` is what passed before, the time of this is added by the caller."""
     views, fitter = found.fitter.views, found.fitter
@@ -86,7 +90,7 @@ def _candidates(
 ) -> list[dict[str, Any]]:
     """Return the effects named first, then the rivals of the last step by weight; each fitted effect once."""
     rows: dict[str, tuple[Step, float, int]] = {}
-    for number, step in enumerate(found.steps):
+    for step in found.steps:
         taken = step.best in found.final.candidate.effects
         for name, weight in step.weights.items():
             # Where no effect was taken, "nothing" is the strongest rival of all.

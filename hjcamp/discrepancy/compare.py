@@ -67,12 +67,8 @@ def compare(evidence: Evidence, effects: tuple[type[Effect], ...], models: Mappi
         seen = features.of(residuals)
         floor = features.floor(seen)
         places = where(features, seen, floor, replays[name])
-        found.append(
-            Compared(
-                replays[name], residuals, seen, floor, horizon_of(evidence, residuals[:, 0]), places,
-                score_of(replays[name], list(replays.values())),
-            )  # fmt: skip
-        )
+        horizon, score = horizon_of(evidence, residuals[:, 0]), score_of(replays[name], list(replays.values()))
+        found.append(Compared(replays[name], residuals, seen, floor, horizon, places, score))
     return found
 
 
@@ -98,7 +94,7 @@ def horizon_of(evidence: Evidence, arm: Array) -> Horizon:
     floors = [floor_of([one[:, k] for one in blocks], evidence.conditions.values()) for k in range(width)]
     known = [one for one in floors if one is not None]
     floor = np.array(known) if len(known) == width else None
-    return Horizon(np.arange(width) * PERIOD, np.sqrt(square.mean(axis=0)), floor)
+    return Horizon(np.arange(width) * PERIOD, np.asarray(np.sqrt(square.mean(axis=0)), dtype=np.float64), floor)
 
 
 def answer(compared: list[Compared], tests: int) -> dict[str, Any]:

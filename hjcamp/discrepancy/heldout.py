@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -59,7 +60,9 @@ def judged_error(features: Features, mean_square: Array, floor: Array, tests: Se
     return float(np.sqrt(np.mean(over**2)))
 
 
-def heldout_error(fitter: Fitter, start: Candidate, unknowns: Sequence[Unknown], parts: Sequence[Fold], floor: Array) -> float:
+def heldout_error(
+    fitter: Fitter, start: Candidate, unknowns: Sequence[Unknown], parts: Sequence[Fold], floor: Array
+) -> float:
     """Return the held-out error of a model: refitted from ``start`` on each fold's train tests, judged on the others."""
     errors = []
     for fold in parts:
@@ -69,7 +72,9 @@ def heldout_error(fitter: Fitter, start: Candidate, unknowns: Sequence[Unknown],
     return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
 
 
-def intervals(fitter: Fitter, fit: Fit, unknowns: Sequence[Unknown]) -> dict[tuple[str, str], tuple[float, float, float]]:
+def intervals(
+    fitter: Fitter, fit: Fit, unknowns: Sequence[Unknown]
+) -> dict[tuple[str, str], tuple[float, float, float]]:
     r"""Return (value, low, high) of every unknown by (effect, name): 95 % intervals, SI.
 
     .. math:: \mathrm{cov} = \frac{T}{T-1} H^{-1} \Bigl(\sum_t g_t g_t^T\Bigr) H^{-1}
@@ -86,7 +91,7 @@ def intervals(fitter: Fitter, fit: Fit, unknowns: Sequence[Unknown]) -> dict[tup
     hessian = np.einsum("ibc,jbc->ij", weighted, jacobian) + np.diag(known)
     slopes = (weighted * fit.features).sum(axis=2)
     edges = fitter.features.edges
-    each = np.array([slopes[:, a:b].sum(axis=1) for a, b in zip(edges[:-1], edges[1:], strict=True)])[fitter.rows]
+    each = np.array([slopes[:, a:b].sum(axis=1) for a, b in pairwise(edges)])[fitter.rows]
     each = each - each.mean(axis=0)
     tests = len(each)
     # What was known beforehand is evidence too: its own score scatters by its inverse variance.

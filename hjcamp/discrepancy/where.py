@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,7 +123,9 @@ def quantities(features: Features, seen: Array) -> list[Quantity]:
     plain = {name: column for name, column in drivers.items() if name != "time_at_rest"}
     return [
         Quantity("joint", seen[:, SLIDING], valid[:, SLIDING], plain, VARIABLES["joint"]),
-        Quantity("joint", seen[:, BREAKAWAY], valid[:, BREAKAWAY], {"time_at_rest": before, **plain}, ("time_at_rest",)),
+        Quantity(
+            "joint", seen[:, BREAKAWAY], valid[:, BREAKAWAY], {"time_at_rest": before, **plain}, ("time_at_rest",)
+        ),
         Quantity("lines", slopes[:, 0], whole, plain, VARIABLES["lines"]),
         Quantity("lines", slopes[:, 1], whole, plain, VARIABLES["lines"][2:]),
     ]
@@ -199,7 +202,7 @@ def bins_of(variable: str, values: Array, signs: Array, valid: Bools) -> list[tu
         bins = []
         unit, scale = UNITS[variable]
         edges = nice_edges(values[valid] * scale) if valid.any() else []
-        for low, high in zip(edges[:-1], edges[1:], strict=True):
+        for low, high in pairwise(edges):
             part = valid & (values * scale >= low) & (values * scale < high)
             for sign, label in DIRECTIONS.items():
                 bins.append((f"{label}, {low:g} to {high:g} {unit}", part & (signs == sign)))
@@ -228,11 +231,13 @@ def sentences(places: Sequence[Place]) -> list[str]:
         "pump": "driven with the command, the pump does not move as its model says",
     }
     whole = [place for place in places if place.variable == "all"]
-    said = [f"{100 * whole[0].share:.0f} % of the excess error is in the {whole[0].subsystem}: {how[whole[0].subsystem]}."]
-    said += [f"{100 * place.share:.0f} %: {place.subsystem}." for place in whole[1:] if place.share > 0.05]
+    said = [
+        f"{100 * whole[0].share:.0f} % of the excess error is in the {whole[0].subsystem}: {how[whole[0].subsystem]}."
+    ]
+    said += [f"{100 * place.share:.0f} % is in the {place.subsystem}." for place in whole[1:] if place.share > 0.05]
     inside = [place for place in places if place.variable != "all"]
     for place in inside[:2]:
         name = place.variable.replace("_", " ")
-        text = f"{100 * place.share:.0f} % of it: {place.subsystem}, by {name}: {place.bin} (z {place.z:+.0f})"
+        text = f"{100 * place.share:.0f} % of all: {place.subsystem}, by {name}: {place.bin} (z {place.z:+.0f})"
         said.append(f"{text}, in {place.shown} of {place.conditions} conditions.")
     return said

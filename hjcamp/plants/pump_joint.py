@@ -51,6 +51,8 @@ class PumpJoint(Plant):
     stiffness_asymmetry = Parameter("1", 0.0, (-0.3, 0.3), text="difference of dp/dV of the two lines over their mean")
     vapour_pressure = Parameter("Pa", -99e3, text="gauge pressure below which the water parts")
     pulley_radius = Parameter("m", 3.41e-3, text="pitch radius of the pulley (3.6)")
+    travel_stop = Parameter("m", INFINITE, text="travel of the sliders at which they meet a stop (E2: none by default)")
+    stop_stiffness = Parameter("N/m", 1e5, (1e3, 1e8), text="stiffness of that stop")
     moving_mass = Parameter("kg", 0.0185, (1e-3, 10.0), "log-uniform", "effective mass at the sliders (4.5.2)")
     static_positive = Parameter("N", 7.20, (0.05, 60.0), "log-uniform", "static friction, positive direction (4.5.1.4)")
     coulomb_positive = Parameter("N", 5.27, (0.05, 60.0), "log-uniform", "Coulomb friction, positive direction")
@@ -159,8 +161,13 @@ class PumpJoint(Plant):
         slider_angle = signal(state.slider_position / parameter.pulley_radius, "rad", "angle of the pulley (3.6.4)")
         arm_angle = slot(slider_angle, "rad", "angle of the arm")
         load_force = slot(0.0, "N", "outside force on the sliders, positive in the positive direction")
+        beyond = signal(
+            limited(state.slider_position, -parameter.travel_stop, parameter.travel_stop) - state.slider_position,
+            "m",
+            "travel back to the stop, 0 within it",
+        )
         push = signal(
-            (joint_pressure1 - joint_pressure2) * parameter.joint_area + load_force,
+            (joint_pressure1 - joint_pressure2) * parameter.joint_area + load_force + parameter.stop_stiffness * beyond,
             "N",
             "force on the sliders before friction (4.4.3.16)",
         )

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import unknown
 
 
 def transfer_function(config: Mapping[str, Any]) -> Mapping[str, float]:
@@ -23,8 +23,7 @@ def plant_parameters(config: Mapping[str, Any]) -> dict[str, float]:
     pump, joint, friction, sensors = config["pump"], config["joint"], config["friction"], config["rig"]["sensors"]
     function = transfer_function(config)
     degree = math.pi / 180
-    if joint.get("travel_stop_deg") is not None:
-        raise UsageError("joint.travel_stop_deg: this plant has no travel stop; leave it null")
+    stop = joint.get("travel_stop_deg")
     limit = pump.get("acceleration_limit_mm_per_s2")
     values = {
         "pump_gain": function["numerator_mm_per_deg"] * 1e-3 / degree,
@@ -40,6 +39,7 @@ def plant_parameters(config: Mapping[str, Any]) -> dict[str, float]:
         "line_stiffness": config["tubing"]["stiffness_mpa_per_mm3"] * 1e15,
         "vapour_pressure": joint["vapour_pressure_mpa"] * 1e6,
         "pulley_radius": joint["pulley_pitch_diameter_mm"] * 0.5e-3,
+        "travel_stop": math.inf if stop is None else stop * degree * joint["pulley_pitch_diameter_mm"] * 0.5e-3,
         "moving_mass": joint["moving_mass_g"] * 1e-3,
         "encoder_count": 2 * math.pi / sensors["encoder_counts_per_turn"],
         "pump_count": 2 * math.pi / sensors["pump_counts_per_turn"],

@@ -23,7 +23,9 @@ def transcribed(reference: np.ndarray, velocity: np.ndarray, arm: np.ndarray, fi
         direction = np.sign(velocity[j]) or direction
         kp, ki, kd = POSITIVE if direction > 0 else NEGATIVE
         before = error[j - n] if j >= n else error[0]
-        command[j] = 8.5 * (kp * error[j] + ki * error[: j + 1].sum() * period + kd * (error[j] - before) / (n * period))
+        command[j] = 8.5 * (
+            kp * error[j] + ki * error[: j + 1].sum() * period + kd * (error[j] - before) / (n * period)
+        )
     return command
 
 
@@ -35,7 +37,12 @@ def commanded(reference: np.ndarray, velocity: np.ndarray, arm: np.ndarray, firs
     found = []
     for index in range(len(reference)):
         sample = SimpleNamespace(
-            reference=reference[index], velocity=velocity[index], arm=arm[index], feedforward=0.0, period=1e-3, index=index
+            reference=reference[index],
+            velocity=velocity[index],
+            arm=arm[index],
+            feedforward=0.0,
+            period=1e-3,
+            index=index,
         )
         found.append(Pid.step(sample, parameter, memory)[0])
     return np.array(found)
@@ -50,7 +57,9 @@ def test_law_equals_its_transcription(first: float, n: int) -> None:
     resting = (time < 0.1) | ((time > 0.3) & (time < 0.4))
     velocity = np.where(resting, 0.0, velocity)
     arm = reference + 0.01 * np.random.default_rng(3).standard_normal(700)
-    assert commanded(reference, velocity, arm, first, n) == pytest.approx(transcribed(reference, velocity, arm, first, n))
+    assert commanded(reference, velocity, arm, first, n) == pytest.approx(
+        transcribed(reference, velocity, arm, first, n)
+    )
 
 
 def test_gains_at_rest_are_those_of_the_first_direction() -> None:

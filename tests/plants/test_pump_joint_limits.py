@@ -14,9 +14,7 @@ STATIC = {1: 7.20, -1: 4.03}
 COULOMB = {1: 5.27, -1: 2.97}
 VISCOUS = {1: 23.5, -1: 17.2}
 BLOCKED = {"static_positive": 500.0, "static_negative": 500.0}
-NO_FRICTION = {
-    f"{kind}_{way}": 0.0 for kind in ("static", "coulomb", "viscous") for way in ("positive", "negative")
-}
+NO_FRICTION = {f"{kind}_{way}": 0.0 for kind in ("static", "coulomb", "viscous") for way in ("positive", "negative")}
 
 
 def push(found: dict[str, np.ndarray]) -> np.ndarray:
@@ -62,7 +60,8 @@ def test_free_arm_swings_at_the_natural_frequency_of_the_lines() -> None:
 
 
 @pytest.mark.parametrize(
-    ("pump", "amplifier", "milliseconds"), [("pump1", "low_gain", 87), ("pump2", "low_gain", 32), ("pump2", "high_gain", 17)]
+    ("pump", "amplifier", "milliseconds"),
+    [("pump1", "low_gain", 87), ("pump2", "low_gain", 32), ("pump2", "high_gain", 17)],
 )
 def test_pump_rises_in_the_published_time(composer: Composer, pump: str, amplifier: str, milliseconds: float) -> None:
     config = composer.compose([f"pump={pump}", f"amplifier={amplifier}"]).config

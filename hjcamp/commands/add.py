@@ -1,0 +1,123 @@
+"""Add effects to a model: fit them, save the model, and show the error fall on tests that were not used."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from hjcamp.errors import UsageError, unknown
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from hjcamp.discrepancy.add import Addition
+    from hjcamp.discrepancy.evidence import Evidence
+
+BAR = 30
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("add")(add)
+
+
+def add(
+    effects_and_paths: Annotated[list[str], typer.Argument(metavar="EFFECT... PATH...", help="Effects, then logs.")],
+    name: Annotated[str, typer.Option("--as", help="Name of the new model: conf/model/NAME.yaml.")],
+    model: Annotated[str, typer.Option(help="The model to add to.")] = "published",
+    json: Annotated[Path | None, typer.Option(help="Write the answer for programs to this file.")] = None,
+) -> None:
+    """Add effects to a model: fit them, save the model, and show the error fall on tests that were not used."""
+    from hjcamp.campaign.console import make_console
+    from hjcamp.commands._session import check_answer_file, evidence_of, joined, progress_of, write_answer
+    from hjcamp.discrepancy.saved import check_new_name, saved_model, write_model
+    from hjcamp.effects import load_effects
+
+    library = load_effects()
+    names, paths = split(effects_and_paths, library)
+    check_answer_file(json)
+    path = check_new_name(name)
+    console = make_console()
+    with progress_of(console) as report:
+        from hjcamp.discrepancy.add import add as fit_added
+        from hjcamp.discrepancy.add import answer, check_effects
+        from hjcamp.discrepancy.views import Views
+
+        start = saved_model(model)
+        check_effects(names, library, start, model)
+        evidence = evidence_of(paths)
+        report(f"fitting {', '.join(names)}", 0.2)
+        found = fit_added(Views(evidence, tuple(library.values())), start, names)
+        content = answer(found, name, names, str(path))
+        command = f"hjcamp add {' '.join(names)} {joined(paths)} --model {model} --as {name}"
+        check_new_name(name)
+        write_model(path, found.candidate, comment_of(model, found), provenance_of(found, evidence, command, content))
+        write_answer(json, content)
+    _print(console, found, path, model, name, evidence.repeated)
+    console.print(f"next    hjcamp compare {joined(paths)} --model {model} --model {name}", markup=False)
+    console.print(f"        hjcamp run campaign=controllers controller.model={name}", markup=False)
+
+
+def split(words: list[str], library: Any) -> tuple[list[str], list[Path]]:
+    """Return effects and paths; the first word that is not an effect but a place on the disk begins the paths."""
+    names: list[str] = []
+    for index, word in enumerate(words):
+        if word in library:
+            names.append(word)
+        elif names and (Path(word).exists() or "/" in word or word.endswith(".mcap")):
+            return names, [Path(one) for one in words[index:]]
+        else:
+            raise unknown("effect", word, library)
+    raise UsageError("no logs were named: after the effects give a run folder, a folder of logs, or log files")
+
+
+def comment_of(model: str, found: Addition) -> list[str]:
+    """Return the first lines of the model's file."""
+    parts = " + ".join([model, "calibration", *found.effects])
+    errors = f"{found.start:.2f} -> {found.before:.2f} -> {found.after:.2f} x floor"
+    return [
+        parts,
+        f"Error on {len(found.fold.held_out)} tests not used for the fit ({model}, calibrated, this): {errors}.",
+        "SI units; 95 % intervals below, with tests as the unit of evidence.",
+    ]
+
+
+def provenance_of(found: Addition, evidence: Evidence, command: str, content: dict[str, Any]) -> dict[str, Any]:
+    """Return where the model comes from: command, version, time, fit, intervals, logs by hash."""
+    from hjcamp import __version__
+    from hjcamp.campaign.provenance import git_label, utc_now
+    from hjcamp.discrepancy.saved import log_hashes
+
+    intervals = {key: [float(f"{end:.5g}") for end in row["ci95"]] for key, row in found.calibration.items()}
+    for effect, rows in found.effects.items():
+        ends = {key: [float(f"{end:.5g}") for end in row["ci95"]] for key, row in rows.items()}
+        intervals.update({f"{effect}.{key}": value for key, value in ends.items()})
+    return {
+        "command": command,
+        "version": __version__,
+        "git": git_label(),
+        "made_at": utc_now(),
+        "tests_fitted": len(found.fold.train),
+        "tests_held_out": [evidence.tests[index].name for index in found.fold.held_out],
+        "heldout_error_over_floor": {key: round(value, 4) for key, value in content["error"].items()},
+        "ci95": intervals,
+        "logs_sha256": log_hashes(evidence),
+    }
+
+
+def _print(console: Console, found: Addition, path: Path, model: str, name: str, repeated: bool) -> None:
+    parts = []
+    for effect, rows in found.effects.items():
+        told = ", ".join(f"{key} {row['value']:.3g} {row['unit']}" for key, row in rows.items())
+        parts.append(f"{effect} ({told})")
+    console.print(f"{path}  = {model} + calibration + {' + '.join(parts)}", markup=False)
+    if not repeated:
+        console.print("  exploratory: no test was repeated, so the floor is the whole residual", style="yellow")
+    bars = ((model, found.start), ("calibrated", found.before), (name, found.after), ("floor", 1.0))
+    longest, width = max(value for _, value in bars), max(len(text) for text, _ in bars)
+    console.print("  error on tests not used for the fit, over the floor")
+    for text, value in bars:
+        bar = "█" * max(1, round(BAR * value / longest))
+        console.print(f"  {text:<{width}}  {bar} {value:.2f}", markup=False)
