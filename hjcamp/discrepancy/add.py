@@ -12,7 +12,7 @@ import numpy as np
 from hjcamp.discrepancy.baseline import calibrate
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.heldout import Fold, folds, intervals, judged_error, parameter_rows
+from hjcamp.discrepancy.heldout import Fold, Local, folds, judged_error, parameter_rows
 from hjcamp.discrepancy.saved import complete
 from hjcamp.discrepancy.search import fit_effect, screen, unknowns_of
 from hjcamp.discrepancy.views import Candidate, Views
@@ -69,7 +69,7 @@ def add(views: Views, start: Candidate, names: Sequence[str], steps: int = 8) ->
     best = min((_in_order(fitter, before, order, views.effects, steps) for order in orders), key=lambda fit: fit.loss)
     floor = np.minimum(features.floor(best.features), features.floor(before.features))
     unknowns = unknowns_of(best.candidate, views.effects)
-    found = intervals(fitter, best, unknowns)
+    found = Local(fitter, best, unknowns).intervals()
     errors = [
         judged_error(features, fit.mean_square, floor, fold.held_out) for fit in (fitter.look(begin), before, best)
     ]

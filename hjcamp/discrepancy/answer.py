@@ -8,7 +8,7 @@ from typing import Any
 
 from hjcamp.discrepancy.diagnose import Diagnosis, Step
 from hjcamp.discrepancy.fit import Fit
-from hjcamp.discrepancy.heldout import folds, heldout_error, intervals, parameter_rows
+from hjcamp.discrepancy.heldout import Fold, Local, folds, parameter_rows
 from hjcamp.discrepancy.replay import replay
 from hjcamp.discrepancy.search import unknowns_of
 from hjcamp.discrepancy.unknowns import base_unknowns
@@ -40,25 +40,23 @@ def answer(
     parts = folds(views.evidence, FOLDS[effort])
     base, final = found.baseline, found.final
     report("judging on tests not used for the fit", 0.96)
-    own = unknowns_of(base.candidate, effects)
-    baseline = heldout_error(fitter, base.candidate, own, parts, found.floor)
+    start = Local(fitter, base, unknowns_of(base.candidate, effects))
+    baseline = start.heldout_error(parts, found.floor)
+    best, augmented = start, baseline
     if final.candidate.effects != base.candidate.effects:
-        chosen = unknowns_of(final.candidate, effects)
-        augmented = heldout_error(fitter, final.candidate, chosen, parts, found.floor)
-    else:
-        chosen, augmented = own, baseline
+        best = Local(fitter, final, unknowns_of(final.candidate, effects))
+        augmented = best.heldout_error(parts, found.floor)
     places = places_of(found, views, base)
     report("intervals", 0.98)
-    calibration = _calibration(found, chosen)
     return {
         "schema": SCHEMA,
         "verdict": found.verdict,
         "effects": list(found.effects),
         "drivers": list(found.drivers) if found.verdict == "outside_library" else [],
         "p_value": float(found.p_value),
-        "candidates": _candidates(found, effects, effort, baseline, parts),
+        "candidates": _candidates(found, effects, effort, baseline, best, parts),
         "error": {"baseline": _finite(baseline), "augmented": _finite(augmented), "floor": 1.0},
-        "calibration": calibration,
+        "calibration": _calibration(best),
         "where": [place.row() for place in places],
         "minimum_detectable": _detectable(found),
         "seconds": seconds,
@@ -78,15 +76,15 @@ def _detectable(found: Diagnosis) -> dict[str, dict[str, Any]]:
     }
 
 
-def _calibration(found: Diagnosis, unknowns: Sequence[Any]) -> dict[str, dict[str, Any]]:
-    published = found.fitter.views.evidence.tests[0].hardware.values
-    rows = parameter_rows(intervals(found.fitter, found.final, unknowns), unknowns, "")
+def _calibration(best: Local) -> dict[str, dict[str, Any]]:
+    published = best.fitter.views.evidence.tests[0].hardware.values
+    rows = parameter_rows(best.intervals(), best.unknowns, "")
     known = {one.name: one.parameter.default for one in base_unknowns()}
     return {name: {"published": float(published.get(name, known[name])), **row} for name, row in rows.items()}
 
 
 def _candidates(
-    found: Diagnosis, effects: Sequence[type[Effect]], effort: str, baseline: float, parts: Sequence[Any]
+    found: Diagnosis, effects: Sequence[type[Effect]], effort: str, baseline: float, best: Local, parts: Sequence[Fold]
 ) -> list[dict[str, Any]]:
     """Return the effects named first, then the rivals of the last step by weight; each fitted effect once."""
     rows: dict[str, tuple[Step, float, int]] = {}
@@ -103,11 +101,10 @@ def _candidates(
     for name in order:
         step, posterior, _ = rows[name]
         fit = step.fits[name]
-        unknowns = unknowns_of(fit.candidate, effects)
-        error = heldout_error(found.fitter, fit.candidate, unknowns, parts, found.floor)
-        final = found.final if name in found.final.candidate.effects else fit
-        unknowns = unknowns_of(final.candidate, effects)
-        parameters = parameter_rows(intervals(found.fitter, final, unknowns), unknowns, name)
+        own = best if fit is best.fit else Local(found.fitter, fit, unknowns_of(fit.candidate, effects))
+        error = own.heldout_error(parts, found.floor)
+        final = best if name in best.fit.candidate.effects else own
+        parameters = parameter_rows(final.intervals(), final.unknowns, name)
         ratio = _finite(error / baseline) if baseline > 0 else None
         answers.append(
             {"effect": name, "posterior": float(posterior), "heldout_error_ratio": ratio, "parameters": parameters}

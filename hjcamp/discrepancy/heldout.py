@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -13,8 +14,7 @@ from numpy.typing import NDArray
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.unknowns import Unknown, read
-from hjcamp.discrepancy.views import Candidate
+from hjcamp.discrepancy.unknowns import Unknown, read, surprise, written
 
 Array = NDArray[np.float64]
 JUDGED = 5
@@ -60,52 +60,77 @@ def judged_error(features: Features, mean_square: Array, floor: Array, tests: Se
     return float(np.sqrt(np.mean(over**2)))
 
 
-def heldout_error(
-    fitter: Fitter, start: Candidate, unknowns: Sequence[Unknown], parts: Sequence[Fold], floor: Array
-) -> float:
-    """Return the held-out error of a model: refitted from ``start`` on each fold's train tests, judged on the others."""
-    errors = []
-    for fold in parts:
-        own = replace(fitter, train=fold.train)
-        fit = own.fit(start, unknowns, steps=2, enough=0.1)
-        errors.append(judged_error(fitter.features, fit.mean_square, floor, fold.held_out))
-    return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
+@dataclass(frozen=True)
+class Local:
+    """A fit with its Jacobian (unknowns, blocks, channels): what held-out errors and intervals need."""
 
+    fitter: Fitter
+    fit: Fit
+    unknowns: Sequence[Unknown]
 
-def intervals(
-    fitter: Fitter, fit: Fit, unknowns: Sequence[Unknown]
-) -> dict[tuple[str, str], tuple[float, float, float]]:
-    r"""Return (value, low, high) of every unknown by (effect, name): 95 % intervals, SI.
+    @cached_property
+    def jacobian(self) -> Array:
+        """Forward differences of the features."""
+        return self.fitter.jacobian(self.fit, self.unknowns)
 
-    .. math:: \mathrm{cov} = \frac{T}{T-1} H^{-1} \Bigl(\sum_t g_t g_t^T\Bigr) H^{-1}
+    def _system(self, fitter: Fitter) -> tuple[Array, Array, Array]:
+        """Return weighted Jacobian, Hessian and slope of the loss on the tests of ``fitter``."""
+        weighted = self.jacobian * fitter.weights(self.fit.mean_square)
+        spread = np.array([unknown.spread for unknown in self.unknowns])
+        count = len(self.unknowns)
+        hessian = weighted.reshape(count, -1) @ self.jacobian.reshape(count, -1).T + np.diag(spread**-2.0)
+        hessian += 1e-6 * np.diag(np.diag(hessian)) + 1e-9 * np.trace(hessian) / count * np.eye(count)
+        slope = (weighted * self.fit.features).sum(axis=(1, 2)) + surprise(self.fit.candidate, self.unknowns) / spread
+        return weighted, hessian, slope
 
-    with the test as the unit of evidence (sandwich; Huber 1967), T tests, Student's t with T - 1 degrees of freedom.
-    """
-    from scipy.stats import t as student
+    def refitted(self, train: tuple[int, ...]) -> Fit:
+        """Return the fit on some of the tests alone: a Gauss-Newton step from here, halved where it overshoots."""
+        fitter = replace(self.fitter, train=train)
+        here = fitter.look(self.fit.candidate)
+        _, hessian, slope = self._system(fitter)
+        move = -np.linalg.solve(hessian, slope)
+        move *= min(1.0, 0.5 / max(float(np.max(np.abs(move))), 1e-12))
+        places = read(self.fit.candidate, self.unknowns)
+        for factor in (1.0, 0.5, 0.25):
+            trial = fitter.look(written(self.fit.candidate, self.unknowns, places + factor * move))
+            if trial.loss < here.loss:
+                return trial
+        return here
 
-    jacobian = fitter.jacobian(fit, unknowns)
-    weights = fitter.weights(fit.mean_square)
-    weighted = jacobian * weights
-    count = len(unknowns)
-    known = np.array([unknown.spread for unknown in unknowns]) ** -2.0
-    hessian = np.einsum("ibc,jbc->ij", weighted, jacobian) + np.diag(known)
-    slopes = (weighted * fit.features).sum(axis=2)
-    edges = fitter.features.edges
-    each = np.array([slopes[:, a:b].sum(axis=1) for a, b in pairwise(edges)])[fitter.rows]
-    each = each - each.mean(axis=0)
-    tests = len(each)
-    # What was known beforehand is evidence too: its own score scatters by its inverse variance.
-    middle = each.T @ each * tests / max(tests - 1, 1) + np.diag(known)
-    inverse = np.linalg.pinv(hessian + 1e-9 * np.trace(hessian) / count * np.eye(count))
-    deviation = np.sqrt(np.maximum(np.diag(inverse @ middle @ inverse), 0.0))
-    wide = float(student.ppf(0.975, max(tests - 1, 1))) * deviation
-    places = read(fit.candidate, unknowns)
-    found = {}
-    for unknown, place, half in zip(unknowns, places, wide, strict=True):
-        found[unknown.effect, unknown.name] = (
-            unknown.back(float(place)), unknown.back(float(place - half)), unknown.back(float(place + half)),
-        )  # fmt: skip
-    return found
+    def heldout_error(self, parts: Sequence[Fold], floor: Array) -> float:
+        """Return the error over the floor of tests left out, the model refitted without them; NaN without any fold."""
+        errors = [
+            judged_error(self.fitter.features, self.refitted(fold.train).mean_square, floor, fold.held_out)
+            for fold in parts
+        ]
+        return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
+
+    def intervals(self) -> dict[tuple[str, str], tuple[float, float, float]]:
+        r"""Return (value, low, high) of every unknown by (effect, name): 95 % intervals, SI.
+
+        .. math:: \mathrm{cov} = \frac{T}{T-1} H^{-1} \Bigl(\sum_t g_t g_t^T\Bigr) H^{-1}
+
+        with the test as the unit of evidence (sandwich; Huber 1967), T tests, Student's t with T - 1 degrees of freedom.
+        """
+        from scipy.stats import t as student
+
+        weighted, hessian, _ = self._system(self.fitter)
+        slopes = (weighted * self.fit.features).sum(axis=2)
+        edges = self.fitter.features.edges
+        each = np.array([slopes[:, a:b].sum(axis=1) for a, b in pairwise(edges)])[self.fitter.rows]
+        each = each - each.mean(axis=0)
+        tests = len(each)
+        # What was known beforehand is evidence too: its own score scatters by its inverse variance.
+        known = np.array([unknown.spread for unknown in self.unknowns]) ** -2.0
+        middle = each.T @ each * tests / max(tests - 1, 1) + np.diag(known)
+        inverse = np.linalg.pinv(hessian)
+        deviation = np.sqrt(np.maximum(np.diag(inverse @ middle @ inverse), 0.0))
+        wide = float(student.ppf(0.975, max(tests - 1, 1))) * deviation
+        places = read(self.fit.candidate, self.unknowns)
+        return {
+            (one.effect, one.name): (one.back(place), one.back(place - half), one.back(place + half))
+            for one, place, half in zip(self.unknowns, places.tolist(), wide.tolist(), strict=True)
+        }
 
 
 def parameter_rows(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,14 +94,17 @@ def where(features: Features, seen: Array, floor: Array, replayed: Replay) -> li
     """Return the places of the excess error, largest share first: subsystems as a whole, then their bins.
 
     ``seen`` (blocks, channels) are the features of the model's residuals, ``floor`` (channels,) their floor. The share
-    of a bin is what its mean residual explains of its subsystem's share.
+    of a bin is what its mean residual explains of its subsystem's share. A subsystem whose error is not above its floor
+    (z below 2) is left out.
     """
+    if not features.evidence.repeated:
+        floor = np.zeros_like(floor)
     excess = subsystem_excess(features, seen, floor, replayed)
     total = sum(excess.values()) or 1.0
     places = []
     for subsystem, value in excess.items():
         if value / total > 0.005:
-            z, shown, number = _significance(features, _level(features, seen, floor, subsystem))
+            z, shown, number = _significance(features, _level(features, seen, floor, subsystem, replayed))
             places.append(Place(subsystem, "all", "all", value / total, z, shown, number))
     every = quantities(features, seen)
     for quantity in every:
@@ -109,7 +113,12 @@ def where(features: Features, seen: Array, floor: Array, replayed: Replay) -> li
             alike = [one for one in every if one.subsystem == quantity.subsystem]
             whole = sum(float((one.values[one.valid] ** 2).sum()) for one in alike)
             places += _bins(features, quantity, share / (whole or 1.0))
-    kept = [place for place in places if place.variable == "all" or (place.share >= 0.01 and abs(place.z) > 2.0)]
+    seen_in = {place.subsystem for place in places if place.variable == "all" and place.z > 2.0}
+    kept = [
+        place
+        for place in places
+        if place.subsystem in seen_in and (place.variable == "all" or (place.share >= 0.01 and abs(place.z) > 2.0))
+    ]
     return sorted(kept, key=lambda place: (-place.share, place.variable != "all"))[:40]
 
 
@@ -141,10 +150,24 @@ def _slopes(features: Features, values: Array) -> tuple[Array, Bools]:
     return out / (2 * SLOPE * BLOCK * 4e-3), whole
 
 
-def _level(features: Features, seen: Array, floor: Array, subsystem: str) -> Array:
-    """Return for each test by how much its mean square is above the floor, in floors."""
-    channels = [SUM, DIFFERENCE] if subsystem == "lines" else [SLIDING]
-    return np.asarray((features.mean_square(seen)[:, channels] / floor[channels] ** 2 - 1.0).mean(axis=1))
+def _level(features: Features, seen: Array, floor: Array, subsystem: str, replayed: Replay) -> Array:
+    """Return for each test by how much its mean square is above the floor, in floors; NaN where nothing is seen."""
+    tests = len(features.evidence.tests)
+    if subsystem == "pump":
+        error = replayed.errors["pump_deg"]
+        least = (error.floor if error is not None else None) or 0.0
+        squares = {index: float(np.mean(one**2)) for index, one in replayed.pump.items()}
+        return np.array([_above(squares.get(index, np.nan), least) for index in range(tests)])
+    channels = [SUM, DIFFERENCE] if subsystem == "lines" else [SLIDING, BREAKAWAY]
+    numbers = np.add.reduceat(features.valid.astype(float), features.edges[:-1], axis=0)[:, channels]
+    squares_seen = features.mean_square(seen)[:, channels]
+    above = np.column_stack([_above(squares_seen[:, k], floor[channel]) for k, channel in enumerate(channels)])
+    total = numbers.sum(axis=1)
+    return np.where(total > 0, (above * numbers).sum(axis=1) / np.maximum(total, 1), np.nan)
+
+
+def _above(square: Any, least: float) -> Any:
+    return square / least**2 - 1.0 if least > 0 else square
 
 
 def _significance(features: Features, level: Array) -> tuple[float, int, int]:

@@ -284,7 +284,7 @@ def _copied(name: str, function: Callable[..., float]) -> str:
 
 
 def _function(signature: str, lines: Sequence[str]) -> str:
-    mark = "inlined" if signature.split("(")[0] in ("predict", "correct", "contact", "readings") else "hot"
+    mark = "inlined" if signature.split("(")[0] in ("predict", "contact", "readings") else "hot"
     return f"@{mark}\ndef {signature}:\n" + "".join(f"    {line}\n" for line in lines or ["pass"]) + "\n\n"
 
 

@@ -59,9 +59,11 @@ def test_closed_loop_follows_the_independent_solution(direction: float, payload:
     control = {"first_direction": direction}
     found = columns(reference, pressures, Pid, control, effects, count=count, dither=1.2)
     expected = np.floor(angle / count + 0.5) * count
-    # at most an angle on the edge of a count may be counted differently
-    assert np.abs(found["arm_deg"] - expected).max() < 1.5 * count
-    assert np.mean(found["arm_deg"] != expected) < 0.05
+    error = np.abs(found["arm_deg"] - expected)
+    # An angle on the edge of a count may be counted differently, which the unstable loop of the payload amplifies later.
+    assert error[:1000].max() < 1.5 * count
+    assert np.mean(error[:1000] > 0.0) < 0.01
+    assert error.max() < 2.5 * count
 
 
 def test_the_payload_makes_the_published_loop_oscillate() -> None:
