@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 WARM := $(VENV)/.warm
 
-.PHONY: help setup demo test lint bench recovery clean
+.PHONY: help setup demo test lint bench fidelity validation faults kills damage recovery clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, kernels compiled (about 3 minutes the first time)"
@@ -15,6 +15,10 @@ help:
 	@echo "make lint    lint, types, layers"
 	@echo "make bench   speed of the model against the same model in SciPy, and of the whole chain"
 	@echo "make recovery  calibrate 20 simulated rigs drawn at random; the result is docs/identification_recovery.md"
+	@echo "make fidelity  every published cell beside the simulated mean; the result is docs/fidelity.md"
+	@echo "make validation  errors against an independent solution; the result is docs/validation.md"
+	@echo "make faults    every fault of the rig at the start, middle and end of a test; docs/rig_faults.md"
+	@echo "make kills     200 kills at random moments, then resume;   make damage  10 000 damaged log files"
 	@echo "make clean   remove .venv and caches; runs/ stays"
 
 setup: $(WARM)
@@ -42,6 +46,22 @@ test: $(INSTALLED) lint
 
 bench: $(WARM)
 	$(BIN)/python benchmarks/bench.py
+	$(BIN)/python benchmarks/loop_timing.py
+
+fidelity: $(WARM)
+	$(BIN)/python benchmarks/fidelity.py
+
+validation: $(WARM)
+	$(BIN)/python benchmarks/validation.py
+
+faults: $(WARM)
+	$(BIN)/python tests/rig/write_fault_table.py
+
+kills: $(WARM)
+	$(BIN)/python tests/rig/kill_campaign.py 200
+
+damage: $(WARM)
+	$(BIN)/python tests/records/damage_many_logs.py 10000
 
 recovery: $(WARM)
 	$(BIN)/python tests/calibrate/recovery_study.py > docs/identification_recovery.md.part

@@ -41,12 +41,12 @@ class Feedforward:
         with friction, mass, load, dp/dV and losses those of ``model`` along the reference. At rest the push keeps the
         last commanded ``direction``. Source: thesis 5.3.1.1 - 5.3.1.5; for other models its own equations, inverted.
         """
-        chosen = dict(values)
+        p = model.vector(values)
+        position = {name: index for index, name in enumerate(model.composition.parameters)}
         if self.friction_direction == "positive":
             for kind in ("static", "coulomb", "viscous"):
-                chosen[f"{kind}_negative"] = chosen.get(f"{kind}_positive", 0.0)
-        p = model.vector(chosen)
-        constant = dict(zip(model.composition.parameters, p, strict=True))
+                p[position[f"{kind}_negative"]] = p[position[f"{kind}_positive"]]
+        constant = dict(zip(position, p, strict=True))
         names = (
             "mass",
             "friction",

@@ -9,10 +9,8 @@ from typing import Any
 from hjcamp.discrepancy.diagnose import Diagnosis, Step
 from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.heldout import Fold, Local, folds, parameter_rows
-from hjcamp.discrepancy.replay import replay
 from hjcamp.discrepancy.search import unknowns_of
 from hjcamp.discrepancy.unknowns import base_unknowns
-from hjcamp.discrepancy.views import Views
 from hjcamp.discrepancy.where import Place, where
 from hjcamp.model.effect import Effect
 
@@ -22,10 +20,9 @@ SHOWN = {"quick": 3, "standard": 5, "thorough": 10}
 Report = Callable[[str, float], None]
 
 
-def places_of(found: Diagnosis, views: Views, fit: Fit) -> list[Place]:
-    """Return where the error of one fit of a diagnosis is."""
-    replayed = replay(views, "calibrated", fit.candidate)
-    return where(found.features, fit.features, found.features.floor(fit.features), replayed)
+def places_of(found: Diagnosis, fit: Fit) -> list[Place]:
+    """Return where the error of one fit is; its views follow the measured pump, so the pump's own model has no share."""
+    return where(found.features, fit.features, found.features.floor(fit.features), None)
 
 
 def answer(
@@ -46,7 +43,7 @@ def answer(
     if final.candidate.effects != base.candidate.effects:
         best = Local(fitter, final, unknowns_of(final.candidate, effects))
         augmented = best.heldout_error(parts, found.floor)
-    places = places_of(found, views, base)
+    places = places_of(found, base)
     report("intervals", 0.98)
     return {
         "schema": SCHEMA,

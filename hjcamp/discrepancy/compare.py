@@ -94,8 +94,8 @@ def horizon_of(evidence: Evidence, arm: Array) -> Horizon:
     floors = [floor_of([one[:, k] for one in blocks], evidence.conditions.values()) for k in range(width)]
     known = [one for one in floors if one is not None]
     floor = np.array(known) if len(known) == width else None
-    rms: Array = np.sqrt(square.mean(axis=0))
-    return Horizon(np.arange(width) * PERIOD, rms, floor)
+    rms: Array = np.asarray(np.sqrt(square.mean(axis=0)))
+    return Horizon(np.arange(width, dtype=np.float64) * PERIOD, rms, floor)
 
 
 def answer(compared: list[Compared], tests: int) -> dict[str, Any]:

@@ -69,11 +69,11 @@ class Quantity:
     variables: tuple[str, ...]
 
 
-def subsystem_excess(features: Features, seen: Array, floor: Array, replayed: Replay) -> dict[str, float]:
+def subsystem_excess(features: Features, seen: Array, floor: Array, replayed: Replay | None) -> dict[str, float]:
     """Return the mean square excess over the floor of pump, lines and joint, all as a pressure difference (Pa^2).
 
     Lines: driven by measured pump and arm. Joint: force balance with every state measured, over the piston area.
-    Pump: its own model driven by the command, as the pressure that the missing volume would make.
+    Pump: its own model driven by the command, as the pressure that the missing volume would make; 0 without a replay.
     """
     values = features.evidence.tests[0].hardware.values
     valid = features.valid
@@ -82,7 +82,7 @@ def subsystem_excess(features: Features, seen: Array, floor: Array, replayed: Re
     numbers = valid[:, [SLIDING, BREAKAWAY]].sum(axis=0)
     force = float((excess[[SLIDING, BREAKAWAY]] * numbers).sum() / max(numbers.sum(), 1))
     found = {"lines": float(excess[SUM] + excess[DIFFERENCE]), "joint": force / values["joint_area"] ** 2, "pump": 0.0}
-    error = replayed.errors["pump_deg"]
+    error = None if replayed is None else replayed.errors["pump_deg"]
     if error is not None:
         volume = values["pump_area"] * values["pump_lead"] * DEGREE
         lost = max(error.rms**2 - (error.floor or 0.0) ** 2, 0.0)
@@ -90,7 +90,7 @@ def subsystem_excess(features: Features, seen: Array, floor: Array, replayed: Re
     return found
 
 
-def where(features: Features, seen: Array, floor: Array, replayed: Replay) -> list[Place]:
+def where(features: Features, seen: Array, floor: Array, replayed: Replay | None) -> list[Place]:
     """Return the places of the excess error, largest share first: subsystems as a whole, then their bins.
 
     ``seen`` (blocks, channels) are the features of the model's residuals, ``floor`` (channels,) their floor. The share
@@ -150,10 +150,10 @@ def _slopes(features: Features, values: Array) -> tuple[Array, Bools]:
     return out / (2 * SLOPE * BLOCK * 4e-3), whole
 
 
-def _level(features: Features, seen: Array, floor: Array, subsystem: str, replayed: Replay) -> Array:
+def _level(features: Features, seen: Array, floor: Array, subsystem: str, replayed: Replay | None) -> Array:
     """Return for each test by how much its mean square is above the floor, in floors; NaN where nothing is seen."""
     tests = len(features.evidence.tests)
-    if subsystem == "pump":
+    if subsystem == "pump" and replayed is not None:
         error = replayed.errors["pump_deg"]
         least = (error.floor if error is not None else None) or 0.0
         squares = {index: float(np.mean(one**2)) for index, one in replayed.pump.items()}

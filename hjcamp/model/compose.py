@@ -84,35 +84,58 @@ class Composition:
             lines.append(f"f[{index}] = {self._rate(name)}")
         return _function("rates(time, direction, z, u, p, f)", lines)
 
-    def predict_source(self, pattern: NDArray[np.bool_]) -> str:
+    def predict_source(self, pattern: NDArray[np.bool_], curved: NDArray[np.bool_], everything: bool = False) -> str:
         """Return the source of ``predict``: rates into ``before`` and the state after one step into ``a``.
 
-        Equations and sparse product stand in one function so that everything stays in registers.
+        Equations and sparse product stand in one function so that everything stays in registers. ``before[N:]`` holds
+        the slope of the nonlinear part of the ``curved`` rates, in ``predict_all`` of every rate, which is carried on.
         """
+        n = len(self.states)
+        curved = curved | everything
         lines = self._body()
         for index, name in enumerate(self.states):
             lines += [f"f{index} = {self._rate(name)}", f"before[{index}] = f{index}"]
+            if curved[index]:
+                lines.append(f"b{index} = before[{n + index}] * span")
         for i, row in enumerate(pattern):
-            lines.append(f"a[{i}] = z[{i}] + ({_product('p1', i, row, 'f')})")
-        return _function("predict(time, direction, z, u, p, p1, a, before)", lines)
+            carried = _product("p2", i, row & curved, "b")
+            lines.append(f"a[{i}] = z[{i}] + ({_product('p1', i, row, 'f')})" + (f" + ({carried})" if carried else ""))
+        name = "predict_all" if everything else "predict"
+        return _function(f"{name}(time, span, direction, z, u, p, p1, p2, a, before)", lines)
 
-    def correct_source(self, pattern: NDArray[np.bool_]) -> str:
-        """Return the source of ``correct``: add the second-order correction to ``a`` and return its size."""
+    def correct_source(self, pattern: NDArray[np.bool_], curved: NDArray[np.bool_], everything: bool = False) -> str:
+        """Return the source of ``correct``: add the correction to ``a`` and return its size.
+
+        Only the ``curved`` rates are corrected, in ``correct_all`` every rate; ``before[2 * N:]`` receives the slope of
+        their nonlinear part over this step.
+        """
+        n = len(self.states)
+        curved = curved | everything
         lines = [line.replace(" = z[", " = a[") for line in self._body()]
-        lines += [f"b{index} = before[{index}]" for index in range(len(self.states))]
-        for index, name in enumerate(self.states):
-            lines.append(f"g{index} = {self._rate(name)} - ({_product('e', index, pattern[index], 'b')})")
+        lines += [f"b{index} = before[{index}]" for index in range(n)]
+        lines += [f"s{index} = before[{n + index}]" for index in range(n) if curved[index]]
+        for index, state in enumerate(self.states):
+            if not curved[index]:
+                continue
+            row = pattern[index]
+            carried = _product("p1", index, row & curved, "s")
+            lines.append(f"g{index} = {self._rate(state)} - ({_product('e', index, row, 'b')}) - ({carried})")
+            lines.append(f"before[{2 * n + index}] = s{index} + g{index} / span")
         lines.append("worst = 0.0")
         for index, row in enumerate(pattern):
+            correction = _product("p2", index, row & curved, "g")
+            if not correction:
+                continue
             lines += [
-                f"c = {_product('p2', index, row, 'g')}",
+                f"c = weight * ({correction})",
                 f"a[{index}] += c",
-                f"size = abs(c) / {list(self.states.values())[index].resolution!r}",
+                f"size = abs(c) * {1.0 / list(self.states.values())[index].resolution!r}",
                 "if not size <= worst:",
                 "    worst = size",
             ]
         lines.append("return worst")
-        return _function("correct(time, direction, a, u, p, e, p2, before)", lines)
+        name = "correct_all" if everything else "correct"
+        return _function(f"{name}(time, span, direction, a, u, p, e, p1, p2, before, weight)", lines)
 
     def contact_source(self) -> str:
         """Return the source of ``contact(time, direction, z, u, p)``: push, limit, locks, and 1 if a limiter acts."""

@@ -24,6 +24,7 @@ balance: Any = None
 begin: Any = None
 remember: Any = None
 move: Any = None
+forget: Any = None
 control: Any = None
 procedure: Any = None
 
@@ -144,6 +145,7 @@ def follow(  # type: ignore[no-untyped-def]
             z[VELOCITY] = velocity[k]
             direction = np.sign(velocity[k])
             counter[4] = 1.0
+            forget(before, counter)
             if restart[k] == 2:
                 counter[0] = 0.0
                 begin(time[k], direction, z, u, p)

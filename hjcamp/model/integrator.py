@@ -1,14 +1,17 @@
 """The time integrator, copied into every generated kernel: exponential steps, halved where a regime ends.
 
-Within one friction regime the model is z' = f(z), nearly linear with Jacobian L found beforehand. One step of
-length h is the exponential Rosenbrock-Euler step with a second-order correction,
+Within one friction regime the model is z' = f(z), nearly linear with Jacobian L found beforehand; what L leaves over,
+N(z) = f(z) - L z, is taken as a straight line in time, its slope s that of the step before. One step of length h is
 
-    a = z + P1 f(z),    z+ = a + P2 (f(a) - E f(z)),    E = exp(h L), P1 = h phi1(h L), P2 = h phi2(h L),
+    a = z + P1 f(z) + P2 s h,    z+ = a + w P2 (f(a) - E f(z) - P1 s),
+    E = exp(h L), P1 = h phi1(h L), P2 = h phi2(h L), w = 1 - h / (3 (h + length of the step before)),
 
-exact where the model is linear (the correction vanishes), of second order elsewhere. Step lengths are h / 2**level;
-the propagators of every level are computed once, by doubling. A step whose correction is larger than the states'
-resolution, or in which a regime ends, is tried again one level finer; at the finest level (1 us) the event is taken.
-Source: Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286, sections 2.4 and 2.5.
+exact where the model is linear (s and the correction vanish), of third order elsewhere, as w bends N to the parabola
+through two steps; after an event s = 0 and w = 1, and the order is two. Step lengths are h / 2**level; the propagators
+of every level are computed once, by doubling. A step whose correction is larger than the states' resolution, or in
+which a regime ends, is tried again one level finer; at the finest level (1 us) the event is taken. ``before`` holds
+f(z), s and the next s. Where a limiter acts every rate is corrected, else only the curved ones.
+Source: Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286, sections 2.4, 2.5 (Rosenbrock) and 2.7 (multistep).
 
 The names in capitals, ``rates``, ``contact``, ``predict`` and ``correct`` are supplied by the generated file.
 """
@@ -30,6 +33,9 @@ rates: Any = None
 contact: Any = None
 predict: Any = None
 correct: Any = None
+predict_all: Any = None
+correct_all: Any = None
+CURVED: Any = None
 
 
 def linearise(time, direction, z, u, p, jacobian):  # type: ignore[no-untyped-def]
@@ -83,7 +89,8 @@ def prepare(z, u, p, h, out):  # type: ignore[no-untyped-def]
         moving = z.copy()
         if CONTACT:
             direction = 0.0 if regime == 0 else (1.0 if regime == 1 else -1.0)
-            moving[VELOCITY] = direction * TYPICAL[VELOCITY]
+            # Well above the speeds at which friction bends, so that the linear part is that of steady sliding.
+            moving[VELOCITY] = 10.0 * direction * TYPICAL[VELOCITY]
         linearise(0.0, direction, moving, u, p, jacobian)
         propagators(jacobian, h, out[regime])
 
@@ -92,12 +99,53 @@ def attempt(time, span, direction, z, u, p, e, p1, p2, a, before, counter):  # t
     """Write into ``a`` the state after one step; return its correction in units of the states' resolution.
 
     Where the model is linear and no limiter acts at either end, the correction is zero and is not computed;
-    ``counter[4]`` remembers whether a limiter acted at the end of the step before.
+    ``counter[4]`` remembers whether a limiter acted at the end of the step before, ``counter[6]`` its length.
     """
-    predict(time, direction, z, u, p, p1, a, before)
-    if AFFINE and counter[4] == 0.0 and contact(time + span, direction, a, u, p)[3] == 0.0:
-        return 0.0
-    return correct(time + span, direction, a, u, p, e, p2, before)
+    limited = counter[4] != 0.0
+    if limited:
+        predict_all(time, span, direction, z, u, p, p1, p2, a, before)
+    else:
+        predict(time, span, direction, z, u, p, p1, p2, a, before)
+        limited = contact(time + span, direction, a, u, p)[3] != 0.0
+        if AFFINE and not limited:
+            return 0.0
+    weight = 1.0
+    if counter[6] > 0.0:
+        weight -= span / (3.0 * (span + counter[6]))
+    if limited:
+        return correct_all(time + span, span, direction, a, u, p, e, p1, p2, before, weight)
+    return correct(time + span, span, direction, a, u, p, e, p1, p2, before, weight)
+
+
+def accept(span, z, a, before, counter):  # type: ignore[no-untyped-def]
+    """Take the step: ``z`` becomes ``a``, and the slope of the nonlinear part is kept for the next one."""
+    for i in range(N):
+        z[i] = a[i]
+    if not AFFINE or counter[4] != 0.0:
+        for i in range(N):
+            before[N + i] = before[2 * N + i]
+        counter[6] = span
+    counter[1] += 1.0
+
+
+def straighten(limits, before, counter):  # type: ignore[no-untyped-def]
+    """Note whether a limiter acts; where none does any more, the rates that are not curved have no slope."""
+    if counter[4] != limits:
+        counter[4] = limits
+        for i in range(N):
+            if not CURVED[i]:
+                before[N + i] = 0.0
+                before[2 * N + i] = 0.0
+        if AFFINE:
+            counter[6] = 0.0
+
+
+def forget(before, counter):  # type: ignore[no-untyped-def]
+    """Start without a slope of the nonlinear part: at a test's beginning and after each event."""
+    for i in range(N):
+        before[N + i] = 0.0
+        before[2 * N + i] = 0.0
+    counter[6] = 0.0
 
 
 def trial(time, h, direction, z, u, p, e, p1, p2, a, before, counter):  # type: ignore[no-untyped-def]
@@ -126,12 +174,10 @@ def move(time, direction, z, u, p, fast, propagator, h, a, before, counter):  # 
         else:
             done = trial(time, h, -1.0, z, u, p, fast[6], fast[7], fast[8], a, before, counter)
     if done:
-        for i in range(N):
-            z[i] = a[i]
-        counter[1] += 1.0
+        accept(h, z, a, before, counter)
     else:
         direction = advance(time, direction, z, u, p, propagator, h, a, before, counter)
-    counter[4] = contact(time + h, direction, z, u, p)[3]
+    straighten(contact(time + h, direction, z, u, p)[3], before, counter)
     return direction
 
 
@@ -188,15 +234,14 @@ def advance(time, direction, z, u, p, propagator, h, a, before, counter):  # typ
                 level += 1
                 searching = True
                 continue
-        for i in range(N):
-            z[i] = a[i]
+        accept(span, z, a, before, counter)
         done += length
-        counter[1] += 1.0
         if error > counter[5] and error > counter[3]:
             counter[3] = error
-        counter[4] = contact(now + span, direction, z, u, p)[3]
+        straighten(contact(now + span, direction, z, u, p)[3], before, counter)
         if ended:
             direction = regime_after(time + tick * done, direction, z, u, p)
+            forget(before, counter)
             counter[2] += 1.0
             searching = False
             level = accuracy
@@ -216,8 +261,8 @@ def regime_after(time, direction, z, u, p):  # type: ignore[no-untyped-def]
         if direction == 0.0:
             return 1.0 if push > 0.0 else -1.0
         return -direction
-    if direction != 0.0:
+    ahead = 0.0 if abs(push) <= limit else (1.0 if push > 0.0 else -1.0)
+    # A slider that turns back without rest keeps the little speed it has gained since it turned.
+    if z[VELOCITY] * ahead <= 0.0:
         z[VELOCITY] = 0.0
-    if abs(push) <= limit:
-        return 0.0
-    return 1.0 if push > 0.0 else -1.0
+    return ahead

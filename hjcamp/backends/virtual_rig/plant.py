@@ -56,8 +56,7 @@ class VirtualPlant:
         self._procedure_memory = Procedure.fresh_memory()
         self._history = np.zeros(LONGEST_DELAY)
         self._memory = np.array([0.0, -1.0, 0.0])
-        self._work = np.zeros((4, max(len(self._simulator.states), len(READINGS), 8)))
-        self._work[2, 5] = 1.0
+        self._work = self._simulator.scratch()
         self._burst = np.zeros(0, dtype=np.int64)
         self.sample = -1
         self.seen = np.zeros(len(READINGS))

@@ -1,0 +1,44 @@
+"""Calls and data that cannot be used: one clear message, exit code 2, nothing written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from discrepancy_answers import Call
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("compare", "nowhere"), "no such file or folder"),
+        (("compare", "{empty}"), "no logs"),
+        (("compare", "{leak}", "--model", "publishd"), "did you mean 'published'"),
+        (("compare", "{leak}", "--model", "published", "--model", "published"), "each model once"),
+        (("compare", "{leak}", "--json", "{empty}"), "is a folder"),
+        (("diagnose", "{leak}", "--model", "publishd"), "did you mean 'published'"),
+        (("diagnose", "{leak}", "--effort", "quik"), "did you mean 'quick'"),
+        (("diagnose", "{leak}", "--seed", "-1"), "--seed -1"),
+        (("add", "leakge", "{leak}", "--as", "new"), "did you mean 'leakage'"),
+        (("add", "leakage", "--as", "new"), "no logs were named"),
+        (("add", "leakage", "leakage", "{leak}", "--as", "new"), "named twice"),
+        (("add", "leakage", "{leak}", "--as", "published"), "exists already"),
+        (("add", "leakage", "{leak}", "--as", "a/b"), "cannot be the name"),
+        (("add", "leakage", "nowhere/logs", "--as", "new"), "no such file or folder"),
+    ],
+)
+def test_one_clear_message(call: Call, leak: Path, tmp_path: Path, arguments: tuple[str, ...], told: str) -> None:
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    answer = call(*(one.format(leak=leak, empty=empty) for one in arguments))
+    assert answer.code == 2
+    assert told in answer.err and len(answer.err.strip().splitlines()) == 1
+    assert not (tmp_path / "conf").exists()
+    assert not (tmp_path / "compare").exists()
+
+
+def test_a_truncated_log_is_refused(call: Call, leak: Path, tmp_path: Path) -> None:
+    whole = (leak / "ramp_hold_r1.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) // 2])
+    answer = call("compare", "cut.mcap")
+    assert answer.code == 2 and "cut.mcap" in answer.err and len(answer.err.strip().splitlines()) == 1

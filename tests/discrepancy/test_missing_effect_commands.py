@@ -1,0 +1,101 @@
+"""compare, diagnose, add, compare from end to end on a plant that shares no code with the model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+from discrepancy_answers import Call, read_answer
+
+KEYS = {
+    "schema", "verdict", "effects", "drivers", "p_value", "candidates", "error", "calibration", "where",
+    "minimum_detectable", "seconds",
+}  # fmt: skip
+BOXES = {"joint", "lines", "pump"}
+
+
+def check_rows(rows: list[dict[str, object]]) -> None:
+    """Check the rows of ``where``."""
+    assert all(set(row) == {"subsystem", "variable", "bin", "share", "z"} for row in rows)
+    shares = [row["share"] for row in rows]
+    assert shares == sorted(shares, reverse=True)  # type: ignore[type-var]
+    assert all(row["subsystem"] in BOXES for row in rows)
+
+
+def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
+    answer = call("diagnose", leak, "--effort", "quick", "--json", "d.json")
+    assert answer.code == 0, answer.err
+    found = read_answer(Path("d.json"))
+    assert set(found) == KEYS and found["schema"] == "hjcamp.diagnosis/1"
+    assert (found["verdict"], found["effects"]) == ("effect", ["leakage"])
+    best = found["candidates"][0]
+    assert best["effect"] == "leakage" and best["posterior"] > 0.8 and best["heldout_error_ratio"] < 0.5
+    low, high = best["parameters"]["conductance"]["ci95"]
+    assert low < best["parameters"]["conductance"]["value"] < high
+    assert best["parameters"]["conductance"]["value"] == pytest.approx(2.2e-16, rel=0.2)
+    assert found["error"]["baseline"] > 2.0 > 1.3 > found["error"]["augmented"] / found["error"]["floor"]
+    assert found["where"][0]["subsystem"] == "lines"
+    check_rows(found["where"])
+    row = found["calibration"]["coulomb_positive"]
+    assert row["published"] == 5.27 and row["unit"] == "N" and row["ci95"][0] < row["value"] < row["ci95"][1]
+    assert "EFFECT" in answer.out and f"hjcamp add leakage {leak} --as" in answer.out
+    assert "<svg" in Path("diagnose/index.html").read_text(encoding="utf-8")
+
+    answer = call("add", "leakage", leak, "--as", "bench", "--json", "a.json")
+    assert answer.code == 0, answer.err
+    error = read_answer(Path("a.json"))["error"]
+    assert error["after"] < 1.3 * error["floor"] < error["before"]
+    model = yaml.safe_load(Path("conf/model/bench.yaml").read_text(encoding="utf-8"))
+    assert model["name"] == "bench" and model["effects"]["leakage"]["conductance"] > 0
+    origin = model["provenance"]
+    assert len(origin["logs_sha256"]) == 24 and origin["tests_fitted"] == 16 and len(origin["tests_held_out"]) == 8
+    assert "leakage.conductance" in origin["ci95"] and origin["command"].startswith("hjcamp add leakage")
+
+    answer = call("add", "leakage", leak, "--as", "bench")
+    assert answer.code == 2 and "exists" in answer.err
+
+    answer = call("compare", leak, "--model", "published", "--model", "bench", "--json", "out/c.json")
+    assert answer.code == 0, answer.err
+    compared = read_answer(Path("out/c.json"))
+    assert set(compared) == {"schema", "models", "where"} and compared["schema"] == "hjcamp.comparison/1"
+    before, after = compared["models"]
+    assert [before["name"], after["name"]] == ["published", "bench"] and before["tests"] == after["tests"] == 24
+    for channel in ("arm_deg", "pressure1_mpa", "pressure2_mpa", "pump_deg"):
+        assert set(after["error"][channel]) == {"rms", "floor", "r2"}
+        assert after["error"][channel]["rms"] >= 0.8 * after["error"][channel]["floor"] > 0
+    assert after["error"]["pressure1_mpa"]["rms"] < 0.7 * before["error"]["pressure1_mpa"]["rms"]
+    assert after["score"] < before["score"]
+    check_rows(compared["where"])
+    for name in ("overlay.svg", "where.svg", "horizon.svg", "index.html"):
+        assert (Path("out/compare") / name).is_file()
+
+
+def test_nothing_is_missing(call: Call, null: Path) -> None:
+    assert call("diagnose", null, "--effort", "quick", "--json", "d.json").code == 0
+    found = read_answer(Path("d.json"))
+    assert found["verdict"] == "nothing_missing" and found["effects"] == [] and found["p_value"] >= 0.05
+    assert found["error"]["augmented"] < 1.3 * found["error"]["floor"]
+    least = found["minimum_detectable"]["leakage"]
+    assert set(least) == {"parameter", "value", "unit"} and 0 < least["value"] < 1e-15
+
+
+def test_a_friction_effect_is_named(call: Call, stribeck: Path) -> None:
+    assert call("diagnose", stribeck, "--effort", "quick", "--json", "d.json").code == 0
+    found = read_answer(Path("d.json"))
+    assert (found["verdict"], found["effects"]) == ("effect", ["stribeck_friction"])
+    assert found["where"][0]["subsystem"] == "joint"
+
+
+def test_one_test_cannot_tell(call: Call, leak: Path) -> None:
+    answer = call("diagnose", leak / "ramp_hold_r1.mcap", "--effort", "quick", "--json", "d.json")
+    assert answer.code == 0, answer.err
+    assert read_answer(Path("d.json"))["verdict"] == "cannot_tell"
+    assert "CANNOT TELL" in answer.out and "exploratory" in answer.out
+
+
+def test_comparison_without_repetitions_is_exploratory(call: Call, leak: Path) -> None:
+    answer = call("compare", *sorted(leak.glob("*_r1.mcap")), "--json", "c.json")
+    assert answer.code == 0, answer.err
+    assert read_answer(Path("c.json"))["models"][0]["error"]["arm_deg"]["floor"] is None
+    assert "exploratory" in answer.out
