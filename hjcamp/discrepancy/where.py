@@ -17,7 +17,7 @@ from hjcamp.discrepancy.replay import Replay
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
-SUM, DIFFERENCE, SLIDING, BREAKAWAY = 2, 3, 4, 5
+WINDOW, SUM, DIFFERENCE, SLIDING, BREAKAWAY = 1, 2, 3, 4, 5
 SLOPE = 10
 FEWEST = 5
 UNITS = {
@@ -82,6 +82,8 @@ def subsystem_excess(features: Features, seen: Array, floor: Array, replayed: Re
     numbers = valid[:, [SLIDING, BREAKAWAY]].sum(axis=0)
     force = float((excess[[SLIDING, BREAKAWAY]] * numbers).sum() / max(numbers.sum(), 1))
     found = {"lines": float(excess[SUM] + excess[DIFFERENCE]), "joint": force / values["joint_area"] ** 2, "pump": 0.0}
+    # Windows follow the pump alone: what they lack beyond the line cut and the force balance is born in the joint.
+    found["joint"] = max(found["joint"], float(excess[WINDOW]) - found["lines"])
     error = None if replayed is None else replayed.errors["pump_deg"]
     if error is not None:
         volume = values["pump_area"] * values["pump_lead"] * DEGREE
@@ -158,7 +160,7 @@ def _level(features: Features, seen: Array, floor: Array, subsystem: str, replay
         least = (error.floor if error is not None else None) or 0.0
         squares = {index: float(np.mean(one**2)) for index, one in replayed.pump.items()}
         return np.array([_above(squares.get(index, np.nan), least) for index in range(tests)])
-    channels = [SUM, DIFFERENCE] if subsystem == "lines" else [SLIDING, BREAKAWAY]
+    channels = [SUM, DIFFERENCE] if subsystem == "lines" else [WINDOW, SLIDING, BREAKAWAY]
     numbers = np.add.reduceat(features.valid.astype(float), features.edges[:-1], axis=0)[:, channels]
     squares_seen = features.mean_square(seen)[:, channels]
     above = np.column_stack([_above(squares_seen[:, k], floor[channel]) for k, channel in enumerate(channels)])
