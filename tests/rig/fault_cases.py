@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -115,4 +116,16 @@ def _fill_the_disk(sample: int, device: VirtualDevice, monkeypatch: Any) -> None
             )
         write(self)
 
+    add = Journal.add
+
+    def add_and_wait(self: Journal, held: int) -> None:
+        # Virtual time can outrun the writing thread: let it meet the full disk before the next sample.
+        add(self, held)
+        if device.tests == test and device.samples >= sample:
+            self._wake.set()
+            until = time.monotonic() + 5.0
+            while self.problem is None and time.monotonic() < until:
+                time.sleep(0.001)
+
     monkeypatch.setattr(Journal, "_write", full)
+    monkeypatch.setattr(Journal, "add", add_and_wait)
