@@ -79,10 +79,8 @@ class Composition:
 
     def rates_source(self) -> str:
         """Return the source of ``rates(time, direction, z, u, p, f)``."""
-        lines = self._body()
-        for index, name in enumerate(self.states):
-            lines.append(f"f[{index}] = {self._rate(name)}")
-        return _function("rates(time, direction, z, u, p, f)", lines)
+        lines = [f"f[{index}] = {self.rate(name)}" for index, name in enumerate(self.states)]
+        return _function("rates(time, direction, z, u, p, f)", self.body(lines))
 
     def predict_source(self, pattern: NDArray[np.bool_], curved: NDArray[np.bool_], everything: bool = False) -> str:
         """Return the source of ``predict``: rates into ``before`` and the state after one step into ``a``.
@@ -92,16 +90,16 @@ class Composition:
         """
         n = len(self.states)
         curved = curved | everything
-        lines = self._body()
+        lines = []
         for index, name in enumerate(self.states):
-            lines += [f"f{index} = {self._rate(name)}", f"before[{index}] = f{index}"]
+            lines += [f"f{index} = {self.rate(name)}", f"before[{index}] = f{index}"]
             if curved[index]:
                 lines.append(f"b{index} = before[{n + index}] * span")
         for i, row in enumerate(pattern):
             carried = _product("p2", i, row & curved, "b")
             lines.append(f"a[{i}] = z[{i}] + ({_product('p1', i, row, 'f')})" + (f" + ({carried})" if carried else ""))
         name = "predict_all" if everything else "predict"
-        return _function(f"{name}(time, span, direction, z, u, p, p1, p2, a, before)", lines)
+        return _function(f"{name}(time, span, direction, z, u, p, p1, p2, a, before)", self.body(lines))
 
     def correct_source(self, pattern: NDArray[np.bool_], curved: NDArray[np.bool_], everything: bool = False) -> str:
         """Return the source of ``correct``: add the correction to ``a`` and return its size.
@@ -111,15 +109,14 @@ class Composition:
         """
         n = len(self.states)
         curved = curved | everything
-        lines = [line.replace(" = z[", " = a[") for line in self._body()]
-        lines += [f"b{index} = before[{index}]" for index in range(n)]
+        lines = [f"b{index} = before[{index}]" for index in range(n)]
         lines += [f"s{index} = before[{n + index}]" for index in range(n) if curved[index]]
         for index, state in enumerate(self.states):
             if not curved[index]:
                 continue
             row = pattern[index]
             carried = _product("p1", index, row & curved, "s")
-            lines.append(f"g{index} = {self._rate(state)} - ({_product('e', index, row, 'b')}) - ({carried})")
+            lines.append(f"g{index} = {self.rate(state)} - ({_product('e', index, row, 'b')}) - ({carried})")
             lines.append(f"before[{2 * n + index}] = s{index} + g{index} / span")
         lines.append("worst = 0.0")
         for index, row in enumerate(pattern):
@@ -135,57 +132,65 @@ class Composition:
             ]
         lines.append("return worst")
         name = "correct_all" if everything else "correct"
+        lines = [line.replace(" = z[", " = a[") for line in self.body(lines)]
         return _function(f"{name}(time, span, direction, a, u, p, e, p1, p2, before, weight)", lines)
 
     def contact_source(self) -> str:
         """Return the source of ``contact(time, direction, z, u, p)``: push, limit, locks, and 1 if a limiter acts."""
         contact = self.plant.contact
-        lines = self._body()
         tests = [f"not ({low} <= {value} <= {high})" for value, low, high in self.vocabulary.limits]
-        lines.append(f"limits = 1.0 if {' or '.join(tests) or 'False'} else 0.0")
+        lines = [f"limits = 1.0 if {' or '.join(tests) or 'False'} else 0.0"]
         lines.append(f"return {contact.push}, {contact.limit}, {contact.locks}, limits")
-        return _function("contact(time, direction, z, u, p)", lines)
+        return _function("contact(time, direction, z, u, p)", self.body(lines))
 
     def readings_source(self) -> str:
         """Return the source of ``readings(time, direction, z, u, p, out)``: what the sensors see, in channel order."""
-        lines = self._body()
-        for index, channel in enumerate(self.plant.channels):
-            lines.append(f"out[{index}] = {channel.signal}")
-        return _function("readings(time, direction, z, u, p, out)", lines)
+        lines = [f"out[{index}] = {channel.signal}" for index, channel in enumerate(self.plant.channels)]
+        return _function("readings(time, direction, z, u, p, out)", self.body(lines))
 
     def balance_source(self) -> str:
         """Return the source of ``balance(time, direction, z, u, p, out)``: the plant's force balance."""
-        lines = self._body()
-        lines += [f"out[{index}] = {name}" for index, name in enumerate(self.plant.balance)]
-        return _function("balance(time, direction, z, u, p, out)", lines)
+        lines = [f"out[{index}] = {name}" for index, name in enumerate(self.plant.balance)]
+        return _function("balance(time, direction, z, u, p, out)", self.body(lines))
 
     def signals_source(self) -> str:
         """Return the source of ``signals(time, direction, z, u, p, out)``: every slot and signal, in order."""
-        lines = self._body()
-        for index, name in enumerate(self.vocabulary.signals):
-            lines.append(f"out[{index}] = {name}")
-        return _function("signals(time, direction, z, u, p, out)", lines)
+        lines = [f"out[{index}] = {name}" for index, name in enumerate(self.vocabulary.signals)]
+        return _function("signals(time, direction, z, u, p, out)", self.body(lines))
 
     def memory_source(self) -> str:
         """Return the source of ``begin`` (starts of own states) and ``remember`` (their once-per-sample updates)."""
-        starts, updates = self._body(), self._body()
-        for effect in self.effects:
-            for name in effect.states:
-                index = list(self.states).index(f"{effect.name}.{name}")
-                if name in effect.starts:
-                    starts.append(f"z[{index}] = {self._call(effect, f'start_{name}', effect.starts[name])}")
-                else:
-                    starts.append(f"z[{index}] = {effect.states[name].start!r}")
-                if name in effect.updates:
-                    updates.append(f"next_{index} = {self._call(effect, f'next_{name}', effect.updates[name])}")
-        updates += [
-            line.replace(" = ", "] = ", 1).split(" = ")[0].replace("next_", "z[") + f" = {line.split(' = ')[0]}"
-            for line in updates
-            if line.startswith("next_")
-        ]
-        return _function("begin(time, direction, z, u, p)", starts) + _function(
-            "remember(time, direction, z, u, p)", updates
+        starts, updates, stored = [], [], []
+        for index, name in enumerate(self.states):
+            start, update = self.start(name), self.update(name)
+            if start:
+                starts.append(f"z[{index}] = {start}")
+            if update:
+                updates.append(f"next_{index} = {update}")
+                stored.append(f"z[{index}] = next_{index}")
+        return _function("begin(time, direction, z, u, p)", self.body(starts)) + _function(
+            "remember(time, direction, z, u, p)", self.body(updates + stored)
         )
+
+    def start(self, state: str) -> str:
+        """Return the expression that an effect's state starts with; empty for a state of the plant."""
+        if "." not in state:
+            return ""
+        effect, own = self._owner(state)
+        if own in effect.starts:
+            return self._call(effect, f"start_{own}", effect.starts[own])
+        return repr(effect.states[own].start)
+
+    def update(self, state: str) -> str:
+        """Return the expression that an effect's state takes after each sample; empty where it has none."""
+        if "." not in state:
+            return ""
+        effect, own = self._owner(state)
+        return self._call(effect, f"next_{own}", effect.updates[own]) if own in effect.updates else ""
+
+    def _owner(self, state: str) -> tuple[type[Effect], str]:
+        name, own = state.split(".")
+        return next(effect for effect in self.effects if effect.name == name), own
 
     def terms_source(self) -> str:
         """Return the source of every effect's functions, copied so that the kernel's hash sees their text."""
@@ -196,7 +201,12 @@ class Composition:
                 parts += [_copied(f"{effect.name}__{prefix}{name}", function) for name, function in functions.items()]
         return "\n".join(parts)
 
-    def _body(self) -> list[str]:
+    def body(self, last: Sequence[str]) -> list[str]:
+        """Return the statements that ``last`` needs, in order, then ``last``."""
+        return [*live(self._statements, "\n".join(last)), *last]
+
+    @cached_property
+    def _statements(self) -> list[str]:
         lines = [f"s_{_local(name)} = z[{index}]" for index, name in enumerate(self.states)]
         lines += [f"p_{_local(name)} = p[{index}]" for index, name in enumerate(self.parameters)]
         lines += [f"u_{name} = u[{index}]" for index, name in enumerate(self.inputs)]
@@ -223,17 +233,17 @@ class Composition:
         return adding + changing
 
     def _gate(self, effect: type[Effect], line: str) -> list[str]:
-        return [f"if p_gate_{effect.name} != 0.0:", f"    {line}"] if self.gated else [line]
+        return [f"if p_gate_{effect.name} != 0.0: {line}"] if self.gated else [line]
 
-    def _rate(self, name: str) -> str:
+    def rate(self, name: str) -> str:
+        """Return the expression of a state's rate, 0 where it is driven or frozen."""
         if name in self.cut.driven:
             return f"u_slope_{name}"
         if name in self.cut.slopes or name in self.cut.frozen:
             return "0.0"
         if "." not in name:
             return f"d_{name}"
-        effect_name, own = name.split(".")
-        effect = next(effect for effect in self.effects if effect.name == effect_name)
+        effect, own = self._owner(name)
         if own not in effect.rates:
             return "0.0"
         call = self._call(effect, f"d_{own}", effect.rates[own])
@@ -292,6 +302,24 @@ def _check_globals(function: Callable[..., float], where: str) -> None:
             raise unknown(
                 "function or constant", name, [*MATHEMATICS, *BUILTINS], f"{where}, method '{function.__name__}'"
             )
+
+
+def live(statements: Sequence[str], last: str) -> list[str]:
+    """Return those one-line statements whose results reach the text ``last``, in order."""
+    wanted = _names(ast.parse(textwrap.dedent(last.replace("return ", ""))))
+    kept = []
+    for line in reversed(statements):
+        tree = ast.parse(line).body[0]
+        assignment = tree.body[0] if isinstance(tree, ast.If) else tree
+        assert isinstance(assignment, ast.Assign)
+        if ast.unparse(assignment.targets[0]) in wanted:
+            kept.append(line)
+            wanted |= _names(tree)
+    return kept[::-1]
+
+
+def _names(tree: ast.AST) -> set[str]:
+    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
 
 
 def _copied(name: str, function: Callable[..., float]) -> str:

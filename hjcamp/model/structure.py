@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -62,9 +62,7 @@ def _has_kink(function: Callable[..., float]) -> bool:
     tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
     kinked = (ast.IfExp, ast.If, ast.Compare)
     names = ("max", "min", "abs", "floor", "ceil", "copysign")
-    return any(
-        isinstance(node, kinked) or (isinstance(node, ast.Name) and node.id in names) for node in ast.walk(tree)
-    )
+    return any(isinstance(node, kinked) or (isinstance(node, ast.Name) and node.id in names) for node in ast.walk(tree))
 
 
 def nonlinear_rates(composition: Composition, rates: Callable[..., None], draws: int = 60) -> NDArray[np.bool_]:
@@ -94,3 +92,24 @@ def nonlinear_rates(composition: Composition, rates: Callable[..., None], draws:
                 bend = np.abs(values[0] + values[2] - 2.0 * values[1]) / scale
                 found |= ~(bend <= 1e-9) | (values[3] != values[1])
     return found
+
+
+def influences(composition: Composition, outputs: Sequence[str]) -> frozenset[str]:
+    """Return the names of the parameters that the named slots and signals of a composition can depend on.
+
+    Followed through the text: from an output to what it is computed from, from a state to its rate, start and update.
+    """
+    local = {f"s_{name.replace('.', '_')}": name for name in composition.states}
+    given = {f"p_{name.replace('.', '_')}": name for name in composition.parameters}
+    wanted = [f"x = {name}" for name in outputs]
+    reached: set[str] = set()
+    while True:
+        text = "\n".join(composition.body(wanted))
+        names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
+        new = {local[name] for name in names if name in local} - reached
+        if not new:
+            return frozenset(given[name] for name in names if name in given)
+        reached |= new
+        for state in new:
+            parts = (composition.rate(state), composition.start(state), composition.update(state))
+            wanted += [f"x = {part}" for part in parts if part]
