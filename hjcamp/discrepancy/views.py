@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+import inspect
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -11,19 +13,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.evidence import PERIOD, Evidence
-from hjcamp.discrepancy.hardware import simulator
+from hjcamp.discrepancy.hardware import composition, simulator
+from hjcamp.discrepancy.recent import Recent
 from hjcamp.model.simulator import Course, Simulator
+from hjcamp.model.structure import influences
+from hjcamp.plants.pump_joint import PumpJoint
 
 Array = NDArray[np.float64]
 CHANNELS = ("arm", "difference", "line_sum", "line_difference", "sliding", "breakaway")
 WINDOWED = 4
 LOOK_BACK = 4
 SURPRISE = 0.1
-
-
-def _shows_otherwise(effect: Any) -> bool:
-    return any(slot == "arm_angle" or slot.endswith("_reading") for slot in effect.terms)
 TOLERANCE = 10.0
+KEPT = 12
+
+
+@functools.lru_cache(maxsize=512)
+def _reaching(effects: tuple[Any, ...], cut: str, present: frozenset[str], outputs: tuple[str, ...]) -> Any:
+    """Return the positions of the parameters that reach the outputs when only some effects are present."""
+    whole = composition(effects, cut)
+    some = composition(tuple(effect for effect in effects if effect.name in present), cut, gated=False)
+    names = influences(some, outputs)
+    return np.array([position for position, name in enumerate(whole.parameters) if name in names], dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -37,9 +48,23 @@ class Candidate:
         """Return this model with one effect added or replaced."""
         return Candidate(self.base, {**self.effects, name: dict(parameters)})
 
+    def without(self, names: Sequence[str]) -> Candidate:
+        """Return this model without some of its effects."""
+        return Candidate(self.base, {name: values for name, values in self.effects.items() if name not in names})
+
     def with_base(self, base: Mapping[str, float]) -> Candidate:
         """Return this model with other base parameters."""
         return Candidate({**self.base, **base}, self.effects)
+
+
+def _shows_otherwise(effect: Any) -> bool:
+    return any(slot == "arm_angle" or slot.endswith("_reading") for slot in effect.terms)
+
+
+def _balances_itself(effect: Any) -> bool:
+    """Whether an effect takes its force from the acceleration, which the force balance is there to explain."""
+    functions = (*effect.terms.values(), *effect.rates.values(), *effect.updates.values())
+    return any("slider_acceleration" in inspect.signature(function).parameters for function in functions)
 
 
 class Views:
@@ -49,7 +74,11 @@ class Views:
         self.evidence = evidence
         self.effects = effects
         self.names = tuple(effect.name for effect in effects)
-        self.evaluations = 0
+        self._recent_lines: Recent[tuple[Array, Array, Array]] = Recent(KEPT)
+        self._recent_balance: Recent[Array] = Recent(KEPT)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _views_by_name, (self.evidence, self.names)
 
     @cached_property
     def joint(self) -> Simulator:
@@ -118,22 +147,42 @@ class Views:
             scatter=np.ones(len(observed)) if scatter is None else scatter[part],
         )
 
-    def _observed(self, candidate: Candidate, part: slice, hardware: Any) -> tuple[Array, Array]:
-        """Return the observed states (n, 4) and the sliders' smooth travel (n, 1) with the sensors' errors taken out."""
+    @cached_property
+    def _gates(self) -> dict[str, int]:
+        order = list(composition(self.effects, "pump").parameters)
+        return {name: order.index(f"gate.{name}") for name in self.names}
+
+    def _key(self, model: Simulator, p: Array, outputs: Sequence[str]) -> tuple[frozenset[str], bytes]:
+        """Return what the outputs of a model depend on: the effects present, and the parameters that can reach them."""
+        present = frozenset(name for name in self.names if p[self._gates[name]] != 0.0)
+        return present, p[_reaching(self.effects, model.composition.cut.name, present, tuple(outputs))].tobytes()
+
+    def _line_view(self, candidate: Candidate, index: int) -> tuple[Any, Array, Array, Array]:
+        """Return of one group of tests: a key, the observed states (n, 4) and the sliders' smooth travel (n, 1) with the
+        sensors' errors taken out, and the readings (n, 4) of the lines driven by pump and arm."""
+        part, hardware = self._groups[index]
+        p = self.vector(self.lines, candidate, hardware)
+        key = (index, *self._key(self.lines, p, [channel.signal for channel in PumpJoint.channels]))
+        return key, *self._recent_lines.get(key, lambda: self._follow_lines(p, candidate, part, hardware))
+
+    def _follow_lines(self, p: Array, candidate: Candidate, part: slice, hardware: Any) -> tuple[Array, Array, Array]:
         columns = self._columns
         lead, radius = hardware.values["pump_lead"], hardware.values["pulley_radius"]
         pump, arm = columns["pump"][part, None] * lead, columns["arm"][part, None] * radius
         observed = np.column_stack([pump, columns["pressure1"][part], columns["pressure2"][part], arm])
         track = columns["track"][part, None]
-        if any(_shows_otherwise(effect) and effect.name in candidate.effects for effect in self.effects):
-            p = self.vector(self.lines, candidate, hardware)
+        if self._shown_otherwise(candidate):
             course = self._course(part, np.hstack([pump, arm]), observed, False, None)
             seen = self.lines.follow(p, course, tolerance=TOLERANCE)
             shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
             error = shown - seen.ideal[:, 1:]
             observed = np.hstack([observed[:, :1], observed[:, 1:] - error])
             track = track - error[:, 2:]
-        return observed, track
+        course = self._course(part, observed[:, [0, 3]], observed, False, None)
+        return observed, track, self.lines.follow(p, course, tolerance=TOLERANCE).readings
+
+    def _shown_otherwise(self, candidate: Candidate) -> bool:
+        return any(_shows_otherwise(effect) and effect.name in candidate.effects for effect in self.effects)
 
     def readings(
         self, candidate: Candidate, *, windows: bool = True, scatter: Array | None = None
@@ -142,19 +191,30 @@ class Views:
 
         With ``windows`` off the joint view runs through every test from its first sample.
         """
-        self.evaluations += 1
         n = len(self._columns["time"])
         joint, lines = np.empty((n, 4)), np.empty((n, 4))
-        for part, hardware in self._groups:
-            observed, _ = self._observed(candidate, part, hardware)
-            driven = observed[:, [0, 3]]
-            course = self._course(part, driven, observed, False, None)
-            p = self.vector(self.lines, candidate, hardware)
-            lines[part] = self.lines.follow(p, course, tolerance=TOLERANCE).readings
-            course = self._course(part, driven[:, :1], observed, windows, scatter)
+        for index, (part, hardware) in enumerate(self._groups):
+            _, observed, _, lines[part] = self._line_view(candidate, index)
+            course = self._course(part, observed[:, :1], observed, windows, scatter)
             p = self.vector(self.joint, candidate, hardware)
             joint[part] = self.joint.follow(p, course, tolerance=TOLERANCE).readings
         return joint, lines
+
+    def _balance(self, candidate: Candidate, index: int) -> Array:
+        """Return push, friction, static friction (N) and mass (kg) of one group of tests (n, 4)."""
+        part, hardware = self._groups[index]
+        key, observed, track, _ = self._line_view(candidate, index)
+        circular = [effect.name for effect in self.effects if _balances_itself(effect)]
+        p = self.vector(self.inverse, candidate.without(circular), hardware)
+        own = (index, *self._key(self.inverse, p, PumpJoint.balance))
+
+        def compute() -> Array:
+            driven = np.hstack([observed[:, :3], track])
+            course = self._course(part, driven, driven, True, None)
+            course = replace(course, restart=np.where(course.restart == 2, 2, 1))
+            return self.inverse.follow(p, course, tolerance=TOLERANCE).forces
+
+        return self._recent_balance.get((own, key) if self._shown_otherwise(candidate) else own, compute)
 
     def forces(self, candidate: Candidate) -> Array:
         """Return the unexplained force (n, 2), N: while the arm slides, and at each breakaway; 0 elsewhere.
@@ -166,13 +226,8 @@ class Views:
         columns, evidence = self._columns, self.evidence
         out = np.zeros((len(columns["time"]), 2))
         balance = np.empty((len(columns["time"]), 4))
-        for part, hardware in self._groups:
-            observed, track = self._observed(candidate, part, hardware)
-            driven = np.hstack([observed[:, :3], track])
-            course = self._course(part, driven, np.hstack([observed[:, :3], track]), True, None)
-            course = replace(course, restart=np.where(course.restart == 2, 2, 1))
-            p = self.vector(self.inverse, candidate, hardware)
-            balance[part] = self.inverse.follow(p, course, tolerance=TOLERANCE).forces
+        for index, (part, _) in enumerate(self._groups):
+            balance[part] = self._balance(candidate, index)
         push, friction, static, mass = balance.T
         slides = evidence.sliding
         out[slides, 0] = (push - friction - mass * columns["acceleration"])[slides]
@@ -206,3 +261,11 @@ class Views:
         for begin, end in zip(self.evidence.edges[:-1], self.evidence.edges[1:], strict=True):
             out[begin:end, 2:] -= out[begin:end, 2:].mean(axis=0)
         return out
+
+
+def _views_by_name(evidence: Evidence, names: tuple[str, ...]) -> Views:
+    """Return the views in another process, which reads the effects from its own library."""
+    from hjcamp.effects import load_effects
+
+    library = load_effects()
+    return Views(evidence, tuple(library[name] for name in names))
