@@ -140,7 +140,7 @@ def test_pressure_friction_adds_to_static_friction_with_both_pressures(simulator
 
 
 def test_friction_drift_and_position_friction_change_the_sliding_force(simulator: Simulator) -> None:
-    drift = run(simulator, RISE, friction_drift__drift=0.1)
+    drift = run(simulator, RISE, friction_drift__drift=0.1, friction_drift__settling_time=100.0)
     assert sliding(drift) == pytest.approx(5.27 * 1.1, rel=0.01)
     uneven = run(simulator, RISE, position_friction__amplitude=0.2, position_friction__period=6.0)
     angle = uneven.ideal[-100:, 3] / PumpJoint.parameters["pulley_radius"].default
