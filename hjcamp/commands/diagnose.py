@@ -36,6 +36,8 @@ def diagnose(
     json: Annotated[Path | None, typer.Option(help="Write the answer for programs to this file.")] = None,
     effort: Annotated[str, typer.Option(help="quick, standard or thorough.")] = "standard",
     seed: Annotated[int, typer.Option(help="Seed of the simulated twins.")] = 1,
+    workers: Annotated[int | None, typer.Option(help="Threads; every processor by default. The answer is the same.")] = None,
+    cluster: Annotated[str | None, typer.Option(help="A dask scheduler, tcp://HOST:PORT, or 'local'.")] = None,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
     from hjcamp.campaign.console import make_console
@@ -45,9 +47,12 @@ def diagnose(
     check_answer_file(json)
     if seed < 0:
         raise UsageError(f"--seed {seed}: give a whole number, 0 or more")
+    if workers is not None and workers < 1:
+        raise UsageError(f"--workers {workers}: give a whole number, 1 or more")
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.discrepancy.answer import answer
+        from hjcamp.discrepancy.crew import Crew, available
         from hjcamp.discrepancy.diagnose import EFFORTS
         from hjcamp.discrepancy.diagnose import diagnose as search
         from hjcamp.discrepancy.saved import saved_model
@@ -56,12 +61,15 @@ def diagnose(
         if effort not in EFFORTS:
             raise unknown("effort", effort, EFFORTS)
         start = saved_model(model)
-        if start.effects:
-            names = ", ".join(start.effects)
-            raise UsageError(f"--model {model}: diagnose starts without effects; this model has {names}")
         effects = tuple(load_effects().values())
-        found = search(evidence_of(paths), effects, effort=effort, seed=seed, report=report)
-        content = answer(found, effects, effort, 0.0, report)
+        evidence = evidence_of(paths)
+        crew = Crew(workers or available(), cluster)
+        try:
+            begin = start if start.base or start.effects else None
+            found = search(evidence, effects, effort=effort, seed=seed, start=begin, crew=crew, report=report)
+            content = answer(found, effects, effort, 0.0, report)
+        finally:
+            crew.close()
         content["seconds"] = round(time.perf_counter() - began, 3)
         write_answer(json, content)
         page = _draw(content, found.reason, folder_for("diagnose", paths, json))

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from hjcamp.discrepancy.diagnose import Diagnosis, Step
+from hjcamp.discrepancy.diagnose import Diagnosis
 from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.heldout import Fold, Local, folds, parameter_rows
-from hjcamp.discrepancy.search import unknowns_of
+from hjcamp.discrepancy.search import Step, unknowns_of
 from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.discrepancy.where import Place, where
 from hjcamp.model.effect import Effect
@@ -55,6 +55,7 @@ def answer(
         "error": {"baseline": _finite(baseline), "augmented": _finite(augmented), "floor": 1.0},
         "calibration": _calibration(best),
         "where": [place.row() for place in places],
+        "confounded": found.confounded,
         "minimum_detectable": _detectable(found),
         "seconds": seconds,
     }
@@ -86,7 +87,7 @@ def _candidates(
     """Return the effects named first, then the rivals of the last step by weight; each fitted effect once."""
     rows: dict[str, tuple[Step, float, int]] = {}
     for step in found.steps:
-        taken = step.best in found.final.candidate.effects
+        taken = step in found.taken
         for name, weight in step.weights.items():
             # Where no effect was taken, "nothing" is the strongest rival of all.
             posterior = weight if taken else weight * (1.0 - step.p_value)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.unknowns import base_unknowns
+from hjcamp.discrepancy.unknowns import base_unknowns, effect_unknowns
 from hjcamp.discrepancy.views import Candidate, Views
 
 Array = NDArray[np.float64]
@@ -46,20 +47,35 @@ def direct_estimate(evidence: Evidence) -> dict[str, float]:
     return estimate
 
 
-def calibrate(views: Views, features: Features, least: Array | None = None) -> tuple[Fit, Fitter]:
-    """Return the base parameters fitted from several shapes of friction, and the fitter that weighs by their floor."""
-    start = direct_estimate(views.evidence)
-    fitter = Fitter(views, features, NOISE if least is None else least)
+def calibrate(
+    views: Views,
+    features: Features,
+    least: Array | None = None,
+    crew: Crew | None = None,
+    start: Candidate | None = None,
+) -> tuple[Fit, Fitter]:
+    """Return the base parameters fitted from several shapes of friction, and the fitter that weighs by their floor.
+
+    The effects that the model ``start`` has already are fitted with them.
+    """
+    known = start or Candidate({})
+    own = [unknown for effect in views.effects if effect.name in known.effects for unknown in effect_unknowns(effect)]
+    unknowns = base_unknowns() + own
+    estimate = direct_estimate(views.evidence)
+    crew = crew or Crew()
+    fitter = Fitter(views, features, NOISE if least is None else least, crew=crew)
     fits = []
     for ratio in RATIOS:
-        base = dict(start)
+        base = dict(estimate)
         for name in ("positive", "negative"):
             if f"coulomb_{name}" in base:
                 base[f"static_{name}"] = ratio * base[f"coulomb_{name}"]
-        fits.append(fitter.fit(Candidate(base), base_unknowns(), steps=6))
+        fits.append(fitter.fit(known.with_base(base), unknowns, steps=6))
+    if start is not None:
+        fits.append(fitter.fit(known, unknowns, steps=6))
     best = min(fits, key=lambda fit: fit.loss)
     if least is not None:
         return best, fitter
     least = np.maximum(0.5 * features.floor(best.features), 0.3 * NOISE)
-    fitter = Fitter(views, features, least)
-    return fitter.fit(best.candidate, base_unknowns(), steps=8), fitter
+    fitter = Fitter(views, features, least, crew=crew)
+    return fitter.fit(best.candidate, unknowns, steps=8), fitter

@@ -2,87 +2,56 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.baseline import calibrate
+from hjcamp.discrepancy.crew import Crew
+from hjcamp.discrepancy.detectable import alike, confounded, detectable_amplitudes
 from hjcamp.discrepancy.drivers import rank_drivers, top_drivers
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.gram import all_gains, project
+from hjcamp.discrepancy.null import Null, simulate_null
 from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
-from hjcamp.discrepancy.search import Screening, fit_effect, rival_weights, screen, strongest
-from hjcamp.discrepancy.twins import make_twin, match_scatter
-from hjcamp.discrepancy.views import CHANNELS, Views
+from hjcamp.discrepancy.search import Screening, Step, fit_effect, refit_without, rival_weights, screen
+from hjcamp.discrepancy.twins import match_scatter
+from hjcamp.discrepancy.verdict import judge, matters, what_is_lacking
+from hjcamp.discrepancy.views import Candidate, Views
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]
 LEVEL = 0.05
-POSTERIOR = 0.8
-MATTERS = 0.10
-LEAST_GAIN = 6.0
-MARGIN = 1.25
+# For each test: the error falls by 14 % in one channel, or by 7 % in two.
+LEAST_GAIN = 0.3
+SAME = 0.95
+Report = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How much work a diagnosis may do: twins, fitted survivors of the screening, Gauss-Newton steps, further effects."""
+    """How much work a diagnosis may do: twins, fitted survivors of a screening, Gauss-Newton steps, further effects.
+
+    A ``hasty`` one looks for a further effect only where the model found so far leaves an error.
+    """
 
     twins: int
     survivors: int
     steps: int
     forward: int
+    hasty: bool = False
 
 
-EFFORTS = {"quick": Effort(24, 4, 4, 1), "standard": Effort(60, 6, 8, 2), "thorough": Effort(300, 10, 14, 3)}
-
-
-@dataclass(frozen=True)
-class Step:
-    """One step forward: the screening, the fits of its survivors, and their weights."""
-
-    screening: Screening
-    fits: dict[str, Fit]
-    weights: dict[str, float]
-    p_value: float
-
-    @property
-    def best(self) -> str:
-        """The effect that fits best."""
-        return min(self.fits, key=lambda name: self.fits[name].loss)
-
-    @property
-    def gain(self) -> float:
-        """By how much the loss falls with the best effect."""
-        return self.screening.about.loss - self.fits[self.best].loss
-
-
-@dataclass(frozen=True)
-class Null:
-    """What twins in which nothing is missing give: the largest gain of each, and their error over their floor."""
-
-    gains: Array
-    adequacy: Array
-
-    def p_value(self, gain: float) -> float:
-        """Return how often a twin gains as much."""
-        return float((1 + np.sum(self.gains >= gain)) / (1 + len(self.gains)))
-
-    def limit(self) -> Array:
-        """Return the error over floor (channels,) that 95 % of the twins stay below, with a margin for model form."""
-        return np.asarray(np.quantile(self.adequacy, 0.95, axis=0) * MARGIN)
+EFFORTS = {"quick": Effort(24, 4, 4, 2, True), "standard": Effort(60, 6, 8, 2), "thorough": Effort(300, 10, 14, 3)}
 
 
 @dataclass
 class Diagnosis:
-    """The answer and all that stands behind it."""
+    """The answer and all that stands behind it; ``null`` are twins of the final model."""
 
     verdict: str
     effects: list[str]
@@ -93,85 +62,15 @@ class Diagnosis:
     floor: Array
     null: Null
     steps: list[Step]
+    taken: list[Step]
     features: Features
     fitter: Fitter
     scatter: RepetitionScatter
     reason: str
     seconds: float
     detectable: dict[str, tuple[str, float, str]] = field(default_factory=dict)
+    confounded: list[dict[str, object]] = field(default_factory=list)
     exploratory: bool = False
-
-
-def ratio(features: Features, fit: Fit, floor: Array) -> Array:
-    """Return the error over the floor (channels,)."""
-    valid = np.maximum(features.valid.sum(axis=0), 1)
-    return np.asarray(np.sqrt((fit.features**2).sum(axis=0) / valid) / np.maximum(floor, 1e-30))
-
-
-def simulate_null(
-    views: Views, fit: Fit, screening: Screening, scatter: RepetitionScatter, count: int, seed: int, tick: Callable[[], None]
-) -> Null:
-    """Return what ``count`` twins of the fitted model give in the same screening."""
-    gains, adequacy = [], []
-    for number in range(count):
-        twin = make_twin(views, fit.candidate, scatter, seed * 1000 + number)
-        own = Features(twin)
-        residual = own.of(Views(twin, views.effects).residuals(fit.candidate))
-        _, found, coefficients = all_gains(screening.gram, residual, screening.known, screening.groups)
-        gains.append(max(row[2] for row in strongest(screening.probes, found, coefficients).values()))
-        floor = own.floor(residual)
-        left = error_beside_base(screening, residual)
-        adequacy.append(np.sqrt((left * own.counts).sum(axis=0) / own.counts.sum(axis=0)) / np.maximum(floor, 1e-30))
-        tick()
-    return Null(np.array(gains), np.array(adequacy))
-
-
-def error_beside_base(screening: Screening, residual: Array) -> Array:
-    """Return the mean square (tests, channels) that the base parameters cannot take up."""
-    gram, count = screening.gram, len(screening.known)
-    cross, square = gram.with_residual(residual)
-    free, every = np.zeros(count, dtype=np.bool_), np.ones(len(square))
-    return np.asarray(project(gram.products, cross, square, gram.least, np.arange(count), free, screening.known, every, 3)[2])
-
-
-def matters(features: Features, before: Fit, after: Fit) -> bool:
-    """Whether the error falls by a tenth in some channel of two conditions at least (or of the only one)."""
-    conditions = list(features.evidence.conditions.values())
-    better = 0
-    for tests in conditions:
-        fall = 1.0 - np.sqrt(after.mean_square[tests].sum(axis=0) / np.maximum(before.mean_square[tests].sum(axis=0), 1e-30))
-        better += bool(np.max(fall) > MATTERS)
-    return better >= min(2, len(conditions))
-
-
-def detectable_amplitudes(screening: Screening, effects: Sequence[type[Effect]], needed: float) -> dict[str, tuple[str, float, str]]:
-    """Return for each effect the amplitude whose predicted gain would have been ``needed``: (parameter, value, unit)."""
-    found: dict[str, tuple[str, float, str]] = {}
-    by_name = {effect.name: effect for effect in effects}
-    base = len(screening.known)
-    for probe in screening.probes:
-        effect = by_name[probe.effect]
-        for name, column in zip(probe.lifted, probe.columns, strict=True):
-            if not name:
-                continue
-            response = screening.gram.columns[base + column]
-            smallest = _amplitude_for(screening, base + column, response, needed) * abs(probe.parameters[name])
-            key = probe.effect
-            if math.isfinite(smallest) and (key not in found or smallest < found[key][1]):
-                found[key] = (name, smallest, effect.parameters[name].unit)
-    return found
-
-
-def _amplitude_for(screening: Screening, column: int, response: Array, needed: float) -> float:
-    gram, features = screening.gram, screening.gram.features
-    square = features.mean_square(screening.about.features) + gram.least**2
-    own = list(range(len(screening.known)))
-    products = gram.products / square[:, :, None, None]
-    total = products.sum(axis=(0, 1))
-    a = total[np.ix_(own, own)] + np.diag(screening.known) + 1e-9 * np.eye(len(own))
-    b = total[own, column]
-    unexplained = total[column, column] - b @ np.linalg.solve(a, b)
-    return math.sqrt(needed / unexplained) if unexplained > 1e-12 else math.inf
 
 
 def diagnose(
@@ -180,111 +79,135 @@ def diagnose(
     *,
     effort: str = "standard",
     seed: int = 1,
-    report: Callable[[str, float], None] = lambda text, share: None,
+    start: Candidate | None = None,
+    crew: Crew | None = None,
+    report: Report = lambda text, share: None,
 ) -> Diagnosis:
     """Return the diagnosis of the tests in ``evidence`` with the effects of the library.
 
-    ``report(text, share)`` is called with what is being done and the share of the work that is done.
+    ``start`` is a model that has some effects already. ``report(text, share)`` is called with what is being done and
+    the share of the work that is done.
     """
     began = time.perf_counter()
-    work = EFFORTS[effort]
-    views = Views(evidence, tuple(effects))
-    features = Features(evidence)
-    report("calibrating the base parameters", 0.02)
-    base, fitter = calibrate(views, features)
-    floor = features.floor(base.features)
-    report(f"screening {len(effects)} effects", 0.10)
-    first = screen(fitter, base, effects)
-    scatter = match_scatter(views, base, scatter_of(evidence, dict(base.candidate.base)))
-    done = [0]
+    search = _Search(evidence, effects, EFFORTS[effort], seed, crew or Crew(), report)
+    return search.run(start, began)
 
-    def tick() -> None:
-        done[0] += 1
-        report(f"twin {done[0]} of {work.twins} with nothing missing", 0.20 + 0.35 * done[0] / work.twins)
 
-    null = simulate_null(views, base, first, scatter, work.twins, seed, tick)
-    steps: list[Step] = []
-    current, screening = base, first
-    for number in range(work.forward):
-        order = sorted(screening.gains, key=lambda name: -screening.gains[name])[: work.survivors]
+class _Search:
+    """The state of one diagnosis."""
+
+    def __init__(
+        self, evidence: Evidence, effects: Sequence[type[Effect]], work: Effort, seed: int, crew: Crew, report: Report
+    ) -> None:
+        self.evidence, self.effects, self.work, self.seed, self.report = evidence, tuple(effects), work, seed, report
+        self.crew = crew
+        self.features = Features(evidence)
+        self.views = Views(evidence, self.effects)
+        self.steps: list[Step] = []
+        self.least_gain = LEAST_GAIN * len(evidence.tests)
+
+    def run(self, start: Candidate | None, began: float) -> Diagnosis:
+        self.report("calibrating the base parameters", 0.02)
+        base, self.fitter = calibrate(self.views, self.features, crew=self.crew, start=start)
+        lacking = what_is_lacking(self.evidence)
+        screening, null = self._look(base, 0, True)
+        first, first_null = screening, null
+        current, taken = base, list[Step]()
+        for number in range(0 if lacking else self.work.forward):
+            if number and self.work.hasty and not screening.probes:
+                if np.all(null.excess(base.mean_square, current.mean_square) <= 1.0):
+                    break
+                screening, null = self._look(current, number, True)
+            step = self._step(screening, null, number)
+            if step is None:
+                break
+            self.steps.append(step)
+            best = step.fits[step.best]
+            if step.p_value >= LEVEL or step.gain < self.least_gain or not matters(self.features, current, best):
+                break
+            current = best
+            taken.append(step)
+            last = number + 1 == self.work.forward
+            screening, null = self._look(current, number + 1, not last and not self.work.hasty)
+        current, taken = self._backward(current, taken, null)
+        self.report("weighing the answer", 0.95)
+        floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
+        found = judge(self.evidence, null, base, current, taken, "")
+        ranked = rank_drivers(self.features, current, floor)
+        needed = max(first_null.needed(), self.least_gain)
+        return Diagnosis(
+            found.verdict,
+            found.effects,
+            top_drivers(ranked) if found.verdict == "outside_library" else [],
+            self.steps[0].p_value if self.steps else 1.0,
+            base,
+            current,
+            floor,
+            null,
+            self.steps,
+            taken,
+            self.features,
+            self.fitter,
+            self.scatter,
+            found.reason,
+            time.perf_counter() - began,
+            detectable_amplitudes(first, self.effects, needed),
+            confounded(first),
+            not self.evidence.repeated,
+        )
+
+    def _look(self, current: Fit, number: int, whole: bool) -> tuple[Screening, Null]:
+        """Return the screening about a model (of nothing unless ``whole``) and its twins."""
+        share = 0.1 + 0.8 * number / (self.work.forward + 1)
+        if whole:
+            self.report(f"screening {len(self.effects)} effects", share)
+        screening = screen(self.fitter, current, self.effects, whole)
+        done = [0]
+
+        def tick() -> None:
+            done[0] += 1
+            self.report(f"twin {done[0]} of {self.work.twins}", share + 0.1 * done[0] / self.work.twins)
+
+        self.scatter = match_scatter(self.views, current, scatter_of(self.evidence, dict(current.candidate.base)))
+        seeds = [self.seed * 100_000 + number * 1000 + index for index in range(self.work.twins)]
+        return screening, simulate_null(self.fitter, current, screening, self.scatter, seeds, tick)
+
+    def _step(self, screening: Screening, null: Null, number: int) -> Step | None:
+        """Return the fits of the most promising effects and of those that look the same as the best of them."""
+        ranked = [
+            name for name in sorted(screening.gains, key=lambda name: -screening.gains[name]) if name in screening.best
+        ]
+        if not ranked:
+            return None
+        share = 0.25 + 0.8 * number / (self.work.forward + 1)
         fits: dict[str, Fit] = {}
-        for index, name in enumerate(order):
-            report(f"fitting {name}", 0.55 + 0.35 * (number + index / len(order)) / work.forward)
-            effect = next(effect for effect in effects if effect.name == name)
-            if name in screening.best:
-                fits[name] = fit_effect(fitter, screening, effect, effects, work.steps)
-        if not fits:
-            break
-        step = Step(screening, fits, rival_weights(fits, fitter.least), 1.0)
-        best = fits[step.best]
-        step = replace(step, p_value=null.p_value(min(step.gain, max(screening.gains.values()) * 2 + 1)))
-        real = step.p_value < LEVEL and step.gain > LEAST_GAIN and matters(features, current, best)
-        steps.append(step)
-        if not real:
-            break
-        current = best
-        if number + 1 < work.forward:
-            screening = screen(fitter, current, effects)
-    report("weighing the answer", 0.95)
-    diagnosis = _verdict(evidence, features, fitter, views, base, current, floor, null, steps, scatter)
-    diagnosis.detectable = detectable_amplitudes(first, effects, max(float(np.quantile(null.gains, 0.95)), LEAST_GAIN))
-    diagnosis.seconds = time.perf_counter() - began
-    return diagnosis
+        self._fit(screening, ranked[: self.work.survivors], fits, share)
+        best = min(fits, key=lambda name: fits[name].loss)
+        self._fit(screening, [name for name in alike(screening, best, SAME) if name not in fits], fits, share + 0.1)
+        best = min(fits, key=lambda name: fits[name].loss)
+        gain = screening.about.loss - fits[best].loss
+        # A fit that gains far more than its linear prediction follows noise that the twins' screening does not see.
+        predicted = max(screening.gains.values()) * 2 + 1
+        return Step(
+            screening, fits, rival_weights(fits, self.fitter.least), null.p_value(min(gain, predicted)), null.gains
+        )
+
+    def _fit(self, screening: Screening, names: list[str], fits: dict[str, Fit], share: float) -> None:
+        context = (self.fitter, screening, self.effects, self.work.steps)
+        for name, fit in zip(names, self.crew.each(_fit_one, context, names), strict=True):
+            fits[name] = fit
+            self.report(f"fitted {name}", share + 0.1 * len(fits) / (len(names) + len(fits)))
+
+    def _backward(self, current: Fit, taken: list[Step], null: Null) -> tuple[Fit, list[Step]]:
+        """Leave out again what is not needed any more once further effects are in the model."""
+        for step in taken[:-1]:
+            without = refit_without(self.fitter, current, step.best, self.effects, self.work.steps)
+            if without.loss - current.loss < max(self.least_gain, null.needed()):
+                current, taken = without, [other for other in taken if other is not step]
+        return current, taken
 
 
-def _taken(steps: list[Step], final: Fit) -> list[Step]:
-    return [step for step in steps if step.best in final.candidate.effects]
-
-
-def _verdict(
-    evidence: Evidence,
-    features: Features,
-    fitter: Fitter,
-    views: Views,
-    base: Fit,
-    final: Fit,
-    floor: Array,
-    null: Null,
-    steps: list[Step],
-    scatter: RepetitionScatter,
-) -> Diagnosis:
-    taken = _taken(steps, final)
-    own_floor = np.minimum(features.floor(final.features), floor)
-    excess = ratio(features, final, own_floor) / null.limit()
-    adequate = bool(np.all(excess[[0, 1, 2, 3]] < 1.0)) and excess[4] < 1.4
-    ranked = rank_drivers(features, final, own_floor)
-    p_value = steps[0].p_value if steps else 1.0
-    answer: dict[str, Any] = {
-        "p_value": p_value, "baseline": base, "final": final, "floor": own_floor, "null": null, "steps": steps,
-        "features": features, "fitter": fitter, "scatter": scatter, "seconds": 0.0, "exploratory": not evidence.repeated,
-    }  # fmt: skip
-    lacking = what_is_lacking(evidence)
-    if lacking:
-        return Diagnosis("cannot_tell", [], [], reason=lacking, **answer)
-    if not adequate:
-        worst = CHANNELS[int(np.argmax(excess))]
-        reason = f"the best model leaves {float(np.max(excess * null.limit())):.2f} x floor in {worst}"
-        return Diagnosis("outside_library", [], top_drivers(ranked), reason=reason, **answer)
-    if not taken:
-        reason = "no effect gains more than in twins with nothing missing"
-        return Diagnosis("nothing_missing", [], [], reason=reason, **answer)
-    for step in taken:
-        rivals = [name for name, weight in step.weights.items() if weight > 0.5 * (1 - POSTERIOR)]
-        if step.weights[step.best] < POSTERIOR and len(rivals) > 1:
-            rivals.sort(key=lambda name: -step.weights[name])
-            reason = "these tests fit them alike"
-            return Diagnosis("one_of", rivals, [], reason=reason, **answer)
-    names = [step.best for step in taken]
-    return Diagnosis("effect", names, [], reason="the error falls to its floor", **answer)
-
-
-def what_is_lacking(evidence: Evidence) -> str:
-    """Return what the tests lack for any verdict, or an empty string."""
-    moving = [test for test in evidence.tests if np.ptp(test.arm) > 20 * math.pi / 180]
-    if len(evidence.tests) < 3:
-        return f"{len(evidence.tests)} test(s); at least 3 are needed, better several conditions with 3 repetitions each"
-    if len(evidence.conditions) < 2:
-        return "one condition only: one preload, one speed; most effects look alike here"
-    if len(moving) < 2:
-        return "the arm hardly moves in these tests"
-    return ""
+def _fit_one(context: tuple[Fitter, Screening, tuple[type[Effect], ...], int], name: str) -> Fit:
+    fitter, screening, effects, steps = context
+    effect = next(effect for effect in effects if effect.name == name)
+    return fit_effect(fitter, screening, effect, effects, steps)

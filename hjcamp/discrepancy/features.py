@@ -75,17 +75,15 @@ class Features:
         """Return the mean square (tests, channels)."""
         return np.asarray(np.add.reduceat(features**2, self.edges[:-1], axis=0) / self.counts)
 
-    def floor(self, features: Array) -> Array:
-        r"""Return the floor (channels,): what the repetitions of a condition do not share.
+    def floor_by_condition(self, features: Array) -> Array:
+        """Return the floor (conditions, channels) of each condition; NaN where its repetitions say too little."""
+        totals, counts = self._unshared(features)
+        return np.where(counts > 20, np.sqrt(totals / np.maximum(counts, 1)), np.nan)
 
-        .. math:: \sigma^2 = \frac{1}{N} \sum_c \frac{R_c}{R_c - 1} \sum_{r,t} (r_{crt} - \bar r_{ct})^2
-
-        over the conditions c with R_c > 1 repetitions. Without any repetition the whole residual counts as floor.
-        """
-        total, count = np.zeros(features.shape[1]), np.zeros(features.shape[1])
+    def _unshared(self, features: Array) -> tuple[Array, Array]:
+        """Return the sums of squares (conditions, channels) that repetitions do not share, and what they are sums over."""
+        totals, counts = [], []
         for tests in self.evidence.conditions.values():
-            if len(tests) < 2:
-                continue
             shortest = int(min(self.edges[index + 1] - self.edges[index] for index in tests))
             block = np.stack([features[self.edges[index] : self.edges[index] + shortest] for index in tests])
             seen = np.stack([self.valid[self.edges[index] : self.edges[index] + shortest] for index in tests])
@@ -93,8 +91,19 @@ class Features:
             mean = np.where(seen, block, 0.0).sum(axis=0) / np.maximum(number, 1)
             left = np.where(seen, (block - mean) ** 2, 0.0).sum(axis=0)
             shared = number > 1
-            total += np.where(shared, left * number / np.maximum(number - 1, 1), 0.0).sum(axis=0)
-            count += np.where(shared, number, 0).sum(axis=0)
+            totals.append(np.where(shared, left * number / np.maximum(number - 1, 1), 0.0).sum(axis=0))
+            counts.append(np.where(shared, number, 0).sum(axis=0))
+        return np.array(totals), np.array(counts)
+
+    def floor(self, features: Array) -> Array:
+        r"""Return the floor (channels,): what the repetitions of a condition do not share.
+
+        .. math:: \sigma^2 = \frac{1}{N} \sum_c \frac{R_c}{R_c - 1} \sum_{r,t} (r_{crt} - \bar r_{ct})^2
+
+        over the conditions c with R_c > 1 repetitions. Without any repetition the whole residual counts as floor.
+        """
+        totals, counts = self._unshared(features)
+        total, count = totals.sum(axis=0), counts.sum(axis=0)
         whole = np.sqrt((features**2).sum(axis=0) / np.maximum(self.valid.sum(axis=0), 1))
         return np.where(count > 20, np.sqrt(total / np.maximum(count, 1)), whole)
 

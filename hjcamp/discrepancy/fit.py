@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.features import Features, log_error
 from hjcamp.discrepancy.unknowns import STEP, Unknown, base_unknowns, read, surprise, written
 from hjcamp.discrepancy.views import Candidate, Views
@@ -33,6 +34,7 @@ class Fitter:
     features: Features
     least: Array
     train: tuple[int, ...] = ()
+    crew: Crew = field(default_factory=Crew)
 
     @property
     def rows(self) -> NDArray[np.int64]:
@@ -58,15 +60,16 @@ class Fitter:
     def jacobian(self, at: Fit, unknowns: Sequence[Unknown]) -> Array:
         """Return forward differences (unknowns, blocks, channels); a place at its bound is moved inwards."""
         places = read(at.candidate, unknowns)
-        columns = []
-        for index, unknown in enumerate(unknowns):
+
+        def column(index: int) -> Array:
             moved = places.copy()
             moved[index] += STEP
-            if unknown.back(moved[index]) >= unknown.parameter.bounds[1]:
+            if unknowns[index].back(moved[index]) >= unknowns[index].parameter.bounds[1]:
                 moved[index] -= 2 * STEP
             features = self.features.of(self.views.residuals(written(at.candidate, unknowns, moved)))
-            columns.append((features - at.features) / (moved[index] - places[index]))
-        return np.nan_to_num(np.array(columns))
+            return (features - at.features) / (moved[index] - places[index])
+
+        return np.nan_to_num(np.array(list(self.crew.together(column, range(len(unknowns))))))
 
     def weights(self, mean_square: Array) -> Array:
         """Return the weight (blocks, channels) of each feature: one over its test's error, tests counting alike."""

@@ -18,6 +18,7 @@ from hjcamp.discrepancy.unknowns import Unknown, read, surprise, written
 
 Array = NDArray[np.float64]
 JUDGED = 5
+LEAST_CONDITIONS = 5
 
 
 @dataclass(frozen=True)
@@ -105,12 +106,23 @@ class Local:
         ]
         return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
 
+    def _units(self, slopes: Array) -> Array:
+        """Return the slopes (tests, unknowns) summed over each condition, where there are enough conditions."""
+        order = {int(row): place for place, row in enumerate(self.fitter.rows)}
+        groups = [
+            [order[test] for test in tests if test in order] for tests in self.fitter.views.evidence.conditions.values()
+        ]
+        groups = [group for group in groups if group]
+        return np.array([slopes[group].sum(axis=0) for group in groups]) if len(groups) >= LEAST_CONDITIONS else slopes
+
     def intervals(self) -> dict[tuple[str, str], tuple[float, float, float]]:
         r"""Return (value, low, high) of every unknown by (effect, name): 95 % intervals, SI.
 
-        .. math:: \mathrm{cov} = \frac{T}{T-1} H^{-1} \Bigl(\sum_t g_t g_t^T\Bigr) H^{-1}
+        .. math:: \mathrm{cov} = \frac{C}{C-1} H^{-1} \Bigl(\sum_c g_c g_c^T\Bigr) H^{-1}
 
-        with the test as the unit of evidence (sandwich; Huber 1967), T tests, Student's t with T - 1 degrees of freedom.
+        with the condition as the unit of evidence (sandwich; Huber 1967; Liang & Zeger 1986, doi:10.1093/biomet/73.1.13):
+        what a model gets wrong about a condition it gets wrong in each of its repetitions. C conditions, Student's t with
+        C - 1 degrees of freedom; with fewer than five conditions the test is the unit.
         """
         from scipy.stats import t as student
 
@@ -118,14 +130,15 @@ class Local:
         slopes = (weighted * self.fit.features).sum(axis=2)
         edges = self.fitter.features.edges
         each = np.array([slopes[:, a:b].sum(axis=1) for a, b in pairwise(edges)])[self.fitter.rows]
+        each = self._units(each)
         each = each - each.mean(axis=0)
-        tests = len(each)
+        count = len(each)
         # What was known beforehand is evidence too: its own score scatters by its inverse variance.
         known = np.array([unknown.spread for unknown in self.unknowns]) ** -2.0
-        middle = each.T @ each * tests / max(tests - 1, 1) + np.diag(known)
+        middle = each.T @ each * count / max(count - 1, 1) + np.diag(known)
         inverse = np.linalg.pinv(hessian)
         deviation = np.sqrt(np.maximum(np.diag(inverse @ middle @ inverse), 0.0))
-        wide = float(student.ppf(0.975, max(tests - 1, 1))) * deviation
+        wide = float(student.ppf(0.975, max(count - 1, 1))) * deviation
         places = read(self.fit.candidate, self.unknowns)
         return {
             (one.effect, one.name): (one.back(place), one.back(place - half), one.back(place + half))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,13 +79,14 @@ class Responses:
         spread = np.array([unknown.spread for unknown in unknowns]) ** -2.0
         gram = flat @ flat.T
         self.solve = np.linalg.solve(gram + np.diag(spread) + 1e-6 * np.trace(gram) * np.eye(len(gram)), flat)
-        self.columns: list[Array] = []
         self.spoken = np.maximum(fitter.features.valid.sum(axis=0), 1)
 
     def response(self, effect: type[Effect], parameters: dict[str, float]) -> Array:
         """Return the change of the features that the effect makes."""
         full = {**effect.defaults(), **parameters}
-        return np.nan_to_num(self.fitter.look(self.about.candidate.with_effect(effect.name, full)).features - self.about.features)
+        return np.nan_to_num(
+            self.fitter.look(self.about.candidate.with_effect(effect.name, full)).features - self.about.features
+        )
 
     def compensated(self, effect: type[Effect], parameters: dict[str, float], response: Array) -> tuple[Array, Array]:
         """Return the response together with the move of the base that makes up for it best, and that move.
@@ -102,9 +103,10 @@ class Responses:
         """Return the size of a response over the floor, in the channel where it is largest."""
         return float(np.max(np.sqrt((response**2).sum(axis=0) / self.spoken) / self.floor))
 
-    def probe(self, effect: type[Effect]) -> list[Probe]:
-        """Evaluate every shape of an effect and return its probes; invisible shapes are left out."""
-        found = []
+    def probe(self, effect: type[Effect]) -> tuple[list[Probe], Array]:
+        """Evaluate every shape of an effect: its probes and their response columns; invisible shapes are left out."""
+        found: list[Probe] = []
+        every: list[Array] = []
         linear = amplitudes(effect)
         off = {name: float(effect.parameters[name].off or 0.0) for name in linear}
         scale: dict[str, float] = {}
@@ -129,23 +131,34 @@ class Responses:
                     continue
                 response, move = self.compensated(effect, given, response)
                 shifts.append(tuple(float(step) for step in move))
-                columns.append(len(self.columns))
+                columns.append(len(every))
                 lifted.append(name)
                 signed.append(parameter is not None and parameter.bounds[0] < 0)
-                self.columns.append(response)
+                every.append(response)
             if columns:
-                found.append(Probe(effect.name, parameters, tuple(lifted), tuple(columns), tuple(signed), tuple(shifts)))
-        return found
+                found.append(
+                    Probe(effect.name, parameters, tuple(lifted), tuple(columns), tuple(signed), tuple(shifts))
+                )
+        return found, np.array(every) if every else np.zeros((0, *self.about.features.shape))
 
 
 def probe_all(
-    fitter: Fitter, about: Fit, floor: Array, effects: Sequence[type[Effect]], unknowns: Sequence[Unknown], jacobian: Array
+    fitter: Fitter,
+    about: Fit,
+    floor: Array,
+    effects: Sequence[type[Effect]],
+    unknowns: Sequence[Unknown],
+    jacobian: Array,
 ) -> tuple[list[Probe], Array]:
     """Return the probes of all effects about a fit, and their response columns (columns, blocks, channels).
 
     ``jacobian`` (unknowns, blocks, channels) are the responses of the unknowns already in the model.
     """
     responses = Responses(fitter, about, floor, unknowns, jacobian)
-    probes = [probe for effect in effects for probe in responses.probe(effect)]
-    shape = (0, *about.features.shape)
-    return probes, np.array(responses.columns) if responses.columns else np.zeros(shape)
+    probes: list[Probe] = []
+    columns = [np.zeros((0, *about.features.shape))]
+    for found, own in fitter.crew.each(Responses.probe, responses, effects):
+        begin = sum(len(part) for part in columns)
+        probes += [replace(probe, columns=tuple(begin + column for column in probe.columns)) for probe in found]
+        columns.append(own)
+    return probes, np.concatenate(columns)

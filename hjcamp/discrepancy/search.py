@@ -40,7 +40,33 @@ class Screening:
         return [(tuple(base + column for column in probe.columns), probe.signed) for probe in self.probes]
 
 
-def strongest(probes: Sequence[Probe], gains: Array, coefficients: Sequence[Array]) -> dict[str, tuple[Probe, Array, float]]:
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One step forward: the screening, the fits of its survivors, their weights, and the chance of such a gain.
+
+    ``null_gains`` (twins,) are the largest gains of twins of the model before this step.
+    """
+
+    screening: Screening
+    fits: dict[str, Fit]
+    weights: dict[str, float]
+    p_value: float
+    null_gains: Array
+
+    @property
+    def best(self) -> str:
+        """The effect that fits best."""
+        return min(self.fits, key=lambda name: self.fits[name].loss)
+
+    @property
+    def gain(self) -> float:
+        """By how much the loss falls with the best effect."""
+        return self.screening.about.loss - self.fits[self.best].loss
+
+
+def strongest(
+    probes: Sequence[Probe], gains: Array, coefficients: Sequence[Array]
+) -> dict[str, tuple[Probe, Array, float]]:
     """Return for each effect its probe with the largest gain, the coefficients and the gain."""
     found: dict[str, tuple[Probe, Array, float]] = {}
     for probe, gain, coefficient in zip(probes, gains.sum(axis=1), coefficients, strict=True):
@@ -49,15 +75,18 @@ def strongest(probes: Sequence[Probe], gains: Array, coefficients: Sequence[Arra
     return found
 
 
-def screen(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]]) -> Screening:
-    """Return the predicted gain of every effect beside the base parameters and the effects already in the model."""
+def screen(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]], whole: bool = True) -> Screening:
+    """Return the predicted gain of every effect beside the base parameters and the effects already in the model.
+
+    Unless ``whole``, only what is in the model already is looked at.
+    """
     floor = fitter.features.floor(about.features)
     here = base_unknowns()
     for effect in effects:
         if effect.name in about.candidate.effects:
             here += effect_unknowns(effect)
     known = np.array([unknown.spread for unknown in here]) ** -2.0
-    left = [effect for effect in effects if effect.name not in about.candidate.effects]
+    left = [effect for effect in effects if whole and effect.name not in about.candidate.effects]
     jacobian = fitter.jacobian(about, here)
     probes, columns = probe_all(fitter, about, floor, left, here, jacobian)
     gram = Gram.of(np.concatenate([jacobian, columns]), fitter.features, fitter.least)
@@ -99,13 +128,23 @@ def unknowns_of(candidate: Candidate, effects: Sequence[type[Effect]]) -> list[U
     return found
 
 
-def fit_effect(fitter: Fitter, screening: Screening, effect: type[Effect], effects: Sequence[type[Effect]], steps: int) -> Fit:
+def fit_effect(
+    fitter: Fitter, screening: Screening, effect: type[Effect], effects: Sequence[type[Effect]], steps: int
+) -> Fit:
     """Return the joint fit of one more effect, from the screening's start."""
-    start = min((fitter.look(started(screening, effect, factor)) for factor in FACTORS), key=lambda fit: fit.loss).candidate
+    start = min(
+        (fitter.look(started(screening, effect, factor)) for factor in FACTORS), key=lambda fit: fit.loss
+    ).candidate
     here = unknowns_of(start, effects)
     smooth = fitter.smooth().fit(start, here, steps=steps, enough=0.05).candidate
     start = min((fitter.look(start), fitter.look(smooth)), key=lambda fit: fit.loss).candidate
     return fitter.fit(start, here, steps=steps, enough=0.05)
+
+
+def refit_without(fitter: Fitter, fit: Fit, name: str, effects: Sequence[type[Effect]], steps: int) -> Fit:
+    """Return the fit without one of its effects."""
+    candidate = fit.candidate.without([name])
+    return fitter.fit(candidate, unknowns_of(candidate, effects), steps=steps, enough=0.05)
 
 
 def rival_weights(fits: dict[str, Fit], least: Array) -> dict[str, float]:

@@ -21,12 +21,14 @@ from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.repetition import RepetitionScatter
 from hjcamp.discrepancy.unknowns import base_unknowns
-from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.discrepancy.views import CHANNELS, Candidate, Views
 from hjcamp.model.scatter import coloured
 from hjcamp.plants.pump_joint import PumpJoint
 
 Array = NDArray[np.float64]
 DRIFT_TIME = 0.05
+LEAST_LENGTH = 1e-4
+DIFFERENCE, SUM, SLIDING = (CHANNELS.index(name) for name in ("difference", "line_sum", "sliding"))
 
 
 def imperfect(candidate: Candidate, generator: np.random.Generator) -> Candidate:
@@ -41,19 +43,27 @@ def imperfect(candidate: Candidate, generator: np.random.Generator) -> Candidate
 def match_scatter(views: Views, fit: Fit, scatter: RepetitionScatter, rounds: int = 4) -> RepetitionScatter:
     """Return the scatter with which the floor of twins is the floor of the measurements.
 
-    Friction sets the floor of the pressure difference in the joint view, slow pressure noise that of the line sum.
+    Friction sets the floors of the pressure difference in the joint view and of the sliding force, slow pressure noise
+    that of the line sum. Conditions count alike: one that hunts would else speak for all.
     """
+    if not views.evidence.repeated:
+        return scatter
     features = Features(views.evidence)
-    floor = features.floor(fit.features)
+    floor = features.floor_by_condition(fit.features)
     for number in range(rounds):
         twin = make_twin(views, fit.candidate, scatter, 10_000 + number)
         own = Features(twin)
-        found = own.floor(own.of(Views(twin, views.effects).residuals(fit.candidate)))
-        ratio = float(np.clip(floor[1] / found[1], 0.4, 2.0))
-        missing = max(floor[2] ** 2 - found[2] ** 2, -0.5 * scatter.pressure_drift**2)
+        found = own.floor_by_condition(own.of(Views(twin, views.effects).residuals(fit.candidate)))
+        with np.errstate(all="ignore"):
+            ratios = np.log(floor / found)
+        seen = ratios[:, [DIFFERENCE, SLIDING]]
+        ratio = float(np.exp(np.clip(np.mean(seen[np.isfinite(seen)]), -0.9, 0.7))) if np.isfinite(seen).any() else 1.0
+        missing = max(float(np.nanmean(floor[:, SUM] ** 2 - found[:, SUM] ** 2)), -0.5 * scatter.pressure_drift**2)
         scatter = replace(
             scatter,
-            friction_between=min(scatter.friction_between, 0.06) if number == 0 else scatter.friction_between * ratio**0.5,
+            friction_between=min(scatter.friction_between, 0.06)
+            if number == 0
+            else scatter.friction_between * ratio**0.5,
             friction_within=scatter.friction_within * ratio,
             pressure_drift=float(np.sqrt(max(scatter.pressure_drift**2 + 0.5 * missing, 0.0))),
         )
@@ -61,13 +71,40 @@ def match_scatter(views: Views, fit: Fit, scatter: RepetitionScatter, rounds: in
 
 
 def twin_scatter(evidence: Evidence, scatter: RepetitionScatter, generator: np.random.Generator) -> Array:
-    """Return the factor on friction (n,) of every test, drawn as the rig's repetitions scatter."""
+    """Return the factor on friction (n,) of every test, drawn as the rig's repetitions scatter.
+
+    Each test draws its own level, its own difference of the directions, and a variation along time and along travel.
+    """
     parts = []
     for test in evidence.tests:
         between = scatter.friction_between * generator.standard_normal()
-        within = scatter.friction_within * coloured(generator, test.samples, scatter.correlation / PERIOD)
-        parts.append(np.exp(between + within))
+        directions = 0.5 * scatter.friction_between * generator.standard_normal(2)
+        along_time = coloured(generator, test.samples, scatter.correlation / PERIOD)
+        moving = np.abs(test.velocity[test.velocity != 0.0])
+        length = max(scatter.correlation * float(np.median(moving)) if len(moving) else 0.0, LEAST_LENGTH)
+        along_travel = _profile(generator, test.track, length)
+        within = scatter.friction_within * (along_time + along_travel) / np.sqrt(2.0)
+        parts.append(np.exp(between + np.where(_heading(test.velocity) > 0, *directions) + within))
     return np.concatenate(parts)
+
+
+def _profile(generator: np.random.Generator, travel: Array, length: float) -> Array:
+    """Return a random function of the travel (n,) with unit variance and a correlation over ``length`` (m)."""
+    from scipy.ndimage import gaussian_filter1d
+
+    count = int(np.clip(np.ptp(travel) / (0.25 * length) + 40, 50, 5000))
+    rough = gaussian_filter1d(generator.standard_normal(count), 3.0)
+    grid = np.linspace(travel.min() - length, travel.max() + length, count)
+    return np.asarray(np.interp(travel, grid, rough / max(float(rough.std()), 1e-12)))
+
+
+def _heading(velocity: Array) -> Array:
+    """Return the direction of the last motion (n,), +1 before the first."""
+    moving = np.flatnonzero(velocity)
+    if len(moving) == 0:
+        return np.ones(len(velocity))
+    last = np.searchsorted(moving, np.arange(len(velocity)), side="right") - 1
+    return np.asarray(np.where(last >= 0, np.sign(velocity[moving[np.maximum(last, 0)]]), 1.0))
 
 
 def make_twin(views: Views, candidate: Candidate, scatter: RepetitionScatter, seed: int) -> Evidence:

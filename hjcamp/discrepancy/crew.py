@@ -1,0 +1,80 @@
+"""Who does the work of a diagnosis: threads of this machine, or a dask cluster; the answer is the same with any of them."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Any, TypeVar
+
+from hjcamp.errors import HjcampError, UsageError
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+_inside = threading.local()
+
+
+class Crew:
+    """``workers`` threads (the kernels run without the interpreter's lock), and a dask cluster where one is named."""
+
+    def __init__(self, workers: int = 1, cluster: str | None = None) -> None:
+        self.workers = workers
+        self._pool: ThreadPoolExecutor | None = None
+        self._client = _connected(cluster) if cluster else None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Crew, (1,)
+
+    def together(self, function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+        """Yield ``function(item)`` in the order of the items; what runs inside such a call runs one by one."""
+        if self.workers < 2 or getattr(_inside, "busy", False):
+            return map(function, items)
+        if self._pool is None:
+            self._pool = ThreadPoolExecutor(self.workers, initializer=partial(setattr, _inside, "busy", True))
+        return self._pool.map(function, items)
+
+    def each(self, task: Callable[[Any, Item], Result], context: Any, items: Iterable[Item]) -> Iterator[Result]:
+        """Yield ``task(context, item)`` in the order of the items, on the cluster where there is one."""
+        if self._client is None:
+            yield from self.together(partial(task, context), items)
+            return
+        shared = self._client.scatter(context, broadcast=True, hash=False)
+        futures = [self._client.submit(task, shared, item, pure=False) for item in items]
+        try:
+            for future in futures:
+                yield future.result()
+        except OSError as error:
+            raise HjcampError(f"the dask cluster is gone: {error}") from error
+        finally:
+            self._client.cancel(futures)
+
+    def close(self) -> None:
+        """Let the threads and the cluster go."""
+        if self._pool is not None:
+            self._pool.shutdown()
+            self._pool = None
+        if self._client is not None:
+            self._client.close()
+            self._client = None
+
+
+def available() -> int:
+    """Return the number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _connected(address: str) -> Any:
+    try:
+        from distributed import Client
+    except ImportError:
+        raise UsageError("--cluster needs dask: pip install 'hjcamp[cluster]'") from None
+    try:
+        if address == "local":
+            return Client(processes=True, threads_per_worker=1, dashboard_address=None)
+        return Client(address, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise UsageError(
+            f"--cluster {address}: no dask scheduler answers ({error}); give tcp://HOST:PORT or local"
+        ) from None

@@ -1,0 +1,113 @@
+"""What a diagnosis would find were nothing missing: the same search on simulated twins of the user's own campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.discrepancy.features import Features
+from hjcamp.discrepancy.fit import Fit, Fitter
+from hjcamp.discrepancy.gram import all_gains, project
+from hjcamp.discrepancy.repetition import RepetitionScatter
+from hjcamp.discrepancy.search import Screening, strongest
+from hjcamp.discrepancy.twins import make_twin
+from hjcamp.discrepancy.views import Views
+
+Array = NDArray[np.float64]
+MARGIN = 1.15
+LAW = 0.15
+JUDGED = 5
+
+
+@dataclass(frozen=True)
+class Null:
+    """Twins of one model: the largest gain of each (twins,), and the logarithm of its errors (twins, tests, channels).
+
+    ``says`` (tests, channels) is where a test says anything in a channel.
+    """
+
+    gains: Array
+    logarithms: Array
+    says: NDArray[np.bool_]
+    least: Array
+
+    def p_value(self, gain: float) -> float:
+        """Return how often a twin gains as much."""
+        return float((1 + np.sum(self.gains >= gain)) / (1 + len(self.gains)))
+
+    def needed(self) -> float:
+        """Return the gain that only one twin in twenty exceeds."""
+        return float(np.quantile(self.gains, 0.95))
+
+    def over(self, mean_square: Array) -> Array:
+        r"""Return the error over that of the twins (channels,), tests counting alike.
+
+        .. math:: r_c = \exp \tfrac12 \bigl\langle \log(e^2_{tc} + l_c^2)
+                  - \overline{\log(e^2_{tc} + l_c^2)}^{twins} \bigr\rangle_t
+        """
+        return self._mean(np.log(mean_square + self.least**2) - self.logarithms.mean(axis=0))
+
+    def _mean(self, difference: Array) -> Array:
+        counts = np.maximum(self.says.sum(axis=0), 1)
+        return np.asarray(np.exp(0.5 * np.where(self.says, difference, 0.0).sum(axis=0) / counts))
+
+    def limit(self) -> Array:
+        """Return the error over that of the twins (channels,) that 95 % of them stay below, with a margin for model form."""
+        count = len(self.logarithms)
+        others = (self.logarithms.sum(axis=0) - self.logarithms) / max(count - 1, 1)
+        own = np.array([self._mean(one - rest) for one, rest in zip(self.logarithms, others, strict=True)])
+        return np.asarray(np.quantile(own, 0.95, axis=0) * MARGIN)
+
+    def excess(self, before: Array, after: Array) -> Array:
+        """Return the error (channels,) over what may be left: 1 and less is as good as the twins.
+
+        ``before`` and ``after`` (tests, channels) are mean squares without and with the named effects. A law may be off
+        by a share of the effect itself, since another joint's leak has another shape.
+        """
+        first, left = self.over(before), self.over(after)
+        allowed = np.sqrt(self.limit() ** 2 + LAW**2 * np.maximum(first**2 - left**2, 0.0))
+        return np.asarray((left / allowed)[:JUDGED])
+
+
+def simulate_null(
+    fitter: Fitter,
+    fit: Fit,
+    screening: Screening,
+    scatter: RepetitionScatter,
+    seeds: list[int],
+    tick: Callable[[], None] = lambda: None,
+) -> Null:
+    """Return what twins of the fitted model give in the same screening, one for each seed."""
+    gains, logarithms = [], []
+    for gain, errors in fitter.crew.each(_one_twin, (fitter.views, fit, screening, scatter), seeds):
+        gains.append(gain)
+        logarithms.append(np.log(errors + fitter.least**2))
+        tick()
+    features = fitter.features
+    says = np.add.reduceat(features.valid, features.edges[:-1], axis=0) > 0
+    return Null(np.array(gains), np.array(logarithms), says, fitter.least)
+
+
+def _one_twin(context: tuple[Views, Fit, Screening, RepetitionScatter], seed: int) -> tuple[float, Array]:
+    """Return the largest gain in one twin, and its mean square error (tests, channels) beside what is fitted already."""
+    views, fit, screening, scatter = context
+    twin = make_twin(views, fit.candidate, scatter, seed)
+    residual = Features(twin).of(Views(twin, views.effects).residuals(fit.candidate))
+    gain = 0.0
+    if screening.probes:
+        _, found, coefficients = all_gains(screening.gram, residual, screening.known, screening.groups)
+        gain = max(row[2] for row in strongest(screening.probes, found, coefficients).values())
+    return gain, error_beside_known(screening, residual)
+
+
+def error_beside_known(screening: Screening, residual: Array) -> Array:
+    """Return the mean square (tests, channels) that the unknowns already in the model cannot take up."""
+    gram, count = screening.gram, len(screening.known)
+    cross, square = gram.with_residual(residual)
+    free, every = np.zeros(count, dtype=np.bool_), np.ones(len(square))
+    return np.asarray(
+        project(gram.products, cross, square, gram.least, np.arange(count), free, screening.known, every, 3)[2]
+    )

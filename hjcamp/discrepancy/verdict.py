@@ -1,0 +1,79 @@
+"""One of exactly five verdicts from what the search found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hjcamp.discrepancy.evidence import Evidence
+from hjcamp.discrepancy.features import Features
+from hjcamp.discrepancy.fit import Fit
+from hjcamp.discrepancy.null import JUDGED, Null
+from hjcamp.discrepancy.search import Step
+from hjcamp.discrepancy.views import CHANNELS
+
+POSTERIOR = 0.8
+MATTERS = 0.10
+TRAVEL = math.radians(20)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict, the effects it names, and the reason in words."""
+
+    verdict: str
+    effects: list[str]
+    reason: str
+
+
+def judge(evidence: Evidence, null: Null, base: Fit, final: Fit, taken: Sequence[Step], refuted: str) -> Verdict:
+    """Return the verdict; ``null`` are twins of the final model, ``refuted`` says why an effect's exact law fails."""
+    lacking = what_is_lacking(evidence)
+    if lacking:
+        return Verdict("cannot_tell", [], lacking)
+    excess = null.excess(base.mean_square, final.mean_square)
+    if np.any(excess > 1.0):
+        worst = int(np.argmax(excess))
+        over = float(null.over(final.mean_square)[worst])
+        return Verdict(
+            "outside_library", [], f"the best model leaves {over:.2f} x the rig's own scatter in {CHANNELS[worst]}"
+        )
+    if refuted:
+        return Verdict("outside_library", [], refuted)
+    if not taken:
+        return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
+    for step in taken:
+        rivals = [name for name, weight in step.weights.items() if weight > 0.5 * (1 - POSTERIOR)]
+        if step.weights[step.best] < POSTERIOR and len(rivals) > 1:
+            rivals.sort(key=lambda name: -step.weights[name])
+            return Verdict("one_of", rivals, "these tests fit them alike")
+    return Verdict("effect", [step.best for step in taken], "the error falls to its floor")
+
+
+def matters(features: Features, before: Fit, after: Fit) -> bool:
+    """Whether the error falls by a tenth in some channel of two conditions at least (or of the only one)."""
+    conditions = list(features.evidence.conditions.values())
+    better = 0
+    for tests in conditions:
+        fall = 1.0 - np.sqrt(
+            after.mean_square[tests].sum(axis=0) / np.maximum(before.mean_square[tests].sum(axis=0), 1e-30)
+        )
+        better += bool(np.max(fall[:JUDGED]) > MATTERS)
+    return better >= min(2, len(conditions))
+
+
+def what_is_lacking(evidence: Evidence) -> str:
+    """Return what the tests lack for any verdict, or an empty string."""
+    moving = [test for test in evidence.tests if np.ptp(test.arm) > TRAVEL]
+    if len(evidence.tests) < 3:
+        return (
+            f"{len(evidence.tests)} test(s); at least 3 are needed, better several conditions with 3 repetitions each"
+        )
+    if len(evidence.conditions) < 2:
+        return "one condition only: one preload, one speed; most effects look alike here"
+    if len(moving) < 2:
+        return "the arm hardly moves in these tests"
+    return ""

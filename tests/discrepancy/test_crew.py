@@ -1,0 +1,69 @@
+"""The same results in the same order with one worker, with several, and on a cluster."""
+
+from __future__ import annotations
+
+import pickle
+import threading
+
+import pytest
+from hjcamp.discrepancy.crew import Crew, available
+from hjcamp.discrepancy.recent import Recent
+from hjcamp.errors import UsageError
+
+
+def _scaled(factor: float, item: int) -> float:
+    return factor * item
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3])
+def test_results_come_in_the_order_of_the_items(workers: int) -> None:
+    crew = Crew(workers)
+    try:
+        assert list(crew.each(_scaled, 0.5, range(20))) == [0.5 * item for item in range(20)]
+    finally:
+        crew.close()
+
+
+def test_work_inside_work_runs_without_waiting_for_a_free_thread() -> None:
+    crew = Crew(2)
+    try:
+        sums = crew.together(lambda outer: sum(crew.together(lambda inner: outer * inner, range(4))), range(8))
+        assert list(sums) == [6 * outer for outer in range(8)]
+    finally:
+        crew.close()
+
+
+def test_a_crew_in_another_process_is_one_worker() -> None:
+    assert pickle.loads(pickle.dumps(Crew(4))).workers == 1
+    assert available() >= 1
+
+
+def test_a_scheduler_that_does_not_answer_is_one_message() -> None:
+    with pytest.raises(UsageError, match=r"--cluster .*dask"):
+        Crew(1, "nowhere")
+
+
+def test_recent_computes_once_and_forgets_the_oldest() -> None:
+    computed: list[int] = []
+
+    def compute(key: int) -> int:
+        computed.append(key)
+        return key * key
+
+    kept: Recent[int] = Recent(2)
+    for key in (1, 2, 1, 3, 1, 2):
+        assert kept.get(key, lambda key=key: compute(key)) == key * key
+    assert computed == [1, 2, 3, 2]
+
+
+def test_recent_serves_several_threads() -> None:
+    kept: Recent[int] = Recent(4)
+    found: list[int] = []
+    threads = [
+        threading.Thread(target=lambda key=key: found.append(kept.get(key % 4, lambda: key % 4))) for key in range(40)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(found) == sorted(key % 4 for key in range(40))
