@@ -31,6 +31,14 @@ def check_test(config: Mapping[str, Any]) -> None:
         check(config)
 
 
+def look_again(config: Mapping[str, Any], left: Any) -> str:
+    """Look at a rig that was made safe by a fault; return what was found, raise ``HjcampError`` where it is not fit.
+
+    ``left`` comes with the ``RigFault`` of the test that was stopped.
+    """
+    return str(_backend(config).look_again(config, left))
+
+
 def _backend(config: Mapping[str, Any]) -> Any:
     name = config["backend"]["name"]
     if name == "replay":

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import sys
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,14 +13,16 @@ from hjcamp.backends.recording import current_recording
 from hjcamp.backends.rig_check_stamp import require_check
 from hjcamp.backends.rig_connection import connect
 from hjcamp.backends.rig_control import COMMAND, RigControl
+from hjcamp.backends.rig_fault import LeftAt, RigFault
 from hjcamp.backends.rig_journal import Journal
 from hjcamp.backends.rig_limits import LimitCheck, read_limits
 from hjcamp.backends.rig_lock import take_lock
-from hjcamp.backends.rig_loop import RigLoop, Stopped
+from hjcamp.backends.rig_loop import RigLoop, Stopped, StoppedForGood
 from hjcamp.backends.rig_park import note_parked, parked_at
-from hjcamp.backends.rig_stop import StopSignals
-from hjcamp.backends.rig_tasks import RigTasks
-from hjcamp.backends.rig_timing import LoopTiming
+from hjcamp.backends.rig_silence import coupling_of
+from hjcamp.backends.rig_stop import while_moving
+from hjcamp.backends.rig_tasks import RigTasks, device_facts
+from hjcamp.backends.rig_timing import LoopTiming, undisturbed
 from hjcamp.backends.rig_wiring import Wiring, read_wiring
 from hjcamp.backends.simulation import (
     control_values,
@@ -37,7 +38,6 @@ from hjcamp.errors import RigStopped
 from hjcamp.model.simulator import PERIOD
 
 Array = NDArray[np.float64]
-SWITCH_INTERVAL_S = 1e-4  # the thread that writes the log gives way to the loop within it; Python's own is 5 ms
 SPARE_SAMPLES = 100
 SLOWEST_RETURN = 2 * np.pi  # rad/s: 1 mm/s of the pump
 
@@ -60,13 +60,17 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
     take_lock(config)
     parked = parked_at(config, wiring)
     longest = samples_at_most(config, procedure)
-    with StopSignals() as signals:
+    recording = current_recording()
+    with while_moving() as signals, undisturbed():
         connection = connect(config, seed)
         try:
-            journal = Journal(current_recording(), longest)
+            facts = rig_facts(config, device_facts(wiring, connection))
+            if recording is not None:
+                recording.notes.update(facts)
+            journal = Journal(recording, longest)
             try:
                 loop = RigLoop(
-                    RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3, parked),
+                    RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3, LeftAt(parked, 0.0)),
                     control,
                     limit_check(config, wiring),
                     journal,
@@ -74,21 +78,25 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
                     lambda: signals.reason,
                     parked,
                 )
-                facts = loop.tasks.device_facts()
                 drive(loop, config)
             finally:
                 journal.close()
         finally:
             connection.close()
     recorded = journal.columns(0, journal.count)
-    return recorded, _notes(loop, recorded, config, facts)
+    return recorded, {**facts, **_notes(loop, recorded, config)}
+
+
+def look_again(config: Mapping[str, Any], left: LeftAt) -> str:
+    """Look at the rig after a fault and bring it to where a test begins; raises ``HjcampError`` where it is not fit."""
+    from hjcamp.backends.rig_look_again import look_again as look
+
+    return look(config, left)
 
 
 def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
-    """Run the loop and leave the rig safe, whatever happens; then say why, as ``RigStopped``."""
-    reason = "the test could not be started"
-    before = sys.getswitchinterval()
-    sys.setswitchinterval(SWITCH_INTERVAL_S)
+    """Run the loop and leave the rig safe, whatever happens; then say why, as ``RigStopped`` or ``RigFault``."""
+    reason, may_go_on = "the test could not be started", False
     speed = (config["rig"].get("return_speed_mm_per_s") or 0.0) / config["pump"]["lead_mm_per_rev"] * 2 * np.pi
     note_parked(config, loop.tasks.wiring, None)
     try:
@@ -101,7 +109,7 @@ def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
             loop.return_to_start(speed)
         reason = ""
     except Stopped as error:
-        reason = str(error)
+        reason, may_go_on = str(error), not isinstance(error, StoppedForGood)
     except KeyboardInterrupt:
         reason = "Ctrl-C"
     except Exception as error:
@@ -109,7 +117,6 @@ def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
     finally:
         problem = loop.tasks.make_safe(loop.motor)
         note_parked(config, loop.tasks.wiring, loop.motor)
-        sys.setswitchinterval(before)
         loop.journal.close()
         loop.tasks.close()
     if problem is not None:
@@ -117,6 +124,8 @@ def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
         raise RigStopped(
             f"{reason}. THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand. {_watchdog(loop)}"
         )
+    if reason and may_go_on:
+        raise RigFault(f"the rig was made safe: {reason}", LeftAt(loop.motor, loop.arm))
     if reason:
         raise RigStopped(f"the rig was made safe: {reason}")
 
@@ -151,7 +160,7 @@ def limit_check(config: Mapping[str, Any], wiring: Wiring) -> LimitCheck:
     """Return the limits of one test."""
     one, two = wiring.pressures["pressure1"], wiring.pressures["pressure2"]
     voltages = ((one.lowest_v, one.highest_v), (two.lowest_v, two.highest_v))
-    return LimitCheck(read_limits(config), config["pump"]["lead_mm_per_rev"] * 1e-3, voltages)
+    return LimitCheck(read_limits(config), config["pump"]["lead_mm_per_rev"] * 1e-3, voltages, coupling_of(config))
 
 
 def _watchdog(loop: RigLoop) -> str:
@@ -161,12 +170,14 @@ def _watchdog(loop: RigLoop) -> str:
     return f"The device's watchdog makes them safe {timeout * 1e3:g} ms after the last write"
 
 
-def _notes(loop: RigLoop, columns: dict[str, Array], config: Mapping[str, Any], facts: str) -> dict[str, str]:
+def rig_facts(config: Mapping[str, Any], devices: str) -> dict[str, str]:
+    """Return what every log of a rig says about where it was made."""
+    return {"devices": devices, "host": platform.node(), "calibration": str(config["rig"].get("calibration"))}
+
+
+def _notes(loop: RigLoop, columns: dict[str, Array], config: Mapping[str, Any]) -> dict[str, str]:
     pascals = {name: columns[name] * 1e6 for name in ("pressure1_mpa", "pressure2_mpa")}
     notes = log_notes({"phase": columns["phase"], **pascals}, config["procedure"])
-    notes["devices"] = facts
-    notes["host"] = platform.node()
-    notes["calibration"] = str(config["rig"].get("calibration"))
     notes["late_samples"] = str(loop.limits.missed)
     notes["cycle_times"] = loop.timing.histogram()
     return notes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
@@ -26,19 +26,28 @@ class Writer(Protocol):
 
 @dataclass(frozen=True)
 class Recording:
-    """The final name of a log, and what opens a writer for a log of some name with some fields."""
+    """The final name of a log, and what opens a writer for a log of some name with some fields.
+
+    ``notes`` is what the backend knows of itself before the test begins (devices, host); it goes into every writer.
+    """
 
     path: Path
     open_writer: Callable[[Path, Sequence[str]], Writer]
+    notes: dict[str, str] = field(default_factory=dict)
 
 
 _current: ContextVar[Recording | None] = ContextVar("recording", default=None)
 
 
 @contextmanager
-def recording(path: Path, open_writer: Callable[[Path, Sequence[str]], Writer]) -> Iterator[None]:
-    """While open, a test is written to ``path`` + ``.part`` as it runs; that file goes when the context ends well."""
-    token = _current.set(Recording(path, open_writer))
+def recording(
+    path: Path, open_writer: Callable[[Path, Sequence[str]], Writer], notes: dict[str, str] | None = None
+) -> Iterator[None]:
+    """While open, a test is written to ``path`` + ``.part`` as it runs; that file goes when the context ends well.
+
+    The backend adds to ``notes``; ``open_writer`` is called after that.
+    """
+    token = _current.set(Recording(path, open_writer, {} if notes is None else notes))
     try:
         yield
         part_of(path).unlink(missing_ok=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import pi
 from typing import Any
@@ -10,8 +11,9 @@ from typing import Any
 import numpy as np
 from nidaqmx.errors import Error
 
-from hjcamp.backends.rig_limits import LimitCheck
-from hjcamp.backends.rig_tasks import RigTasks
+from hjcamp.backends.rig_fault import LeftAt
+from hjcamp.backends.rig_limits import COMMAND_PHASE, LimitCheck
+from hjcamp.backends.rig_tasks import AT_START, RigTasks, device_facts
 from hjcamp.errors import RigStopped, UsageError
 
 DEGREE = pi / 180
@@ -46,6 +48,7 @@ class RigCheck:
     config: Mapping[str, Any]
     ask: Callable[[str], bool]
     asked_to_stop: Callable[[], str | None] = lambda: None
+    facts: str = ""
     command: float = 0.0
     arm: float = 0.0
     motor: float = 0.0
@@ -75,6 +78,8 @@ class RigCheck:
             one, two = (wiring.pressures[f"pressure{i + 1}"].pascal(float(tasks.volts[i])) for i in range(2))
             self.pressures = (one, two)
             self.out[2] = self.command
+            if self.out[0] == COMMAND_PHASE:
+                self.out[1] = self.arm  # there is no reference to follow
             reason = self.asked_to_stop() or self.limits.check(
                 missed, tasks.volts, one, two, self.arm, self.motor, self.out
             )
@@ -118,10 +123,10 @@ class RigCheck:
     def pump_direction(self) -> Finding:
         """A positive command turns the pump encoder up, raises line 1 and lowers line 2."""
         before = self.pressures
-        self._drive(lambda: self._travel() >= PUMP_TRAVEL, FORWARD, 2 * PUMP_TRAVEL)
+        self.drive(lambda: self.travel() >= PUMP_TRAVEL, FORWARD, 2 * PUMP_TRAVEL)
         first, second = ((now - then) * 1e-6 for now, then in zip(self.pressures, before, strict=True))
-        text = f"pump at {self._travel():.2f} mm, line 1 {first:+.3f} MPa, line 2 {second:+.3f} MPa"
-        if self._travel() < 0.5 * PUMP_TRAVEL:
+        text = f"pump at {self.travel():.2f} mm, line 1 {first:+.3f} MPa, line 2 {second:+.3f} MPa"
+        if self.travel() < 0.5 * PUMP_TRAVEL:
             return Finding("pump", False, f"{text}: the encoder does not follow; wrong sign, wiring or drive disabled")
         if first < RISE_MPA or second > -RISE_MPA:
             return Finding("pump", False, f"{text}: line 1 must rise and line 2 fall; the sensors may be exchanged")
@@ -130,20 +135,20 @@ class RigCheck:
     def arm_direction(self) -> Finding:
         """A small motion of the arm, which the user confirms."""
         start = self.arm
-        self._drive(lambda: abs(self.arm - start) >= ARM_DEG * DEGREE, FORWARD, FARTHEST_TRAVEL)
+        self.drive(lambda: abs(self.arm - start) >= ARM_DEG * DEGREE, FORWARD, FARTHEST_TRAVEL)
         turned = (self.arm - start) / DEGREE
         text = f"the arm encoder turned by {turned:+.1f} deg"
         if abs(turned) < 0.5 * ARM_DEG:
-            return Finding("arm", False, f"{text} with the pump at {self._travel():.2f} mm: stuck, or not wired")
+            return Finding("arm", False, f"{text} with the pump at {self.travel():.2f} mm: stuck, or not wired")
         if turned < 0:
             return Finding("arm", False, f"{text}: the wrong way; set rig.inputs.arm.sign to its negative")
         if not self.ask(f"The arm should have turned by about {turned:.0f} deg in the positive direction. Did it?"):
             return Finding("arm", False, f"{text}, which the user did not see: wrong encoder or wrong lines")
-        return Finding("arm", True, f"{text}, seen by the user")
+        return Finding("arm", True, text)
 
     def go_back(self) -> Finding:
         """The pump goes back, then the lines are released."""
-        self._drive(lambda: self.command <= 0.0, BACK, 2 * FARTHEST_TRAVEL)
+        self.drive(lambda: self.command <= 0.0, BACK, 2 * FARTHEST_TRAVEL)
         return self.release()
 
     def release(self) -> Finding:
@@ -156,10 +161,11 @@ class RigCheck:
         low = max(self.pressures) * 1e-6
         return Finding("release", low < given["release_mpa"] * 1.5, f"lines released to {low:.3f} MPa")
 
-    def _travel(self) -> float:
+    def travel(self) -> float:
+        """Return where the pump stands, mm."""
         return float(self.motor / (2 * pi) * self.config["pump"]["lead_mm_per_rev"])
 
-    def _drive(self, reached: Callable[[], bool], direction: float, farthest: float) -> None:
+    def drive(self, reached: Callable[[], bool], direction: float, farthest: float) -> None:
         """Move the pump at the speed of the pressure adjustment until ``reached`` or ``farthest`` (mm)."""
         speed = self.config["procedure"]["adjustment"]["speed_mm_per_s"]
         step = direction * 2 * pi * speed / self.config["pump"]["lead_mm_per_rev"] * PERIOD
@@ -170,38 +176,31 @@ class RigCheck:
             self.sample()
 
 
-def check_rig(
-    config: Mapping[str, Any], ask: Callable[[str], bool], say: Callable[[Finding], None], seed: int = 1
-) -> bool:
-    """Check the rig of a resolved configuration; ``say`` hears each finding. Returns whether all passed.
+@contextmanager
+def open_check(
+    config: Mapping[str, Any], seed: int | None, left: LeftAt, ask: Callable[[str], bool]
+) -> Iterator[RigCheck]:
+    """Give a check on open tasks; whatever happens, the outputs end in their safe state and the tasks are cleared.
 
-    Raises ``RigStopped`` where a limit was passed; whatever happens, the outputs end in their safe state.
+    ``seed`` of the joint that a virtual rig gets, None: the one that is on it. ``left`` is where motor and arm stand.
     """
-    from hjcamp.backends.nidaqmx import check_test, limit_check
-    from hjcamp.backends.rig_check_stamp import write_stamp
+    from hjcamp.backends.nidaqmx import limit_check
     from hjcamp.backends.rig_connection import connect
     from hjcamp.backends.rig_limits import read_limits
-    from hjcamp.backends.rig_lock import take_lock
     from hjcamp.backends.rig_park import note_parked
-    from hjcamp.backends.rig_stop import StopSignals
+    from hjcamp.backends.rig_stop import while_moving
     from hjcamp.backends.rig_wiring import read_wiring
 
-    if config["backend"]["name"] != "nidaqmx":
-        raise UsageError("hjcamp rig check needs backend=nidaqmx")
-    check_test(config)
-    wiring = read_wiring(config)
-    take_lock(config)
-    passed: list[Finding] = []
-    with StopSignals() as signals:
+    wiring, limits = read_wiring(config), read_limits(config)
+    with while_moving() as signals:
         connection = connect(config, seed)
         try:
-            tasks = RigTasks(wiring, connection, read_limits(config).read_timeout_ms * 1e-3)
-            facts = tasks.device_facts()
-            check = RigCheck(tasks, limit_check(config, wiring), config, ask, lambda: signals.reason)
+            facts = device_facts(wiring, connection)
+            tasks = RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3, left)
+            check = RigCheck(tasks, limit_check(config, wiring), config, ask, lambda: signals.reason, facts)
+            check.command, check.motor, check.arm = left.motor, left.motor, left.arm
             try:
-                for finding in check.run():
-                    passed.append(finding)
-                    say(finding)
+                yield check
             finally:
                 problem = tasks.make_safe(check.motor)
                 note_parked(config, wiring, check.motor)
@@ -210,7 +209,29 @@ def check_rig(
                     raise RigStopped(f"THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand")
         finally:
             connection.close()
+
+
+def check_rig(
+    config: Mapping[str, Any], ask: Callable[[str], bool], say: Callable[[Finding], None], seed: int = 1
+) -> bool:
+    """Check the rig of a resolved configuration; ``say`` hears each finding. Returns whether all passed.
+
+    Raises ``RigStopped`` where a limit was passed; whatever happens, the outputs end in their safe state.
+    """
+    from hjcamp.backends.nidaqmx import check_test
+    from hjcamp.backends.rig_check_stamp import write_stamp
+    from hjcamp.backends.rig_lock import take_lock
+
+    if config["backend"]["name"] != "nidaqmx":
+        raise UsageError("hjcamp rig check needs backend=nidaqmx")
+    check_test(config)
+    take_lock(config)
+    passed: list[Finding] = []
+    with open_check(config, seed, AT_START, ask) as check:
+        for finding in check.run():
+            passed.append(finding)
+            say(finding)
     if not all(finding.passed for finding in passed):
         return False
-    write_stamp(config, {"devices": facts, **{finding.name: finding.text for finding in passed}})
+    write_stamp(config, {"devices": check.facts, **{finding.name: finding.text for finding in passed}})
     return True

@@ -39,8 +39,11 @@ def in_process_channel() -> Any:
     return _in_process[0]
 
 
-def connect(config: Mapping[str, Any], seed: int) -> Connection:
-    """Return the connection that ``rig.connection`` asks for; a virtual rig gets the joint of this test put on it."""
+def connect(config: Mapping[str, Any], seed: int | None) -> Connection:
+    """Return the connection that ``rig.connection`` asks for.
+
+    A virtual rig gets the joint of the test with this seed put on it; with None what is on it stays as it is.
+    """
     given = config["rig"]["connection"]
     kind, address = given["kind"], given.get("address")
     if kind == "driver":
@@ -52,14 +55,15 @@ def connect(config: Mapping[str, Any], seed: int) -> Connection:
 
     if kind == "in_process":
         channel = in_process_channel()
-        _arrange(channel, config, seed)
+        if seed is not None:
+            _arrange(channel, config, seed)
         return Connection(GrpcSessionOptions(channel, ""), lambda: None)
     import grpc
 
     channel = grpc.insecure_channel(str(address))
     try:
         _reach(channel, str(address))
-        if given.get("virtual", True):
+        if given.get("virtual", True) and seed is not None:
             _arrange(channel, config, seed)
     except BaseException:
         channel.close()

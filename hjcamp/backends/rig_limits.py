@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from math import inf, pi
 from typing import Any
 
+from hjcamp.backends.rig_silence import RELEASE_PHASE, Coupling, Silence
 from hjcamp.errors import UsageError, unknown
 
 DEGREE = pi / 180
 SPEED_SAMPLES = 10
-SILENT_SAMPLES = 20
 PERIOD = 1e-3
 COMMAND_PHASE = 3.0
 REST_PHASE = 2.0
-PRELOAD_PHASE = 0.0
-RELEASE_PHASE = 4.0
 
 
 @dataclass(frozen=True)
@@ -38,21 +36,26 @@ class Limits:
     missed_at_once: float
     missed_in_all: float
     read_timeout_ms: float
+    arm_silent_deg: float = 6.0  # up to 1.7 in simulated tests with any effect of the library
 
 
 def read_limits(config: Mapping[str, Any]) -> Limits:
-    """Return the limits of ``config["rig"]``; each must be there, a missing one is no permission."""
+    """Return the limits of ``config["rig"]``; each must be there, a missing one is no permission.
+
+    Where ``arm_silent_deg`` is not named it is 6: a rig described before there was such a limit has it too.
+    """
     given = config["rig"]["limits"]
     where = f"rig '{config['rig'].get('name')}', limits"
     names = [field.name for field in fields(Limits)]
+    defaults = {field.name: field.default for field in fields(Limits) if field.default is not MISSING}
     for name in given:
         if name not in names:
             raise unknown("limit", name, names, where)
     values = {}
     for name in names:
-        if name not in given:
+        if name not in given and name not in defaults:
             raise UsageError(f"{where}: {name} is missing; null says that there is none")
-        value = given[name]
+        value = given.get(name, defaults.get(name))
         if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
             raise UsageError(f"{where}: {name} is {value!r}; a number or null is needed")
         none = -inf if "_low_" in name else inf
@@ -63,18 +66,22 @@ def read_limits(config: Mapping[str, Any]) -> Limits:
 
 
 class LimitCheck:
-    """Watches one test; ``check`` returns the reason to stop, or None."""
+    """Watches one test; ``check`` returns the reason to stop, or None. ``lead`` in m per turn."""
 
-    def __init__(self, limits: Limits, lead: float, voltages: tuple[tuple[float, float], tuple[float, float]]) -> None:
+    def __init__(
+        self,
+        limits: Limits,
+        lead: float,
+        voltages: tuple[tuple[float, float], tuple[float, float]],
+        coupling: Coupling,
+    ) -> None:
         self.limits = limits
         self.missed = 0
         self._travel = lead / (2 * pi) * 1e3
         self._voltages = voltages
         self._past: deque[tuple[int, float, float]] = deque(maxlen=SPEED_SAMPLES)
         self._sample = 0
-        self._still_motor: tuple[float, float] | None = None
-        self._still_since = 0
-        self._still_arm: tuple[float, float] | None = None
+        self._silence = Silence(limits.pump_silent_deg, limits.arm_silent_mm, limits.arm_silent_deg, coupling)
 
     def check(
         self, missed: int, volts: Any, pressure1: float, pressure2: float, arm: float, motor: float, out: Any
@@ -111,24 +118,8 @@ class LimitCheck:
         # Before the command phase the arm must stay where the reference begins.
         if out[0] <= COMMAND_PHASE and abs(out[1] - arm) / DEGREE > limits.tracking_deg:
             return f"tracking error {abs(out[1] - arm) / DEGREE:.1f} deg, limit {limits.tracking_deg:g} deg"
-        return self._silence(angle, travel, out) or self._speeds(missed, angle, travel)
-
-    def _silence(self, angle: float, travel: float, out: Any) -> str | None:
-        """Notice an encoder that does not count although it must."""
-        limits, command = self.limits, out[2] / DEGREE
-        # A feedforward may jump; a motor that lives counts within 20 ms all the same.
-        if self._still_motor is None or self._still_motor[0] != travel:
-            self._still_motor, self._still_since = (travel, command), self._sample
-        elif (
-            abs(command - self._still_motor[1]) > limits.pump_silent_deg
-            and self._sample - self._still_since >= SILENT_SAMPLES
-        ):
-            return f"the pump encoder is silent while its command moved by {limits.pump_silent_deg:g} deg"
-        if self._still_arm is None or self._still_arm[0] != angle or not PRELOAD_PHASE < out[0] < RELEASE_PHASE:
-            self._still_arm = (angle, travel)
-        elif abs(travel - self._still_arm[1]) > limits.arm_silent_mm:
-            return f"the arm encoder is silent while the pump moved by {limits.arm_silent_mm:g} mm"
-        return None
+        silent = self._silence.check(self._sample, out[0], out[2] / DEGREE, travel, angle, one, two)
+        return silent or self._speeds(missed, angle, travel)
 
     def _speeds(self, missed: int, angle: float, travel: float) -> str | None:
         limits = self.limits

@@ -21,7 +21,11 @@ PERIOD = 1e-3
 
 
 class Stopped(HjcampError):  # noqa: N818 - it is a state of the loop
-    """A limit was passed or somebody asked to stop."""
+    """A limit was passed, or the device reported a fault."""
+
+
+class StoppedForGood(Stopped):
+    """Somebody asked to stop, or nothing more can be logged: the run must not go on by itself."""
 
 
 @dataclass
@@ -35,6 +39,7 @@ class RigLoop:
     timing: LoopTiming
     asked: Callable[[], str | None]
     motor: float = 0.0
+    arm: float = 0.0
 
     def run(self) -> None:
         """Make the test to the end of its release phase; raises ``Stopped`` with the reason of an early end."""
@@ -43,9 +48,7 @@ class RigLoop:
         longest = len(journal.rows)
         while True:
             missed, pressure1, pressure2, arm = self.read()
-            reason = self._reason(missed, pressure1, pressure2, arm)
-            if reason is not None:
-                raise Stopped(reason)
+            self.check(missed, pressure1, pressure2, arm)
             control.step(pressure1, pressure2, arm, 1.0 + missed)
             phase = out[PHASE]
             if phase > RELEASE_PHASE:
@@ -72,9 +75,7 @@ class RigLoop:
         step = speed * PERIOD
         while command != 0.0:
             missed, pressure1, pressure2, arm = self.read()
-            reason = self._reason(missed, pressure1, pressure2, arm)
-            if reason is not None:
-                raise Stopped(f"while the pump returned to its start: {reason}")
+            self.check(missed, pressure1, pressure2, arm, "while the pump returned to its start: ")
             command = 0.0 if abs(command) <= step else command - copysign(step, command)
             out[COMMAND] = command
             self.tasks.write(command, self.motor, 0.0, 0.0)
@@ -92,15 +93,18 @@ class RigLoop:
             ) from error
         self.timing.cycle(time.perf_counter_ns(), missed)
         encoders = wiring.encoders
-        arm = encoders["arm"].sign * tasks.counts[0] * encoders["arm"].count
+        self.arm = arm = encoders["arm"].sign * tasks.counts[0] * encoders["arm"].count
         self.motor = encoders["pump"].sign * tasks.counts[1] * encoders["pump"].count
         pressure1 = wiring.pressures["pressure1"].pascal(float(tasks.volts[0]))
         return missed, pressure1, wiring.pressures["pressure2"].pascal(float(tasks.volts[1])), arm
 
-    def _reason(self, missed: int, pressure1: float, pressure2: float, arm: float) -> str | None:
+    def check(self, missed: int, pressure1: float, pressure2: float, arm: float, when: str = "") -> None:
+        """Raise ``Stopped`` where this sample says that the rig must be made safe."""
         asked = self.asked()
         if asked is not None:
-            return asked
+            raise StoppedForGood(f"{when}{asked}")
         if self.journal.problem is not None:
-            return f"the log cannot be written: {self.journal.problem}"
-        return self.limits.check(missed, self.tasks.volts, pressure1, pressure2, arm, self.motor, self.control.out)
+            raise StoppedForGood(f"{when}the log cannot be written: {self.journal.problem}")
+        reason = self.limits.check(missed, self.tasks.volts, pressure1, pressure2, arm, self.motor, self.control.out)
+        if reason is not None:
+            raise Stopped(f"{when}{reason}")

@@ -24,6 +24,7 @@ from nidaqmx.system.watchdog import WatchdogTask
 from nidaqmx.types import AOExpirationState
 
 from hjcamp.backends.rig_connection import Connection, RigUnavailable
+from hjcamp.backends.rig_fault import LeftAt
 from hjcamp.backends.rig_wiring import Wiring
 
 RATE = 1000.0
@@ -36,27 +37,29 @@ TERMINALS = {
 }
 WATCHDOG_EXPIRED = -200678
 IN_USE = (-50103, -201420, -200089)
+AT_START = LeftAt(0.0, 0.0)
 
 
 class RigTasks:
     """The running tasks of one test.
 
     ``read`` waits for the next edge of the sample clock (hardware-timed single point): it is what paces the loop.
-    ``parked`` (rad) is where the pump stands before the first sample.
+    ``left`` is where pump motor and arm stand before the first sample, as their counters count it.
     ``volts`` (2,) and ``counts`` (arm, pump) hold what was read; ``acquired`` is the device's own count of samples.
     """
 
-    def __init__(self, wiring: Wiring, connection: Connection, timeout: float, parked: float = 0.0) -> None:
+    def __init__(self, wiring: Wiring, connection: Connection, timeout: float, left: LeftAt = AT_START) -> None:
         self.wiring = wiring
         self.volts = np.zeros(2)
         self.counts = [0.0, 0.0]
         self.acquired = 0
         self.is_safe = True
         self._timeout = timeout
-        self._parked = parked
+        self._left = left
         self._last_ns = 0
         self._options = connection.options
         self._watchdog: Any = None
+        self._guarded = False
         self._opened: list[Any] = []
         self._written = np.zeros(len(wiring.outputs))
         self._names = list(wiring.outputs)
@@ -82,7 +85,8 @@ class RigTasks:
         clock = f"/{wiring.pressures['pressure1'].channel.lstrip('/').split('/')[0]}/ai/SampleClock"
         self._counters = []
         for name, encoder in wiring.encoders.items():
-            start = round(encoder.sign * self._parked / encoder.count) if name == "pump" else 0
+            angle = self._left.motor if name == "pump" else self._left.arm
+            start = round(encoder.sign * angle / encoder.count)
             task = self._task()
             task.ci_channels.add_ci_ang_encoder_chan(
                 encoder.channel,
@@ -104,12 +108,10 @@ class RigTasks:
         self._reader.verify_array_shape = False
         self._in_stream = analog.in_stream
         self._opened_watchdog()
-        self._write_safe(self._parked)
+        self._write_safe(self._left.motor)
         # The slaves of the sample clock first: none may miss its first edge.
         for task in [*self._opened[1:3], *([drives] if wiring.timing == "hardware_timed" else []), analog]:
             task.start()
-        if self._watchdog is not None:
-            self._watchdog.start()
 
     def _task(self) -> Any:
         task = Task(grpc_options=self._options)
@@ -165,7 +167,12 @@ class RigTasks:
         self.is_safe = False
         self._writer.write_one_sample(out, self._timeout)
         if self._watchdog is not None:
-            self._watchdog.reset_timer()
+            # Until the first write the outputs are safe, and what comes before it may take longer than the timeout.
+            if self._guarded:
+                self._watchdog.reset_timer()
+            else:
+                self._watchdog.start()
+                self._guarded = True
 
     def make_safe(self, motor: float) -> str | None:
         """Write the safe state of all outputs; return what prevented it, None where it was done."""
@@ -206,14 +213,15 @@ class RigTasks:
                         task._handle = None
         self._opened, self._watchdog = [], None
 
-    def device_facts(self) -> str:
-        """Return product and serial number of each device, for the log."""
-        facts = []
-        for name in self.wiring.devices:
-            with contextlib.suppress(Error, OSError):
-                device = Device(name, grpc_options=self._options)
-                facts.append(f"{name} {device.product_type} {device.serial_num:08X}")
-        return ", ".join(facts)
+
+def device_facts(wiring: Wiring, connection: Connection) -> str:
+    """Return product and serial number of each device, for the log; nothing is reserved or moved."""
+    facts = []
+    for name in wiring.devices:
+        with contextlib.suppress(Error, OSError):
+            device = Device(name, grpc_options=connection.options)
+            facts.append(f"{name} {device.product_type} {device.serial_num:08X}")
+    return ", ".join(facts)
 
 
 def _first_line(error: BaseException) -> str:

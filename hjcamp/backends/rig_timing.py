@@ -1,12 +1,33 @@
-"""How punctual the loop was: samples missed, and the time from sample to sample."""
+"""How punctual the loop is: what keeps others out of its way, and the time from sample to sample."""
 
 from __future__ import annotations
 
+import gc
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 
 import numpy as np
 
 BIN_MS = (0.0, 0.9, 1.1, 1.5, 2.0, 3.0, 5.0, 10.0)
+# The thread that writes the log gives way to the loop within it; Python's own is 5 ms. Measured: 0.1 ms is a little
+# worse, and so is 0.005 ms, where the two spend their time on changing places.
+SWITCH_INTERVAL_S = 2e-5
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """While open, no garbage is collected (0.5 ms, a whole collection 100 ms) and the loop is served before others."""
+    interval, collecting = sys.getswitchinterval(), gc.isenabled()
+    sys.setswitchinterval(SWITCH_INTERVAL_S)
+    gc.disable()
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(interval)
+        if collecting:
+            gc.enable()
 
 
 class LoopTiming:

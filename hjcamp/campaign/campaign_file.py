@@ -11,7 +11,9 @@ from typing import Any
 from hjcamp.errors import UsageError, unknown
 
 KEYS = ("name", "description", "fixed", "vary", "repetitions", "seed", "tables")
-RUN_KEYS = ("campaign", "repetitions", "seed", "tables", "conditions", "workers", "run_dir", "fail_fast", "hydra")
+RUN_KEYS = (
+    "campaign", "repetitions", "seed", "tables", "conditions", "workers", "run_dir", "fail_fast", "keep_going", "hydra",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

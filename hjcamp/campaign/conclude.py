@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
-from hjcamp.errors import HjcampError
+from hjcamp.errors import HjcampError, RigStopped
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,7 +19,10 @@ NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
 def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
-    """Build the report of what is there and print the tables; raises ``HjcampError`` where tests failed."""
+    """Build the report of what is there and print the tables; raises where tests failed.
+
+    ``RigStopped`` (exit code 3) where the rig was made safe on the way, ``HjcampError`` (1) otherwise.
+    """
     total = len(folder.plan.tests)
     kept = f", {result.kept} were there" if result.kept else ""
     console.print(f"[bold]{folder.path}[/bold]   {total} tests, {len(result.failures)} failed{kept}")
@@ -35,7 +38,8 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
         more = [f"... and {len(result.failures) - SHOWN} more: hjcamp show {folder.path}"]
         text = "\n  ".join(lines + (more if len(result.failures) > SHOWN else []))
         left = sum(entry["state"] != "done" for entry in folder.manifest["tests"].values())
-        raise HjcampError(f"{len(result.failures)} tests failed\n  {text}\n{left} to go: hjcamp resume {folder.path}")
+        kind = RigStopped if result.made_safe else HjcampError
+        raise kind(f"{len(result.failures)} tests failed\n  {text}\n{left} to go: hjcamp resume {folder.path}")
 
 
 def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:

@@ -9,18 +9,19 @@ import signal
 import threading
 import time
 import traceback
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-import hjcamp
 from hjcamp.campaign.plan import Condition, Plan, PlannedTest
-from hjcamp.campaign.provenance import git_label
+from hjcamp.campaign.provenance import log_provenance
 from hjcamp.errors import HjcampError, Interrupted, RigStopped
 
 PRIVATE_NAME = re.compile(r"\.mcap\.\d+(\.part)?$")
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 CHOICES = (
     "trajectory", "controller", "payload", "orientation", "friction",
     "pump", "amplifier", "tubing", "backend", "rig", "model",
@@ -40,7 +41,10 @@ class Job:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a test: ``state`` done or failed; ``stops`` is an exit code where the run cannot go on."""
+    """What became of a test: ``state`` done or failed; ``stops`` is an exit code where the run cannot go on.
+
+    ``left`` is there where the backend may be looked at again after a fault; ``facts`` is what it said of itself.
+    """
 
     test: str
     condition: str
@@ -49,18 +53,20 @@ class Outcome:
     message: str = ""
     detail: str = ""
     stops: int | None = None
+    left: Any = None
+    facts: dict[str, str] = field(default_factory=dict)
 
 
 def make_jobs(plan: Plan, tests: list[PlannedTest], folder: Path) -> list[Job]:
     """Return the jobs of some tests of a plan; the attachment is written once for each condition."""
     attachments = {one.name: configuration_text(one).encode() for one in plan.conditions}
     conditions = {one.name: one for one in plan.conditions}
-    git = git_label()
+    program = log_provenance()
     return [
         Job(
             test,
             conditions[test.condition].config,
-            metadata_of(plan, conditions[test.condition], test, git),
+            metadata_of(plan, conditions[test.condition], test, program),
             attachments[test.condition],
             folder / test.log,
         )
@@ -74,7 +80,7 @@ def configuration_text(condition: Condition) -> str:
     return str(yaml.dump(condition.config, Dumper=dumper, sort_keys=False, allow_unicode=True))
 
 
-def metadata_of(plan: Plan, condition: Condition, test: PlannedTest, git: str) -> dict[str, str]:
+def metadata_of(plan: Plan, condition: Condition, test: PlannedTest, program: Mapping[str, str]) -> dict[str, str]:
     """Return the record ``hjcamp.test`` of a log, without what only the backend knows.
 
     It holds no time and no host: equal tests give equal logs, whenever and wherever they are made.
@@ -88,8 +94,7 @@ def metadata_of(plan: Plan, condition: Condition, test: PlannedTest, git: str) -
         "seed": str(test.seed),
         "preload_mpa": str(condition.config["procedure"].get("preload_mpa")),
         "config_sha256": condition.sha256,
-        "version": hjcamp.__version__,
-        **({"git": git} if git else {}),
+        **program,
     }
 
 
@@ -97,21 +102,26 @@ def execute(job: Job) -> Outcome:
     """Run one test and write its log under its final name; never raises except for an immediate stop."""
     from hjcamp import backends
     from hjcamp.backends.recording import recording
+    from hjcamp.backends.rig_fault import RigFault
     from hjcamp.records.log import TestLog
     from hjcamp.records.write import LogWriter, write_log
 
     start = time.perf_counter()
     attachments = {"config.yaml": job.attachment}
+    facts: dict[str, str] = {}
     # A worker that outlives a killed runner must not write into the same file as the next run's worker.
     private = job.path.with_name(f"{job.path.name}.{os.getpid()}")
 
-    def outcome(state: str, message: str = "", detail: str = "", stops: int | None = None) -> Outcome:
+    def outcome(state: str, message: str = "", detail: str = "", stops: int | None = None, left: Any = None) -> Outcome:
         message = message.replace(str(private), str(job.path))
         seconds = round(time.perf_counter() - start, 4)
-        return Outcome(job.test.id, job.test.condition, state, seconds, message, detail, stops)
+        return Outcome(job.test.id, job.test.condition, state, seconds, message, detail, stops, left, facts)
+
+    def open_writer(path: Path, names: Sequence[str]) -> LogWriter:
+        return LogWriter(path, names, {**job.metadata, **facts}, attachments, replace=True)
 
     try:
-        with recording(job.path, lambda path, names: LogWriter(path, names, job.metadata, attachments, replace=True)):
+        with recording(job.path, open_writer, facts):
             columns, extra = backends.run_test(job.config, job.test.seed)
             job.path.parent.mkdir(parents=True, exist_ok=True)
             write_log(private, TestLog(columns, {**job.metadata, **extra}, attachments))
@@ -119,6 +129,8 @@ def execute(job: Job) -> Outcome:
         return outcome("done", extra.get("warning", ""))
     except Interrupted as error:
         return outcome("failed", str(error), stops=error.exit_code)
+    except RigFault as error:
+        return outcome("failed", str(error), stops=error.exit_code, left=error.left)
     except RigStopped as error:
         return outcome("failed", str(error), stops=error.exit_code)
     except (HjcampError, OSError) as error:
@@ -156,7 +168,7 @@ def no_place(error: OSError, log: Path) -> str:
 def disk_is_full(error: BaseException | None) -> bool:
     """Return whether an error, or what caused it, is a full disk."""
     while error is not None:
-        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+        if isinstance(error, OSError) and error.errno in FULL:
             return True
         error = error.__cause__ or error.__context__
     return False

@@ -57,7 +57,7 @@ def disk_errors(place: Path) -> Iterator[None]:
 
 def disk_message(error: OSError, place: Path) -> str:
     """Return what to say about a failed write."""
-    if error.errno == errno.ENOSPC:
+    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         return f"the disk is full: cannot write to {place}. Free space, then go on with: hjcamp resume {place}"
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
         return f"cannot write to {place}: {error.strerror}. Choose another folder with run_dir=DIR"

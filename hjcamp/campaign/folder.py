@@ -14,7 +14,7 @@ import yaml
 from hjcamp.campaign.files import disk_errors, read_json, write_atomic, write_json
 from hjcamp.campaign.lock import is_locked
 from hjcamp.campaign.plan import Plan
-from hjcamp.campaign.provenance import code_identity, provenance, utc_now
+from hjcamp.campaign.provenance import code, code_identity, provenance, utc_now
 from hjcamp.campaign.values import leaves
 from hjcamp.errors import UsageError
 
@@ -51,10 +51,29 @@ class RunFolder:
 
     def begin(self, workers: int) -> None:
         """Open a session in the manifest, with what makes this run."""
+        changes = self.keep_changes()
         session = {"started_at": utc_now(), "ended_at": None, "workers": workers, **provenance()}
+        session["git_changes_file"] = changes
         self.manifest["sessions"].append(session)
         self.manifest["state"] = "running"
         self.save()
+
+    def keep_changes(self) -> str | None:
+        """Write the changes on top of the commit into ``provenance/``; the name holds their hash. None: none, or > 1 MB."""
+        state = code()
+        if state.file_name is None:
+            return None
+        path = self.path / "provenance" / state.file_name
+        with disk_errors(self.path):
+            path.parent.mkdir(exist_ok=True)
+            if not path.exists():
+                write_atomic(path, state.changes)
+        return path.relative_to(self.path).as_posix()
+
+    def note_rig(self, facts: Mapping[str, str]) -> None:
+        """Note in the session what a backend said of itself: device serials, host, calibration."""
+        if facts:
+            self.manifest["sessions"][-1]["rig"] = dict(facts)
 
     def end(self, state: str) -> None:
         """Close the session; ``state`` is complete, failed or interrupted."""

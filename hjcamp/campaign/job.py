@@ -14,6 +14,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from hjcamp.campaign.conclude import conclude
 from hjcamp.campaign.folder import folder_for
+from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import run_plan
 from hjcamp.campaign.values import check_count
@@ -82,6 +83,7 @@ def run_campaign(config: DictConfig, sweep: bool) -> Path:
     lines = [str(line) for line in hydra.overrides.task]
     workers = None if plain.get("workers") is None else check_count(plain["workers"], "workers")
     sources = [(str(source.provider), f"{source.schema}://{source.path}") for source in hydra.runtime.config_sources]
+    rule = StopRule(bool(plain.get("fail_fast")), bool(plain.get("keep_going")))
     composer = Composer(sources)
     if sweep and plain["backend"].get("name") != "simulation" and hydra.launcher._target_ != BASIC_LAUNCHER:
         raise UsageError("a rig runs one test at a time: leave hydra/launcher out, its default is the basic launcher")
@@ -93,6 +95,6 @@ def run_campaign(config: DictConfig, sweep: bool) -> Path:
     folder, goes_on = folder_for(plan, plain, lines, run_dir)
     if goes_on:
         console.print(f"goes on in {folder.path}", style="dim")
-    result = run_plan(folder, console, workers, bool(plain.get("fail_fast")))
+    result = run_plan(folder, console, workers, rule)
     conclude(folder, result, console)
     return folder.path

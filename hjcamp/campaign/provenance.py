@@ -6,7 +6,6 @@ import contextlib
 import hashlib
 import os
 import platform
-import subprocess
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from functools import cache
@@ -15,17 +14,21 @@ from pathlib import Path
 from typing import Any
 
 import hjcamp
+from hjcamp.campaign.code_changes import CodeState, code_state
 from hjcamp.model.user_folders import extension_folders
 
-PACKAGES = ("hydra-core", "mcap", "numba", "numpy", "polars", "protobuf", "scipy")
+PACKAGES = ("grpcio", "hydra-core", "mcap", "nidaqmx", "numba", "numpy", "polars", "protobuf", "scipy")
 
 
 @cache
 def provenance() -> dict[str, Any]:
-    """Return commit, hash of uncommitted changes (None where clean), versions, host and user."""
+    """Return commit, hash and size of uncommitted changes (None where clean), versions and host."""
+    state = code()
     return {
         "version": hjcamp.__version__,
-        **git_state(Path(hjcamp.__file__).resolve().parent.parent),
+        "git": state.commit,
+        "git_changes_sha256": state.sha256,
+        "git_changes_bytes": len(state.changes),
         "own_code_sha256": own_code_sha256(),
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in PACKAGES},
@@ -33,6 +36,21 @@ def provenance() -> dict[str, Any]:
         "system": f"{platform.system()} {platform.machine()}",
         "process": os.getpid(),
     }
+
+
+@cache
+def code() -> CodeState:
+    """Return commit and changes of the checkout that this program runs from."""
+    return code_state(Path(hjcamp.__file__).resolve().parent.parent)
+
+
+def log_provenance() -> dict[str, str]:
+    """Return what every log says about the program that made it; no time and no host, so equal tests are equal logs."""
+    known = provenance()
+    packages = ", ".join(f"{name} {version}" for name, version in known["packages"].items() if version)
+    facts = {"version": known["version"], "python": known["python"], "packages": packages}
+    optional = {"git": git_label(), "git_changes_sha256": code().sha256, "own_code_sha256": known["own_code_sha256"]}
+    return facts | {key: str(value) for key, value in optional.items() if value}
 
 
 def code_identity() -> dict[str, Any]:
@@ -44,18 +62,6 @@ def git_label() -> str:
     """Return the commit for the metadata of a log, with the hash of the changes on top; empty outside git."""
     commit, changes = provenance()["git"], provenance()["git_changes_sha256"]
     return "" if commit is None else commit if changes is None else f"{commit}+{changes[:12]}"
-
-
-def git_state(folder: Path) -> dict[str, Any]:
-    """Return commit and hash of the changes of a checkout; both None where ``folder`` is no checkout of its own."""
-    if not (folder / ".git").exists():
-        return {"git": None, "git_changes_sha256": None}
-    commit = _git(folder, "rev-parse", "HEAD")
-    changes = _git(folder, "diff", "HEAD", "--no-ext-diff", "--", "hjcamp", "conf", "campaigns")
-    untracked = _git(folder, "ls-files", "--others", "--exclude-standard", "--", "hjcamp", "conf", "campaigns")
-    new_files = [folder / name for name in (untracked or "").splitlines()]
-    digest = files_sha256(new_files, changes or "") if (changes or "").strip() or new_files else None
-    return {"git": commit.strip() if commit else None, "git_changes_sha256": digest}
 
 
 def files_sha256(files: Iterable[Path], text: str = "") -> str:
@@ -78,16 +84,6 @@ def own_code_sha256() -> str | None:
 def utc_now() -> str:
     """Return the time as ``2026-11-21T09:45:12Z``."""
     return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-
-
-def _git(folder: Path, *arguments: str) -> str | None:
-    try:
-        answer = subprocess.run(
-            ["git", *arguments], cwd=folder, capture_output=True, text=True, timeout=10, check=False, errors="replace"
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return None
-    return answer.stdout if answer.returncode == 0 else None
 
 
 def _version(name: str) -> str | None:

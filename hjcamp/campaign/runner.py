@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hjcamp.backends.rig_stop import StopSignals
 from hjcamp.campaign.execution import PRIVATE_NAME, Outcome, make_jobs
 from hjcamp.campaign.files import disk_errors
 from hjcamp.campaign.folder import RunFolder
-from hjcamp.campaign.interrupts import StopRequest
+from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.lock import run_lock
 from hjcamp.campaign.plan import PlannedTest
 from hjcamp.campaign.workers import available_workers, outcomes
@@ -23,27 +25,29 @@ if TYPE_CHECKING:
 
 @dataclass
 class RunResult:
-    """How a run ended: tests made now, tests that were there, failures as (test, message)."""
+    """How a run ended: tests made now, tests that were there, failures as (test, message), times the rig was made safe."""
 
     path: Path
     done: int = 0
     kept: int = 0
     failures: list[tuple[str, str]] = field(default_factory=list)
     warnings: dict[str, int] = field(default_factory=dict)
+    made_safe: int = 0
 
 
 def run_plan(
     folder: RunFolder,
     console: Console,
     workers: int | None = None,
-    fail_fast: bool = False,
+    rule: StopRule | None = None,
     announce: Callable[[str], None] | None = None,
 ) -> RunResult:
     """Make every test of the plan that has no whole log yet.
 
-    A failed test is noted and the run goes on, unless ``fail_fast``. Raises ``Interrupted`` after a stop that was
-    asked for, ``RigStopped`` where the rig was made safe, ``HjcampError`` where it cannot go on (a full disk).
+    After a failed test ``rule`` says whether the run goes on. Raises ``Interrupted`` after a stop that was asked for,
+    ``RigStopped`` where the rig was made safe, ``HjcampError`` where it cannot go on (a full disk).
     """
+    rule = rule or StopRule()
     say = announce or (lambda text: console.print(text, style="yellow", highlight=False))
     with disk_errors(folder.path), run_lock(folder.path):
         result = RunResult(folder.path)
@@ -51,15 +55,16 @@ def run_plan(
         number, fixed = available_workers(workers, str(folder.plan.conditions[0].config["backend"].get("name")))
         folder.begin(number)
         state = "interrupted"
+        stopper = None
         try:
-            with StopRequest(say) as request:
-                stopper = _run(folder, result, waiting, (number, fixed), request, console, fail_fast)
-        except KeyboardInterrupt:
-            stopper = None
-        else:
+            with StopSignals(say) as signals:
+                stopper = _run(folder, result, waiting, (number, fixed), signals, console, rule, say)
             state = "complete" if folder.complete else "failed" if result.failures else "interrupted"
+        except KeyboardInterrupt:
+            pass
         finally:
-            folder.end(state)
+            with _bookkeeping(stopper):
+                folder.end(state)
     left = len(folder.plan.tests) - result.done - result.kept
     if stopper is not None and stopper.stops is not None:
         kind = {3: RigStopped, 130: Interrupted}.get(stopper.stops, HjcampError)
@@ -76,9 +81,10 @@ def _run(
     result: RunResult,
     waiting: list[PlannedTest],
     workers: tuple[int, bool],
-    request: StopRequest,
+    signals: StopSignals,
     console: Console,
-    fail_fast: bool,
+    rule: StopRule,
+    say: Callable[[str], None],
 ) -> Outcome | None:
     from hjcamp.campaign.progress import progress_bar
     from hjcamp.model.kernel import cache_folder
@@ -88,7 +94,7 @@ def _run(
     stoppers: list[Outcome] = []
     jobs = make_jobs(folder.plan, waiting, folder.path)
     with progress_bar(console, len(folder.plan.tests), result.kept) as advance:
-        for outcome in outcomes(jobs, *workers, stop=lambda: request.asked or bool(stoppers)):
+        for outcome in outcomes(jobs, *workers, stop=lambda: signals.asked or bool(stoppers)):
             if outcome.state == "done":
                 result.done += 1
                 folder.record(outcome.test, "done", seconds=outcome.seconds)
@@ -96,12 +102,26 @@ def _run(
                     result.warnings[outcome.message] = result.warnings.get(outcome.message, 0) + 1
             else:
                 result.failures.append((outcome.test, outcome.message))
+                result.made_safe += outcome.stops == RigStopped.exit_code
                 detail = {"detail": outcome.detail} if outcome.detail else {}
-                folder.record(outcome.test, "failed", message=outcome.message, **detail)
-                if outcome.stops is not None or fail_fast:
-                    stoppers.append(outcome)
+                with _bookkeeping(outcome):
+                    folder.record(outcome.test, "failed", message=outcome.message, **detail)
+                stopper = rule.stopper(outcome, folder.plan.condition(outcome.condition).config, say)
+                if stopper is not None:
+                    stoppers.append(stopper)
+            folder.note_rig(outcome.facts)
             advance(outcome.test)
     return stoppers[0] if stoppers else None
+
+
+@contextmanager
+def _bookkeeping(stopper: Outcome | None) -> Iterator[None]:
+    """On a full disk the manifest cannot be written either: that must not hide why the run stops."""
+    try:
+        yield
+    except HjcampError:
+        if stopper is None or stopper.stops is None:
+            raise
 
 
 def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -> list[PlannedTest]:

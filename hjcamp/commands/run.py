@@ -1,6 +1,7 @@
 """Run a campaign: every condition, every repetition, then tables and report. All of Hydra's command line.
 
 hjcamp run campaign=NAME [GROUP=CHOICE ...] [PARAMETER=VALUE ...] [-m] [--cfg job] [--config-dir DIR]
+           [--keep-going | --fail-fast]
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from hjcamp.configuration.composer import Composer
 
 CHECKED_JOBS = 50
+# The keys may be absent from a user's own configuration, so they are set or added.
+SWITCHES = {"--keep-going": "keep_going=true", "--fail-fast": "fail_fast=true"}
 PASS_EVERYTHING = {"ignore_unknown_options": True, "allow_extra_args": True, "help_option_names": []}
 
 
@@ -37,7 +40,7 @@ def run(
     """Run a campaign: every condition, every repetition, then tables and report. All of Hydra's command line."""
     if arguments and arguments[0] in ("--help", "-h"):
         arguments = ["--help"]
-    call_hydra(arguments or [])
+    call_hydra([SWITCHES.get(word, word) for word in arguments or []])
 
 
 def call_hydra(arguments: list[str]) -> None:

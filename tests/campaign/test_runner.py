@@ -17,6 +17,7 @@ from hjcamp.campaign import workers as worker_processes
 from hjcamp.campaign.conclude import grouped
 from hjcamp.campaign.execution import Job, Outcome
 from hjcamp.campaign.folder import RunFolder, folder_for, open_folder
+from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.plan import Plan
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import RunResult, run_plan
@@ -146,7 +147,7 @@ def test_fail_fast_stops_at_the_first_failure(plan: Plan, monkeypatch: pytest.Mo
         raise UsageError("no")
 
     replace_backend(monkeypatch, fails)
-    assert len(run(start(plan, "fast"), fail_fast=True).failures) == 1
+    assert len(run(start(plan, "fast"), rule=StopRule(fail_fast=True)).failures) == 1
 
 
 def test_a_full_disk_ends_the_run_with_nothing_half_written(plan: Plan, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -34,7 +34,8 @@ class Case:
 
 def alone(kind: str, limit: str) -> tuple[str, ...]:
     """Return the overrides that leave of a group of limits only one."""
-    return tuple(f"rig.limits.{name}=null" for name in OTHERS[kind] if name != limit)
+    others = [f"rig.limits.{name}=null" for name in OTHERS[kind] if name != limit]
+    return (*others, "++rig.limits.arm_silent_deg=null")
 
 
 CASES = (

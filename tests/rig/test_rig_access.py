@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -16,7 +15,6 @@ import pytest
 from hjcamp import backends, cli
 from hjcamp.backends import rig_lock
 from hjcamp.backends.rig_connection import RigUnavailable
-from hjcamp.backends.rig_stop import StopSignals
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.backends.virtual_rig.faults import Fault, parse_fault
 from hjcamp.backends.virtual_rig.server import check_address, start_server
@@ -173,20 +171,6 @@ def test_a_terminal_in_use(compose: Any, device: VirtualDevice, monkeypatch: pyt
     monkeypatch.setattr(device, "arrange", with_a_leftover)
     with pytest.raises(RigUnavailable, match="another program uses it"):
         backends.run_test(compose(), 1)
-
-
-def test_signals_are_noted_not_raised() -> None:
-    heard: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
-    try:
-        with StopSignals() as signals:
-            os.kill(os.getpid(), signal.SIGINT)
-            assert heard == [signal.SIGINT]
-            assert signals.reason is None
-            os.kill(os.getpid(), signal.SIGTERM)
-            assert signals.reason == "SIGTERM was received"
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def test_faults_are_parsed() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import subprocess
@@ -15,7 +16,7 @@ import pytest
 
 from hjcamp.backends.recording import Recording, part_of, recording
 from hjcamp.backends.rig_journal import SCALES, Journal, keep_stopped
-from hjcamp.backends.rig_timing import LoopTiming
+from hjcamp.backends.rig_timing import LoopTiming, undisturbed
 from hjcamp.records.recover import recover_log
 from hjcamp.records.write import LogWriter
 
@@ -147,6 +148,15 @@ def test_histogram() -> None:
     for moment in (0, 1_000_000, 2_000_000, 3_400_000, 15_000_000):
         timing.cycle(moment, 0)
     assert timing.histogram() == "0.9-1.1ms:2 1.1-1.5ms:1 10ms-:1"
+
+
+def test_nothing_is_collected_while_the_loop_runs() -> None:
+    before = sys.getswitchinterval()
+    with undisturbed():
+        assert not gc.isenabled()
+        assert sys.getswitchinterval() < 1e-4
+    assert gc.isenabled()
+    assert sys.getswitchinterval() == before
 
 
 def test_the_loop_is_not_delayed_by_the_disk(tmp_path: Path) -> None:

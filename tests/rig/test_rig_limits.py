@@ -10,11 +10,15 @@ import numpy as np
 import pytest
 
 from hjcamp.backends.rig_limits import LimitCheck, Limits, read_limits
+from hjcamp.backends.rig_silence import Coupling
 from hjcamp.errors import UsageError
 
 DEGREE = pi / 180
 VOLTS = np.array([2.0, 2.0])
 LIMITS = Limits(-0.12, 0.65, 0.2, 6.0, 70.0, 1500.0, 250.0, 1.2, 170.0, 5000.0, 50.0, 2, 4, 100.0)
+
+RANGE = ((0.9, 5.1), (0.9, 5.1))
+COUPLING = Coupling(42.3, 1.23)
 
 
 def row(phase: float = 3.0, reference: float = 0.0, command: float = 0.0) -> np.ndarray:
@@ -31,7 +35,7 @@ def check(limits: Limits = LIMITS, **values: Any) -> str | None:
         "motor": 0.0,
         "out": row(),
     }
-    return LimitCheck(limits, 1e-3, ((0.9, 5.1), (0.9, 5.1))).check(**{**given, **values})
+    return LimitCheck(limits, 1e-3, RANGE, COUPLING).check(**{**given, **values})
 
 
 def test_nothing_is_wrong() -> None:
@@ -70,7 +74,7 @@ def test_lines_may_be_low_before_the_rest_and_in_the_release() -> None:
 
 def test_speeds_and_samples_in_all() -> None:
     def watch(**step: float) -> str | None:
-        limits = LimitCheck(LIMITS, 1e-3, ((0.9, 5.1), (0.9, 5.1)))
+        limits = LimitCheck(LIMITS, 1e-3, RANGE, COUPLING)
         for k in range(40):
             arm, motor = k * step.get("arm", 0.0), k * step.get("motor", 0.0)
             out = row(reference=arm / DEGREE, command=motor / DEGREE)
@@ -86,24 +90,75 @@ def test_speeds_and_samples_in_all() -> None:
 
 
 def test_silent_encoders() -> None:
-    limits = LimitCheck(LIMITS, 1e-3, ((0.9, 5.1), (0.9, 5.1)))
+    limits = LimitCheck(LIMITS, 1e-3, RANGE, COUPLING)
     reasons = [limits.check(0, VOLTS, 0.26e6, 0.26e6, 0.0, 0.0, row(command=2.0 * k)) for k in range(130)]
-    assert reasons[124] is None
-    assert "pump encoder is silent" in str(reasons[126])
-    limits = LimitCheck(LIMITS, 1e-3, ((0.9, 5.1), (0.9, 5.1)))
+    assert reasons[99] is None
+    assert "pump encoder is silent for 100 ms" in str(reasons[100])
+    limits = LimitCheck(LIMITS, 1e-3, RANGE, COUPLING)
     jump = [limits.check(0, VOLTS, 0.26e6, 0.26e6, 0.0, 0.0, row(command=300.0 * (k > 0))) for k in range(30)]
     assert jump[19] is None
     assert "pump encoder is silent" in str(jump[20])
-    limits = LimitCheck(LIMITS, 1e-3, ((0.9, 5.1), (0.9, 5.1)))
+    limits = LimitCheck(replace(LIMITS, arm_silent_deg=float("inf")), 1e-3, RANGE, COUPLING)
     steps = [0.01 * 2 * pi * k for k in range(140)]
     reasons = [limits.check(0, VOLTS, 0.26e6, 0.26e6, 0.0, m, row(command=m / DEGREE)) for m in steps]
     assert reasons[119] is None
     assert "arm encoder is silent" in str(reasons[122])
 
 
+def test_a_pump_encoder_that_stays_silent_over_a_small_motion() -> None:
+    limits = LimitCheck(LIMITS, 1e-3, RANGE, COUPLING)
+    rest = [limits.check(0, VOLTS, 0.26e6, 0.26e6, 0.0, 0.0, row(command=40.0)) for _ in range(1000)]
+    moved = [limits.check(0, VOLTS, 0.26e6, 0.26e6, 0.0, 0.0, row(command=100.0)) for _ in range(110)]
+    assert rest == [None] * 1000  # a motor that stands may have stood for long
+    assert moved[90] is None
+    assert "its command has moved by 60 deg" in str(moved[105])
+
+
+def test_a_step_after_a_long_rest_is_no_silence() -> None:
+    limits = LimitCheck(LIMITS, 1e-3, RANGE, COUPLING)
+    commands = [0.0] * 500 + [360.0] * 30
+    reasons = [limits.check(0, VOLTS, 0.26e6, 0.26e6, 0.0, 0.0, row(command=one)) for one in commands]
+    assert reasons[:519] == [None] * 519
+    assert "pump encoder is silent" in str(reasons[520])
+
+
+@pytest.mark.parametrize(
+    ("stored", "says"),
+    [
+        (1.0, None),  # friction holds the arm: the lines take what the pump moves
+        (0.5, None),  # lines twice as soft as configured
+        (0.0, "the arm turned 6 deg"),  # the arm turned and its encoder does not count
+        (-1.0, "the arm turned 6 deg"),
+    ],
+)
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_silent_arm_encoder_is_told_from_an_arm_that_stands(stored: float, says: str | None, side: float) -> None:
+    limits = LimitCheck(LIMITS, 1e-3, RANGE, COUPLING)
+    for k in range(80):
+        travel = side * 0.005 * k
+        rise = stored * travel / COUPLING.mm_per_mpa * 1e6
+        motor = travel * 2 * pi
+        reason = limits.check(0, VOLTS, 0.26e6 + rise, 0.26e6 - rise, 0.0, motor, row(command=motor / DEGREE))
+        if reason:
+            break
+    assert says in reason if says and reason else reason is says
+    if says:
+        assert k == 29  # 0.145 mm: 6 deg
+
+
+def test_without_preload_the_arm_may_lag_further() -> None:
+    limits = LimitCheck(LIMITS, 1e-3, RANGE, COUPLING)
+    motors = [0.01 * 2 * pi * k for k in range(200)]
+    out = [limits.check(0, VOLTS, 0.0, 0.0, 0.0, m, row(phase=4.0, command=m / DEGREE)) for m in motors]
+    assert out[179] is None
+    assert "silent while the pump moved by 1.8 mm" in str(out[182])
+
+
 def test_a_missing_limit_is_no_permission(compose: Any) -> None:
     config = compose()
     assert read_limits(config).arm_deg == 200.0
+    assert read_limits(config).arm_silent_deg == 6.0
+    assert read_limits(compose("++rig.limits.arm_silent_deg=null")).arm_silent_deg == float("inf")
     broken = {**config, "rig": {**config["rig"], "limits": dict(config["rig"]["limits"])}}
     del broken["rig"]["limits"]["arm_deg"]
     with pytest.raises(UsageError, match="arm_deg is missing"):

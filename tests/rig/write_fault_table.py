@@ -25,7 +25,10 @@ in its middle (sample 1000, halfway along the ramp) or at its end (sample 1500, 
 * *log*: what `hjcamp log recover` makes of the `.part` file. *code*: exit code of the run. *resumed*: after
   `hjcamp resume` without the fault.
 * A device that disappears cannot be written to: its own watchdog makes the outputs safe, and the message says so.
-* An encoder that sticks at the end of a test while nothing more depends on it is not noticed; the test ends normally.
+* A stuck arm encoder is told from an arm that friction holds by what pump and pressures say: it is noticed once the
+  arm has turned by about 6 deg more than they allow, at the latest while the pump returns to its start. One that sticks
+  in the last moments of a test that ends where it began is not noticed before the next test moves.
+* Disk full: here the write is refused by a stand-in; `tests/rig/test_full_disk.py` fills a real file system.
 
 | what | when | outputs | log | code | resumed | said |
 |---|---|---|---|---|---|---|

@@ -6,7 +6,6 @@ import copy
 import functools
 import inspect
 from collections.abc import Mapping
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -57,13 +56,11 @@ class VirtualPlant:
         self._history = np.zeros(LONGEST_DELAY)
         self._memory = np.array([0.0, -1.0, 0.0])
         self._work = self._simulator.scratch()
+        # Loaded here: the first sample of a test is no time to compile.
+        self._kernel = load_kernel(f"{self._simulator.source}\n\n{_tick_text()}\n\n")
         self._burst = np.zeros(0, dtype=np.int64)
         self.sample = -1
         self.seen = np.zeros(len(READINGS))
-
-    @cached_property
-    def _kernel(self) -> Any:
-        return load_kernel(f"{self._simulator.source}\n\n{_tick_text()}\n\n")
 
     def advance(self, outputs: Array) -> Array:
         """Go on to the next sample under ``outputs`` (pump command rad, dither V, preload speed m/s).

@@ -1,0 +1,26 @@
+"""What a stopped test leaves: a rig that is safe and may be looked at again, or one that a person must see first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hjcamp.errors import RigStopped
+
+
+@dataclass(frozen=True)
+class LeftAt:
+    """Where a stopped test left pump motor and arm, rad: a task opened later starts its counters there."""
+
+    motor: float
+    arm: float
+
+
+class RigFault(RigStopped):
+    """The rig was made safe because of a limit or a fault; nobody asked for it, and the outputs obeyed.
+
+    Only after this, and only where the user said ``--keep-going``, may a run look at the rig again and go on.
+    """
+
+    def __init__(self, message: str, left: LeftAt) -> None:
+        super().__init__(message)
+        self.left = left
