@@ -132,13 +132,14 @@ class _Search:
         current, taken = self._backward(current, taken, null)
         self.report("weighing the answer", 0.95)
         floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
-        found = judge(self.evidence, null, base, current, taken, "")
-        ranked = rank_drivers(self.features, current, floor)
+        found = judge(self.features, null, base, current, taken, self.effects)
+        ranked = top_drivers(rank_drivers(self.features, current, floor))
+        drivers = [found.driver, *(one for one in ranked if one != found.driver)] if found.driver else ranked
         needed = max(first_null.needed(), self.least_gain)
         return Diagnosis(
             found.verdict,
             found.effects,
-            top_drivers(ranked) if found.verdict == "outside_library" else [],
+            drivers if found.verdict == "outside_library" else [],
             self.steps[0].p_value if self.steps else 1.0,
             base,
             current,

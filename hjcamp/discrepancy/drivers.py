@@ -22,8 +22,16 @@ DRIVERS = (
     "repetition",
 )
 KNOTS = 5
-# A force is a pressure difference and a line error is one too: those pairs would explain themselves.
-TAUTOLOGIES = {"sliding": ("pressure_difference",), "line_difference": ("pressure_difference",), "line_sum": ("pressure_sum",)}
+# A force is a pressure difference and a line error is one too: those pairs would explain themselves. What pushes the
+# arm cannot know of the pump, whose motion is so like the arm's that it would take the arm's place by chance.
+TAUTOLOGIES = {
+    "sliding": ("pressure_difference", "pump_position", "pump_velocity"),
+    "line_difference": ("pressure_difference",),
+    "line_sum": ("pressure_sum",),
+}
+# Below 4 Hz a swing cannot be told from the motion's own harmonics.
+FREQUENCIES = np.arange(4.0, 24.0, 0.25)
+FEWEST_BLOCKS = 15
 EXPLAINED = {"sliding": 4, "line_sum": 2, "line_difference": 3}
 
 
@@ -90,10 +98,41 @@ def _gain(features: Features, residual: Array, valid: NDArray[np.bool_], basis: 
     return 1.0 - after / before if before > 0 else 0.0
 
 
+def _rhythm(features: Features, residual: Array, valid: NDArray[np.bool_], time: Array) -> float:
+    """Return the share of the squared residual that swings with one frequency, found in the other conditions each time.
+
+    Phase and size are free in each test, since nothing says that a test begins in step with what shakes it; what two free
+    numbers explain of noise is taken off.
+    """
+    tests = list(range(len(features.counts)))
+    whole, swing = np.zeros(len(tests)), np.zeros((len(tests), len(FREQUENCIES)))
+    for test in tests:
+        inside = valid & (features.of_test == test)
+        number = int(inside.sum())
+        if number < FEWEST_BLOCKS:
+            continue
+        seen = residual[inside] - residual[inside].mean()
+        angle = 2 * np.pi * FREQUENCIES[:, None] * time[inside][None]
+        basis = np.stack([np.cos(angle), np.sin(angle)], axis=2)
+        basis -= basis.mean(axis=1, keepdims=True)
+        cross = np.einsum("fnk,n->fk", basis, seen)
+        square = np.einsum("fnk,fnl->fkl", basis, basis) + 1e-6 * number * np.eye(2)
+        whole[test] = float(seen @ seen)
+        explained = np.einsum("fk,fk->f", cross, np.linalg.solve(square, cross[:, :, None])[:, :, 0])
+        swing[test] = explained - 2.0 / number * whole[test]
+    found = 0.0
+    for out in features.evidence.conditions.values():
+        others = [test for test in tests if test not in out]
+        if others:
+            found += float(swing[out][:, int(np.argmax(swing[others].sum(axis=0)))].sum())
+    return found / float(whole.sum()) if whole.sum() > 0 else 0.0
+
+
 def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, str, float]]:
     """Return (driver, channel, share explained on conditions left out), largest first, of the channel most off its floor.
 
-    A force that is even in direction is looked for as it is, friction as its product with the direction.
+    A force that is even in direction is looked for as it is, friction as its product with the direction; a force in time
+    may also swing with one frequency.
     """
     values = driver_values(features)
     sign = values["direction"]
@@ -109,8 +148,20 @@ def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, 
             plain = _gain(features, residual, valid, _basis(column, None))
             odd = _gain(features, residual, valid, _basis(column, sign)) if channel == "sliding" else 0.0
             best = max(plain, 0.98 * odd)
+            if driver == "time" and channel == "sliding":
+                best = max(best, 0.8 * _rhythm(features, residual, valid, column))
             found.append((driver, channel, best * max(excess, 0.05)))
     return sorted(found, key=lambda row: -row[2])
+
+
+def share_left(features: Features, fit: Fit, driver: str) -> float:
+    """Return the share of the unexplained sliding force that depends on a driver alike in both directions.
+
+    Measured on conditions left out of the regression; 0 and less where it depends on it no more.
+    """
+    index = EXPLAINED["sliding"]
+    basis = _basis(driver_values(features)[driver], None)
+    return _gain(features, fit.features[:, index], features.valid[:, index], basis)
 
 
 def top_drivers(ranked: list[tuple[str, str, float]]) -> list[str]:

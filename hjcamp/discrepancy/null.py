@@ -61,14 +61,14 @@ class Null:
         own = np.array([self._mean(one - rest) for one, rest in zip(self.logarithms, others, strict=True)])
         return np.asarray(np.quantile(own, 0.95, axis=0) * MARGIN)
 
-    def excess(self, before: Array, after: Array) -> Array:
+    def excess(self, before: Array, after: Array, law: float = LAW) -> Array:
         """Return the error (channels,) over what may be left: 1 and less is as good as the twins.
 
         ``before`` and ``after`` (tests, channels) are mean squares without and with the named effects. A law may be off
-        by a share of the effect itself, since another joint's leak has another shape.
+        by the share ``law`` of the effect itself, since another joint's leak has another shape.
         """
         first, left = self.over(before), self.over(after)
-        allowed = np.sqrt(self.limit() ** 2 + LAW**2 * np.maximum(first**2 - left**2, 0.0))
+        allowed = np.sqrt(self.limit() ** 2 + law**2 * np.maximum(first**2 - left**2, 0.0))
         return np.asarray((left / allowed)[:JUDGED])
 
 

@@ -84,7 +84,7 @@ def twin_scatter(evidence: Evidence, scatter: RepetitionScatter, generator: np.r
         length = max(scatter.correlation * float(np.median(moving)) if len(moving) else 0.0, LEAST_LENGTH)
         along_travel = _profile(generator, test.track, length)
         within = scatter.friction_within * (along_time + along_travel) / np.sqrt(2.0)
-        parts.append(np.exp(between + np.where(_heading(test.velocity) > 0, *directions) + within))
+        parts.append(np.exp(between + np.where(_heading(test.velocity) > 0, directions[0], directions[1]) + within))
     return np.concatenate(parts)
 
 

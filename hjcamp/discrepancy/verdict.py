@@ -8,12 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hjcamp.discrepancy.drivers import share_left
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit
-from hjcamp.discrepancy.null import JUDGED, Null
+from hjcamp.discrepancy.null import JUDGED, LAW, Null
 from hjcamp.discrepancy.search import Step
 from hjcamp.discrepancy.views import CHANNELS
+from hjcamp.model.effect import Effect
 
 POSTERIOR = 0.8
 MATTERS = 0.10
@@ -22,27 +24,36 @@ TRAVEL = math.radians(20)
 
 @dataclass(frozen=True)
 class Verdict:
-    """The verdict, the effects it names, and the reason in words."""
+    """The verdict, the effects it names, the reason in words, and the driver that refutes an effect (or nothing)."""
 
     verdict: str
     effects: list[str]
     reason: str
+    driver: str = ""
 
 
-def judge(evidence: Evidence, null: Null, base: Fit, final: Fit, taken: Sequence[Step], refuted: str) -> Verdict:
-    """Return the verdict; ``null`` are twins of the final model, ``refuted`` says why an effect's exact law fails."""
+def judge(
+    features: Features, null: Null, base: Fit, final: Fit, taken: Sequence[Step], effects: Sequence[type[Effect]]
+) -> Verdict:
+    """Return the verdict; ``null`` are twins of the final model, ``effects`` the library."""
+    evidence = features.evidence
     lacking = what_is_lacking(evidence)
     if lacking:
         return Verdict("cannot_tell", [], lacking)
-    excess = null.excess(base.mean_square, final.mean_square)
+    named = [effect for effect in effects if any(effect.name == step.best for step in taken)]
+    law = 0.0 if named and all(effect.exact_in for effect in named) else LAW
+    excess = null.excess(base.mean_square, final.mean_square, law)
     if np.any(excess > 1.0):
         worst = int(np.argmax(excess))
         over = float(null.over(final.mean_square)[worst])
         return Verdict(
             "outside_library", [], f"the best model leaves {over:.2f} x the rig's own scatter in {CHANNELS[worst]}"
         )
-    if refuted:
-        return Verdict("outside_library", [], refuted)
+    for effect in named:
+        for driver in effect.exact_in:
+            if share_left(features, final, driver) > MATTERS:
+                reason = f"what {effect.name} leaves still depends on {driver.replace('_', ' ')}, in which its law is exact"
+                return Verdict("outside_library", [], reason, driver)
     if not taken:
         return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
     for step in taken:
