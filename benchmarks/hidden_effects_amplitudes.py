@@ -1,0 +1,184 @@
+"""Where a hidden amplitude and a fitted parameter mean the same: how one is turned into the other, and what is left out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+Values = Mapping[str, float]
+JOINT_AREA = math.pi / 4 * 0.004**2
+PULLEY_RADIUS = 0.00682 / 2
+ARM_COUNT_DEG = 360 / 1024
+GRAVITY = 9.81
+SEAL_REFERENCE = 0.8e6
+DITHER_VOLT = 1.2
+CROSS_TURBULENT = 0.2e6
+
+
+@dataclass(frozen=True)
+class Amplitude:
+    """One quantity, in the truth plant from its changed fields and base, in the model from fitted parameters.
+
+    ``same`` is False where the laws differ, so that the number is nearly but not quite the same quantity. ``single``
+    is the one parameter that it is proportional to, or empty: only then its interval can be judged.
+    """
+
+    text: str
+    unit: str
+    truth: Callable[[Values, Values], float]
+    ours: Callable[[Values], float]
+    same: bool = True
+    single: str = ""
+
+
+def _field(name: str) -> Callable[[Values, Values], float]:
+    return lambda hidden, base: hidden[name]
+
+
+def _one(text: str, unit: str, field: str, parameter: str, same: bool = True) -> Amplitude:
+    return Amplitude(text, unit, _field(field), lambda fitted: fitted[parameter], same, parameter)
+
+
+def _crossing(hidden: Values, base: Values) -> float:
+    """Return the conductance at the pressure difference that friction asks for."""
+    difference = 0.5 * (base["coulomb_positive"] + base["coulomb_negative"]) / JOINT_AREA
+    return hidden["cross_conductance"] / math.sqrt(1 + difference / CROSS_TURBULENT)
+
+
+def _gain(hidden: Values, base: Values) -> float:
+    return hidden.get("pressure1_gain", 1.0) / hidden.get("pressure2_gain", 1.0) - 1
+
+
+def _offset(hidden: Values, base: Values) -> float:
+    return hidden.get("pressure1_offset", 0.0) - hidden.get("pressure2_offset", 0.0)
+
+
+def _counted(hidden: Values, base: Values) -> float:
+    return math.radians(round(hidden["encoder_offset"] / ARM_COUNT_DEG) * ARM_COUNT_DEG)
+
+
+AMPLITUDES = {
+    "leakage": _one("conductance below the threshold", "m^3/(s Pa)", "leak_conductance", "conductance"),
+    "cross_leakage": Amplitude(
+        "conductance at the pressure difference of sliding",
+        "m^3/(s Pa)",
+        _crossing,
+        lambda fitted: fitted["conductance"],
+        False,
+        "conductance",
+    ),
+    "entrained_air": _one("air of one line at atmosphere", "m^3", "air_volume", "air_volume"),
+    "tubing_creep": _one("delayed over immediate volume", "1", "creep_share", "share", False),
+    "line_resistance": _one("resistance of one line", "Pa s/m^3", "tube_resistance", "resistance"),
+    "line_inertance": _one("inertance of one line", "kg/m^4", "tube_inertance", "inertance"),
+    "payload_inertia": Amplitude(
+        "mass at the pitch line",
+        "kg",
+        _field("load_mass"),
+        lambda fitted: fitted["load_mass"] * (fitted["radius"] / PULLEY_RADIUS) ** 2,
+    ),
+    "pump_backlash": _one("whole play", "m", "backlash", "play"),
+    "pressure_friction": _one("friction for each pascal of p1 + p2", "N/Pa", "seal_coefficient", "coefficient"),
+    "position_friction": _one(
+        "largest change of friction over its mean (ours has no second harmonic)",
+        "1",
+        "angle_amplitude",
+        "amplitude",
+        False,
+    ),
+    "gravity_load": Amplitude(
+        "weight at the pitch line",
+        "N",
+        _field("weight_force"),
+        lambda fitted: fitted["load_mass"] * GRAVITY * fitted["radius"] / PULLEY_RADIUS,
+    ),
+    "string_elasticity": Amplitude(
+        "compliance of the string (ours has no friction on the pulley)",
+        "m/N",
+        lambda hidden, base: 1 / hidden["string_stiffness"],
+        lambda fitted: fitted["compliance"],
+        False,
+        "compliance",
+    ),
+    "dither_relief": Amplitude(
+        "share of static friction taken away by 1.2 V",
+        "1",
+        _field("dither_relief"),
+        lambda fitted: fitted["static_relief"] * DITHER_VOLT,
+        False,
+        "static_relief",
+    ),
+    "encoder_eccentricity": _one("eccentricity over radius", "1", "disc_eccentricity", "amplitude"),
+    "encoder_lag": _one("delay (ours: time constant)", "s", "encoder_delay", "lag"),
+    "encoder_bias": Amplitude(
+        "reading at true angle 0, in whole counts", "rad", _counted, lambda fitted: fitted["bias"], True, "bias"
+    ),
+    "pressure_offset": Amplitude(
+        "difference of the sensors' offsets", "Pa", _offset, lambda fitted: fitted["offset1"] - fitted["offset2"]
+    ),
+    "pressure_gain": Amplitude(
+        "ratio of the sensors' scales less one",
+        "1",
+        _gain,
+        lambda fitted: (1 + fitted["error1"]) / (1 + fitted["error2"]) - 1,
+    ),
+}
+LEFT_OUT = {
+    "stribeck_friction": "rational fall of friction with memory there, exponential here",
+    "presliding": "travel to full slip of four asperity groups there, compliance of one bristle here",
+    "static_friction_ageing": "logarithm of the time at rest there, saturating growth here",
+    "friction_drift": "goes with friction work there, with time and travel here",
+}
+# Base parameters that do not mean the same beside an effect of another law.
+SHIFTED = {
+    "static_friction_ageing": ("static_positive", "static_negative"),
+    "tubing_creep": ("line_stiffness",),
+}
+
+
+def amplitude_of(line: Mapping[str, Any], effect: str) -> tuple[float, float, bool | None] | None:
+    """Return (true, fitted, whether the 95 % interval covers it) of one hidden effect of a result; None where not comparable.
+
+    The interval is None where the quantity is made of several parameters.
+    """
+    row = next((one for one in line["answer"]["candidates"] if one["effect"] == effect), None)
+    entry = AMPLITUDES.get(effect)
+    if row is None or entry is None:
+        return None
+    fitted = {name: one["value"] for name, one in row["parameters"].items()}
+    if any(value is None for value in fitted.values()):
+        return None
+    true = entry.truth(line["truth"]["changes"][effect], line["truth"]["base"])
+    ours = entry.ours(fitted)
+    covered = None
+    if entry.single:
+        low, high = row["parameters"][entry.single]["ci95"]
+        value = fitted[entry.single]
+        if value and low is not None and high is not None:
+            low, high = low * ours / value, high * ours / value
+            covered = min(low, high) <= true <= max(low, high)
+    return true, ours, covered
+
+
+def true_base(line: Mapping[str, Any]) -> dict[str, float]:
+    """Return the base parameters of the hidden rig by our names (SI), those that still mean the same beside its effects."""
+    base, hidden = line["truth"]["base"], line["truth"]["changes"]
+    found = {
+        f"{kind}_{way}": base[f"{kind}_{way}"]
+        for kind in ("static", "coulomb", "viscous")
+        for way in ("positive", "negative")
+    }
+    mean = 0.5 * (base["stiffness1"] + base["stiffness2"])
+    found["line_stiffness"] = mean
+    found["stiffness_asymmetry"] = (base["stiffness1"] - base["stiffness2"]) / mean
+    found["moving_mass"] = base["slider_mass"] + base["arm_mass"]
+    if "pressure_friction" in hidden:
+        # our friction is that at 0 Pa, theirs that at their reference
+        shift = hidden["pressure_friction"]["seal_coefficient"] * SEAL_REFERENCE
+        for kind in ("static", "coulomb"):
+            for way in ("positive", "negative"):
+                found[f"{kind}_{way}"] -= shift
+    left_out = {name for effect in hidden for name in SHIFTED.get(effect, ())}
+    return {name: value for name, value in found.items() if name not in left_out}

@@ -1,0 +1,121 @@
+"""The page of the hidden-effect benchmark."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from hidden_effects_cases import FIRST_SEED, SAME, TAKEN_OUT, HiddenCase
+from hidden_effects_detectable import BASE, DETECTABLE
+from hidden_effects_judging import Line, verdict_of
+from hidden_effects_measure import Measure, at_least
+from hidden_effects_measures import all_measures
+from hidden_effects_quantities import times
+from hidden_effects_tables import (
+    amplitude_table,
+    bound_text,
+    confusion_table,
+    failures_table,
+    measures_table,
+    strengths_table,
+    table,
+    value_text,
+)
+
+ROOT = Path(__file__).parents[1]
+READING = Path(__file__).with_name("hidden_effects_reading.md")
+
+
+def page(lines: Sequence[Line], cases: Sequence[HiddenCase], effort: str, tag: str, command: str, cores: int) -> str:
+    """Return the page for the results of one version of the code, judged at one effort."""
+    order = {case.name: place for place, case in enumerate(sorted(cases, key=lambda case: (case.kind, case.seed)))}
+    ours = [line for line in lines if line["effort"] == effort and line["name"] in order]
+    ours.sort(key=lambda line: order[line["name"]])
+    timed = [one for name in sorted({line["effort"] for line in lines}) for one in times(lines, name)]
+    reading = READING.read_text(encoding="utf-8").strip() if READING.exists() else ""
+    parts = [
+        "# Hidden effects: how often the diagnosis is right",
+        _origin(ours, len(cases), effort, tag, command, cores),
+        "## Measures",
+        measures_table([*all_measures(ours), *_elsewhere(), *timed]),
+        *([reading] if reading else []),
+        "## How it is counted",
+        _counting(),
+        "## By effect and strength",
+        strengths_table(ours),
+        "## Hidden and said",
+        confusion_table(ours),
+        "## Amplitudes",
+        amplitude_table(ours),
+        "## Every case that is not strictly right",
+        "`visible` is the measure of detectability above; p is the chance of the first gain on twins with nothing missing. "
+        "The logs of a case: `python -m tests.truth OUT --effect NAME --strength STRENGTH --seed SEED`.",
+        failures_table(ours),
+    ]
+    others = _efforts(lines, effort)
+    if others:
+        parts += ["## Other efforts", others]
+    return "\n\n".join(parts) + "\n"
+
+
+def _origin(lines: Sequence[Line], planned: int, effort: str, tag: str, command: str, cores: int) -> str:
+    kinds = {kind: sum(line["kind"] == kind for line in lines) for kind in FIRST_SEED}
+    broken = sum(verdict_of(line) == "failed" for line in lines)
+    part = "" if len(lines) >= planned else f" **Only {len(lines)} of {planned} planned cases are finished.**"
+    return f"""Written by `{command}`,
+code at commit {tag}, effort {effort}, on a machine with {cores} cores, each case in one process with one thread.{part}
+
+{len(lines)} cases, each on a rig of its own with 8 conditions of 3 repetitions:
+{kinds["single"]} with one effect of the library, {kinds["null"]} with nothing hidden, {kinds["pair"]} with two effects,
+{kinds["outside"]} with an effect that was never in the library, and {kinds["taken_out"]} with one that was taken out of it.
+{broken} diagnoses broke off; they count as wrong.
+
+**What this does not show.** The truth plant (`tests/truth`) shares no code with the model: other integrator, other friction
+law, other noise, its own writer. But the same people wrote both, so what they did not think of is in neither. The rigs
+are new (seeds from {min(FIRST_SEED.values())}; development used 1 - 313), the plant's effects and strengths are those that
+development looked at. No threshold of the diagnosis was set on these cases: they come from twins of each campaign."""
+
+
+def _counting() -> str:
+    groups = "; ".join(" and ".join(sorted(group)) for group in SAME)
+    return f"""* **Detectable** is told by the truth plant alone, before any diagnosis: its five open-loop conditions are run
+  with and without the effect with the same draws of scatter, three repetitions each. The change of the mean log is
+  divided by the standard deviation of one repetition, and what {len(BASE)} groups of base parameters can imitate is
+  taken off (bounded least squares: friction +-60 %,
+  stiffness +-30 % together and +-2 % apart, mass +-15 %). The effect is detectable where the root mean square of
+  the rest over a test is at least {DETECTABLE:g} in some channel of some condition. Of two effects, both must be.
+* **Strictly** right: EFFECT with the hidden names and no others. **With groups**: the other name of the same thing is right, too
+  ({groups}), and so is ONE OF that group alone; nothing_missing is right where the effect is not detectable.
+* **Named with certainty**: the verdict EFFECT. ONE OF names something on a null, but is not a wrong name.
+* **Taken out**: the diagnosis runs without the effect and those that are the same thing ({len(TAKEN_OUT)} effects, strong).
+* **Removable error**: of detectable cases of the library with an error on held-out tests of 1.1 times the best possible at least,
+  whatever was said. Best possible: the median of what the calibrated model leaves on the rigs with nothing hidden, and
+  again with the floor itself.
+* **Coverage**: where the verdict was strictly right; base parameters that an effect of another law redefines are left out.
+* **Intervals** of shares in brackets: 95 %, Wilson. Amplitudes: of effects that were named."""
+
+
+def _elsewhere() -> list[Measure]:
+    """Return what benchmarks/next_value.py measured, from its committed page."""
+    path = ROOT / "docs" / "next_value.md"
+    text = path.read_text(encoding="utf-8") if path.exists() else ""
+    found = re.search(r"([\d.]+) times fewer", text)
+    count = len(re.findall(r"\| \d+ \|", text))
+    title = "tests needed to separate two rivals, times fewer than random choice (see [next.md](next.md))"
+    return [Measure(title, float(found.group(1)) if found else math.nan, count, at_least("not tried", 2, 3), unit="x")]
+
+
+def _efforts(lines: Sequence[Line], effort: str) -> str:
+    others = sorted({line["effort"] for line in lines} - {effort})
+    columns = {one: all_measures([line for line in lines if line["effort"] == one]) for one in others}
+    if not columns:
+        return ""
+    first = columns[others[0]]
+    rows = []
+    for place, measure in enumerate(first):
+        if measure.aim.good is not None:
+            cells = [f"{value_text(columns[one][place])}, {columns[one][place].count} cases" for one in others]
+            rows.append((measure.title.split(" (best")[0], bound_text(measure.aim.good, measure.unit), *cells))
+    return table(("measure", "good", *others), rows)

@@ -1,0 +1,119 @@
+"""The measures of the hidden-effect benchmark that compare numbers: errors removed, amplitudes, intervals, times."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+from hidden_effects_amplitudes import AMPLITUDES, amplitude_of, true_base
+from hidden_effects_judging import Line, named, right
+from hidden_effects_measure import Aim, Measure, at_least, at_most, counted
+
+# Cases with less to remove say nothing about the share that is removed.
+REMOVABLE = 1.1
+
+
+def removed(lines: Sequence[Line], nulls: Sequence[Line]) -> list[Measure]:
+    """Return the share of the removable held-out error that the answer removes, against two measures of the best possible."""
+    bare = [
+        float(x["answer"]["error"]["baseline"]) for x in nulls if "answer" in x and x["answer"]["error"]["baseline"]
+    ]
+    rows = []
+    references = [("floor 1", 1.0)]
+    if bare:
+        # what the calibrated model leaves on rigs with nothing hidden, in units of the floor
+        references.insert(0, (f"what nulls leave, {float(np.median(bare)):.2f} x floor", float(np.median(bare))))
+    for text, best in references:
+        shares = []
+        for line in lines:
+            error = line["answer"]["error"] if "answer" in line else {"baseline": None}
+            if error["baseline"] is not None and error["baseline"] > REMOVABLE * best:
+                left = error["augmented"] if error["augmented"] is not None else error["baseline"]
+                shares.append((error["baseline"] - left) / (error["baseline"] - best))
+        for title, level, aim in (
+            ("median", 50, at_least("0.96", 0.95, 0.97)),
+            ("10th percentile", 10, at_least("0.45", 0.7, 0.9)),
+        ):
+            value = float(np.percentile(shares, level)) if shares else math.nan
+            rows.append(
+                Measure(
+                    f"share of the removable held-out error removed, {title} (best: {text})",
+                    value,
+                    len(shares),
+                    aim,
+                    unit="",
+                )
+            )
+    return rows
+
+
+def amplitudes(lines: Sequence[Line]) -> list[Measure]:
+    """Return the median error of the amplitudes of effects that were named."""
+    errors: dict[bool, list[float]] = {True: [], False: []}
+    for line in lines:
+        for effect in line["effects"]:
+            found = amplitude_of(line, effect) if effect in named(line) else None
+            if found is not None:
+                errors[AMPLITUDES[effect].same].append(100 * abs(found[0] - found[1]) / abs(found[0]))
+    aim = at_most("2 - 8 %", 5, 3)
+    every = errors[True] + errors[False]
+    return [
+        Measure("amplitude error, median (same quantity)", _median(errors[True]), len(errors[True]), aim),
+        Measure("... with those of a differing law", _median(every), len(every), aim),
+    ]
+
+
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values)) if values else math.nan
+
+
+def coverage(library: Sequence[Line], nulls: Sequence[Line]) -> list[Measure]:
+    """Return how often the 95 % intervals hold the truth, where the verdict was right."""
+    bare: list[tuple[str, bool]] = []
+    beside: list[tuple[str, bool]] = []
+    hidden: list[tuple[str, bool]] = []
+    for line in [*nulls, *library]:
+        if "answer" not in line or not right(line, False):
+            continue
+        (bare if line["kind"] == "null" else beside).extend(base_covered(line).items())
+        for effect in line["effects"]:
+            found = amplitude_of(line, effect)
+            if found is not None and found[2] is not None:
+                hidden.append((effect, found[2]))
+    aim = Aim("not tried", (85, 99), (93, 97))
+    return [
+        _covered("coverage of 95 % intervals, base parameters and amplitudes", bare + beside + hidden, aim),
+        _covered("... base parameters, nulls", bare, aim),
+        _covered("... base parameters beside a right effect", beside, aim),
+        _covered("... amplitudes of right effects", hidden, aim),
+    ]
+
+
+def _covered(title: str, rows: Sequence[tuple[str, bool]], aim: Aim) -> Measure:
+    spoiled = Counter(name for name, ok in rows if not ok)
+    return counted(title, sum(ok for _, ok in rows), len(rows), aim, tuple(spoiled.most_common()))
+
+
+def base_covered(line: Line) -> dict[str, bool]:
+    """Return for each base parameter of a result whether its interval holds the truth."""
+    rows = line["answer"]["calibration"]
+    found = {}
+    for name, value in true_base(line).items():
+        low, high = rows.get(name, {}).get("ci95", (None, None))
+        if low is not None and high is not None:
+            found[name] = bool(low <= value <= high)
+    return found
+
+
+def times(lines: Sequence[Line], effort: str) -> list[Measure]:
+    """Return the median time of a diagnosis in one process with one thread; kernels of other libraries compile anew."""
+    chosen = [line for line in lines if line["effort"] == effort and line["kind"] != "taken_out" and "answer" in line]
+    title = f"time for 24 tests and 22 effects, {effort}, one thread, median"
+    wall = [float(line["seconds"]) for line in chosen]
+    busy = [float(line["processor_seconds"]) for line in chosen]
+    return [
+        Measure(title, _median(wall), len(wall), at_most("24 s", 60, 15), unit="s"),
+        Measure(f"... of processor time, {effort}", _median(busy), len(busy), unit="s"),
+    ]

@@ -1,0 +1,103 @@
+"""Run one case of the hidden-effect benchmark: write its logs, diagnose them, keep truth and answer, delete the logs."""
+
+from __future__ import annotations
+
+import json
+import math
+import signal
+import sys
+import tempfile
+import time
+import traceback
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from hidden_effects_cases import PLAN, HiddenCase
+from hidden_effects_detectable import visibility
+from truth.case import write_case
+
+
+def alone() -> None:
+    """Leave Ctrl-C to the process that hands out the cases; when it says so, end and take the logs away."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
+
+
+def run_case(case: HiddenCase, effort: str, tag: str, seen: dict[str, Any] | None) -> dict[str, Any]:
+    """Return the result of one case as plain values; an error in the diagnosis is a result, too.
+
+    ``seen`` is how visible its effects are, where that is known already.
+    """
+    line: dict[str, Any] = {"plan": PLAN, "tag": tag, "effort": effort, **case.row()}
+    with tempfile.TemporaryDirectory(prefix="hidden_effects_") as temporary:
+        folder = Path(temporary) / "logs"
+        path = write_case(folder, case.effects, case.strength or "medium", case.seed)
+        line["truth"] = json.loads(path.read_text(encoding="utf-8"))
+        line["visibility"] = visibility(case.effects, case.strength, case.seed) if seen is None else seen
+        began = time.perf_counter()
+        try:
+            line |= diagnosed(folder, case.without, effort)
+        except Exception as error:
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            where = f"{Path(last.filename).name}:{last.lineno}"
+            line["failure"] = f"{type(error).__name__}: {error} ({where})"
+        line.setdefault("seconds", round(time.perf_counter() - began, 3))
+    return cleaned(line)
+
+
+def diagnosed(folder: Path, without: tuple[str, ...], effort: str) -> dict[str, Any]:
+    """Return the answer of a diagnosis of the logs in ``folder``, its seconds, and what stands behind it."""
+    from hjcamp.commands._session import evidence_of
+    from hjcamp.discrepancy.answer import answer
+    from hjcamp.discrepancy.crew import Crew
+    from hjcamp.discrepancy.diagnose import diagnose
+    from hjcamp.effects import load_effects
+
+    effects = tuple(effect for name, effect in load_effects([]).items() if name not in without)
+    began, used = time.perf_counter(), time.process_time()
+    evidence = evidence_of([folder])
+    found = diagnose(evidence, effects, effort=effort, seed=1, crew=Crew(1))
+    content = answer(found, effects, effort, 0.0)
+    content["seconds"] = round(time.perf_counter() - began, 3)
+    spent = {"seconds": content["seconds"], "processor_seconds": round(time.process_time() - used, 3)}
+    return {"answer": content, **spent, "behind": behind(found)}
+
+
+def behind(found: Any) -> dict[str, Any]:
+    """Return the inner numbers of a diagnosis that explain its verdict; they help to read failures, not to score."""
+    try:
+        return {
+            "reason": found.reason,
+            "excess": found.null.excess(found.baseline.mean_square, found.final.mean_square).tolist(),
+            "limit": found.null.limit().tolist(),
+            "needed": found.null.needed(),
+            "base_candidate": dict(found.baseline.candidate.base),
+            "final_candidate": dict(found.final.candidate.effects),
+            "steps": [
+                {
+                    "p_value": step.p_value,
+                    "weights": dict(step.weights),
+                    "screened": dict(step.screening.gains),
+                    "gains": {name: step.screening.about.loss - fit.loss for name, fit in step.fits.items()},
+                    "null_gains": [float(gain) for gain in step.null_gains],
+                    "taken": step in found.taken,
+                }
+                for step in found.steps
+            ],
+        }
+    except (AttributeError, TypeError, ValueError) as error:
+        return {"reason": str(getattr(found, "reason", "")), "unavailable": str(error)}
+
+
+def cleaned(value: Any) -> Any:
+    """Return plain values that JSON can hold: numbers that are not finite become null."""
+    if isinstance(value, dict):
+        return {str(name): cleaned(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [cleaned(one) for one in value]
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    if hasattr(value, "item"):
+        return cleaned(value.item())
+    return value

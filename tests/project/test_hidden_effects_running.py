@@ -1,0 +1,72 @@
+"""The hidden-effect benchmark: its plan, its ledger, and how it goes on after an interruption."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+from test_hidden_effects_benchmark import made_up  # puts the benchmarks on the path
+
+import hidden_effects  # isort: skip
+from hidden_effects_cases import HiddenCase, plan  # isort: skip
+from hidden_effects_ledger import Ledger  # isort: skip
+from truth.hidden import LIBRARY_NAMES  # isort: skip
+
+
+def test_a_full_plan_has_new_rigs_alone_and_holds_the_small_one() -> None:
+    full, small = plan("full"), plan("small")
+    assert len(full) == 132 + 30 + 10 + 42 + 12
+    assert min(case.seed for case in full) == 1000
+    assert len({case.seed for case in plan("full", 200)}) == len(plan("full", 200))
+    assert set(small) <= set(full) and full[: len(small)] == small
+    assert len(small) == 59 and {case.effects[0] for case in small if case.kind == "single"} == set(LIBRARY_NAMES)
+
+
+def test_a_plan_with_more_nulls_keeps_every_other_case() -> None:
+    assert {case.name for case in plan("full")} <= {case.name for case in plan("full", 200)}
+    assert {case.name for case in plan("small")} <= {case.name for case in plan("small", 40)}
+    assert sum(case.kind == "null" for case in plan("small", 40)) == 40
+
+
+def test_what_is_taken_out_goes_with_what_is_the_same_thing() -> None:
+    taken = {case.effects[0]: case.without for case in plan("full") if case.kind == "taken_out"}
+    assert taken["payload_inertia"] == ("line_inertance", "payload_inertia")
+    assert taken["leakage"] == ("leakage",)
+
+
+def test_a_ledger_survives_a_line_that_was_cut_short(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path / "results.jsonl")
+    ledger.add(made_up("effect", ("leakage",), name="first"))
+    with ledger.path.open("a") as stream:
+        stream.write('{"plan": 1, "name": "tor')
+    ledger.add(made_up("effect", ("leakage",), name="second", tag="other"))
+    assert ledger.finished("made-up", "standard") == {"first"}
+    assert ledger.finished("made-up", "quick") == set()
+    assert set(ledger.visibilities()) == {"first", "second"}
+
+
+def test_only_what_is_left_is_run_and_the_page_is_kept_until_all_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cases = [HiddenCase(f"null-{seed}", "null", (), "", seed) for seed in (1, 2, 3)]
+    asked: list[str] = []
+
+    def stopped(left: list[HiddenCase], given: Any, seen: Any) -> Any:
+        for case in left:
+            if len(asked) == 2:
+                asked.append("stop")
+                raise KeyboardInterrupt
+            asked.append(case.name)
+            yield made_up("nothing_missing", (), (), "null", seed=case.seed, name=case.name)
+
+    monkeypatch.setattr(hidden_effects, "plan", lambda size, nulls: cases)
+    monkeypatch.setattr(hidden_effects, "results", stopped)
+    options = ["--out", str(tmp_path), "--tag", "made-up", "--page", str(tmp_path / "docs.md")]
+    assert hidden_effects.main(options) == 130
+    assert not (tmp_path / "docs.md").exists() and "Only 2 of 3" in (tmp_path / "benchmark.md").read_text()
+    assert hidden_effects.main(options) == 0
+    assert asked == ["null-1", "null-2", "stop", "null-3"]
+    assert "Only" not in (tmp_path / "docs.md").read_text()
+    assert not list(tmp_path.glob("*.part")) and os.fspath(tmp_path) in capsys.readouterr().out
