@@ -4,9 +4,11 @@ import argparse
 import sys
 from pathlib import Path
 
+import yaml
+
 from truth.case import write_case
 from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS
-from truth.menu import MENUS
+from truth.menu import MENUS, Condition, asked
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -28,6 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--payload", choices=["none", "brass_8p5g"], default="none")
     parser.add_argument("--orientation", choices=["horizontal", "vertical"], default="horizontal")
     parser.add_argument("--phases", choices=["command", "all"], default="command")
+    parser.add_argument("--campaign", type=Path, help="a campaign file: run its tests on the rig of this seed")
     options = parser.parse_args(arguments)
     try:
         strength: str | float = options.strength if options.strength in STRENGTHS else float(options.strength)
@@ -43,9 +46,17 @@ def main(arguments: list[str] | None = None) -> int:
         payload=options.payload,
         orientation=options.orientation,
         phases=options.phases,
+        conditions=read_campaign(options.campaign) if options.campaign else (),
     )
     print(f"logs in {options.folder}, sealed answer in {answer}")
     return 0
+
+
+def read_campaign(path: Path) -> list[Condition]:
+    """Return the conditions of a campaign file with one axis of cases."""
+    content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    (cases,) = content["vary"].values()
+    return [asked(name, {**content["fixed"], **settings}) for name, settings in cases.items()]
 
 
 if __name__ == "__main__":

@@ -33,6 +33,7 @@ class Case:
     payload: str = "none"
     orientation: str = "horizontal"
     scatter: Scatter = field(default_factory=Scatter)
+    first_test: int = 0
 
 
 def build_case(
@@ -43,8 +44,12 @@ def build_case(
     repetitions: int | None = None,
     payload: str = "none",
     orientation: str = "horizontal",
+    conditions: Sequence[Condition] = (),
 ) -> Case:
-    """Draw a rig and a campaign from the seed and hide the named effects in it; no effect gives a null."""
+    """Draw a rig and a campaign from the seed and hide the named effects in it; no effect gives a null.
+
+    ``conditions`` are tests that somebody asked for on the same rig later, in place of the menu.
+    """
     unknown = [name for name in effects if name not in EFFECTS]
     if unknown:
         raise ValueError(f"effect {unknown[0]!r}: known are {', '.join(EFFECTS)}")
@@ -64,14 +69,16 @@ def build_case(
             plant = plant._replace(weight_force=plant.weight_force + BRASS_WEIGHT)
     if repetitions is None:
         repetitions = 1 if menu == "few" else 3
-    return Case(plant, changes, vary(MENUS[menu], seed), repetitions, seed, payload, orientation)
+    chosen = tuple(conditions) or vary(MENUS[menu], seed)
+    first_test = 1000 if conditions else 0
+    return Case(plant, changes, chosen, repetitions, seed, payload, orientation, first_test=first_test)
 
 
 def simulate_test(case: Case, index: int, repetition: int, phases: str = "command") -> np.ndarray:
     """Return the samples of one test, shape (n, 11): the command phase alone, or "all" phases."""
     condition, plant = case.conditions[index], case.plant
     reference = condition.reference()
-    draw = draw_test(case.seed, index, repetition, reference.size + OTHER_PHASES, case.scatter)
+    draw = draw_test(case.seed, case.first_test + index, repetition, reference.size + OTHER_PHASES, case.scatter)
     # the operator stops preloading on the *readings*, so a wrong sensor makes a wrong pressure
     readings = condition.preload_mpa * 1e6 + draw.pressures
     adjustment = condition.adjustment_mpa * 1e6
@@ -107,11 +114,12 @@ def write_case(
     payload: str = "none",
     orientation: str = "horizontal",
     phases: str = "command",
+    conditions: Sequence[Condition] = (),
 ) -> Path:
     """Write a case's logs `<condition>_r<k>.mcap` into `folder`; return the answer file, `<folder>.answer.json`."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    case = build_case(effects, strength, seed, menu, repetitions, payload, orientation)
+    case = build_case(effects, strength, seed, menu, repetitions, payload, orientation, conditions)
     for index, condition in enumerate(case.conditions):
         for repetition in range(case.repetitions):
             rows = simulate_test(case, index, repetition, phases)

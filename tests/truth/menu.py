@@ -1,7 +1,8 @@
 """The tests of a campaign: reference signals, and menus of conditions."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -84,3 +85,40 @@ def vary(menu: tuple[Condition, ...], seed: int) -> tuple[Condition, ...]:
         changes = {"amplitude_deg": min(amplitude, ARM_LIMIT_DEG), "preload_mpa": round(preload, 3)}
         varied.append(replace(condition, **changes))  # type: ignore[arg-type]
     return tuple(varied)
+
+
+def asked(name: str, settings: Mapping[str, Any]) -> Condition:
+    """Return the condition that the settings of a campaign ask for, as a bench would set it up; no payload."""
+    shape = {key.partition(".")[2]: value for key, value in settings.items() if key.startswith("trajectory.")}
+    kind = settings["trajectory"]
+    if settings.get("payload", "none") != "none" or settings.get("orientation", "horizontal") != "horizontal":
+        raise ValueError(f"{name}: this bench cannot change its payload within a campaign")
+    closed = settings["controller"] == "pid"
+    return Condition(
+        name,
+        kind,
+        lambda: _asked_shape(kind, shape),
+        float(shape.get("amplitude_deg", 1.0)),
+        float(settings["procedure.preload_mpa"]),
+        closed,
+        float(settings.get("controller.dither.amplitude_v", 1.2 if closed else 0.0)),
+        0.2 if closed else 0.0,
+    )
+
+
+def _asked_shape(kind: str, shape: Mapping[str, Any]) -> np.ndarray:
+    if kind == "sine":
+        return sine(shape["frequency_hz"], shape["duration"])
+    if kind == "triangle":
+        phase = shape["frequency_hz"] * _time(shape["duration"]) + 0.25
+        return 1 - 4 * np.abs(phase % 1 - 0.5)
+    if kind == "cycloid":
+        return cycloids((1, shape["rise_time"], shape["duration"] - shape["rise_time"]))
+    if kind == "ramp":
+        return points((0, 0), (shape["rise_time"], 1), (shape["duration"], 1))
+    if kind == "hold":
+        return np.full(round(shape["duration"] * 1000), shape["angle_deg"])
+    if kind == "segments":
+        parts = shape["segments"]
+        return cycloids(*[(parts[k]["by_deg"], parts[k]["in"], parts[k + 1]["rest"]) for k in range(0, len(parts), 2)])
+    raise ValueError(f"this bench knows no {kind}")
