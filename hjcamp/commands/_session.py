@@ -46,6 +46,29 @@ def folder_for(name: str, paths: Sequence[Path], answer: Path | None) -> Path:
     return answer.parent / name if answer is not None else Path(name)
 
 
+def calibrated_on(model: str, evidence: Evidence) -> bool:
+    """Return whether the base parameters of a saved model were fitted on any of these very logs."""
+    from hjcamp.configuration.composer import Composer
+    from hjcamp.discrepancy.saved import log_hashes
+
+    origin = Composer().model(model).get("provenance") or {}
+    fitted = origin.get("logs_sha256") if isinstance(origin, dict) else None
+    return isinstance(fitted, dict) and bool(set(fitted.values()) & set(log_hashes(evidence).values()))
+
+
+def free_model_name(stem: str) -> str:
+    """Return a name that no model has yet: ``stem``, else ``stem_2`` and so on."""
+    from hjcamp.configuration.composer import Composer
+    from hjcamp.discrepancy.saved import FOLDER
+
+    taken = set(Composer().options("model")) | {path.stem for path in FOLDER.glob("*.yaml")}
+    number, name = 1, stem
+    while name in taken:
+        number += 1
+        name = f"{stem}_{number}"
+    return name
+
+
 def joined(paths: Sequence[Path]) -> str:
     """Return the paths as they would be typed."""
     import shlex

@@ -108,16 +108,16 @@ def provenance_of(found: Addition, evidence: Evidence, command: str, content: di
 
 
 def _print(console: Console, found: Addition, path: Path, model: str, name: str, repeated: bool) -> None:
-    parts = []
-    for effect, rows in found.effects.items():
-        told = ", ".join(f"{key} {row['value']:.3g} {row['unit']}" for key, row in rows.items())
-        parts.append(f"{effect} ({told})")
+    from hjcamp.commands._diagnose_words import QUANTITY, parameters_told
+
+    parts = [f"{effect} ({parameters_told(rows)})" for effect, rows in found.effects.items()]
     console.print(f"{path}  = {model} + calibration + {' + '.join(parts)}", markup=False)
     if not repeated:
         console.print("  exploratory: no test was repeated, so the floor is the whole residual", style="yellow")
     bars = ((model, found.start), ("calibrated", found.before), (name, found.after), ("floor", 1.0))
     longest, width = max(value for _, value in bars), max(len(text) for text, _ in bars)
-    console.print("  error on tests not used for the fit, over the floor")
+    console.print("  error", markup=False)
     for text, value in bars:
         bar = "█" * max(1, round(BAR * value / longest))
         console.print(f"  {text:<{width}}  {bar} {value:.2f}", markup=False)
+    console.print(f"  ({QUANTITY})", style="dim", markup=False)

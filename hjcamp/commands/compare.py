@@ -12,14 +12,8 @@ from hjcamp.errors import UsageError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.discrepancy.compare import Compared
+    from hjcamp.discrepancy.compare import Compared, Comparison
 
-ROWS = (
-    ("arm_deg", "arm angle", 1.0, "deg"),
-    ("pressure1_mpa", "line 1", 1e3, "kPa"),
-    ("pressure2_mpa", "line 2", 1e3, "kPa"),
-    ("pump_deg", "pump", 1.0, "deg"),
-)
 BAR = 30
 
 
@@ -43,135 +37,97 @@ def compare(
     check_answer_file(json)
     console = make_console()
     with progress_of(console) as report:
+        from hjcamp.commands._compare_page import write_pictures
+        from hjcamp.commands._session import calibrated_on
         from hjcamp.discrepancy.compare import answer
         from hjcamp.discrepancy.compare import compare as compare_models
         from hjcamp.discrepancy.saved import saved_model
         from hjcamp.effects import load_effects
 
         models = {name: saved_model(name) for name in names}
+        report("reading the tests", 0.02)
         evidence = evidence_of(paths)
-        report(f"replaying {len(evidence.tests)} tests", 0.2)
-        compared = compare_models(evidence, tuple(load_effects().values()), models)
-        write_answer(json, answer(compared, len(evidence.tests)))
-        report("drawing", 0.7)
-        files = _draw(compared, folder_for("compare", paths, json))
-    _print(console, compared, paths, files)
+        calibrated = calibrated_on(names[-1], evidence)
+        found = compare_models(evidence, tuple(load_effects().values()), models, calibrated, report)
+        write_answer(json, answer(found.models, len(evidence.tests)))
+        report("drawing", 0.8)
+        files = write_pictures(found, folder_for("compare", paths, json))
+    _print(console, found, files)
+    for number, command in enumerate(next_commands(found, paths)):
+        console.print(f"{'        ' if number else 'next    '} {command}", markup=False)
 
 
-def _print(console: Console, compared: list[Compared], paths: list[Path], files: list[Path]) -> None:
+def next_commands(found: Comparison, paths: list[Path]) -> list[str]:
+    """Return the commands that go on: use a model that is good, else say what it misses."""
     from hjcamp.commands._session import joined
-    from hjcamp.discrepancy.where import sentences
+    from hjcamp.report.where_words import NEAR
 
-    evidence = compared[0].replay.evidence
+    last = found.models[-1]
+    name, good = last.replay.name, last.score <= NEAR and last.replay.evidence.repeated
+    own = "" if name == "published" else f" --model {name}"
+    commands = [] if good and own else [f"hjcamp diagnose {joined(paths)}{own}"]
+    if own and (good or len(found.models) > 1):
+        commands.append(f"hjcamp run campaign=controllers controller.model={name}")
+    return commands
+
+
+def _print(console: Console, found: Comparison, files: list[Path]) -> None:
+    from hjcamp.commands._compare_page import NOT_CALIBRATED, places_in_words
+
+    models, last, calibrated = found.models, found.models[-1], found.calibrated
+    evidence = last.replay.evidence
     count = f"{len(evidence.tests)} tests, {len(evidence.conditions)} conditions"
     console.print(f"{count}, replay driven by the measured pump")
     if not evidence.repeated:
         console.print("  exploratory: no test was repeated, so there is no floor to compare with", style="yellow")
-    for one in compared:
-        console.print(f"[bold]{one.replay.name}[/bold]", highlight=False)
+    for one in models:
+        console.print(one.replay.name, style="bold", markup=False, highlight=False)
         _table(console, one)
-    if len(compared) > 1:
-        _bars(console, compared)
-    last = compared[-1]
-    lines = sentences(last.places)
-    label = f"where    ({last.replay.name}) " if len(compared) > 1 else "where    "
-    console.print(label + lines[0], markup=False)
-    for line in lines[1:]:
-        console.print(f"         {line}", markup=False)
+    if len(models) > 1 or calibrated:
+        _bars(console, [*models, calibrated] if calibrated else models)
+    if calibrated:
+        console.print(f"where    {last.replay.name} as it stands ({NOT_CALIBRATED})", markup=False)
+        _say(console, places_in_words(last))
+        console.print("         after calibrating its base parameters on these tests", markup=False)
+        _say(console, places_in_words(calibrated))
+    else:
+        console.print(f"where    {last.replay.name}", markup=False)
+        _say(console, places_in_words(last))
     if last.horizon.born:
         early, late = (1e3 * one for one in last.horizon.born)
         console.print(f"         error against horizon: born between {early:.0f} and {late:.0f} ms after a restart")
     console.print(f"figures  {'  '.join(str(file) for file in files[:-1])}", markup=False)
     console.print(f"page     {files[-1]}", markup=False)
-    console.print(f"next     hjcamp diagnose {joined(paths)}", markup=False)
+
+
+def _say(console: Console, lines: list[str]) -> None:
+    for line in lines:
+        console.print(f"           {line}", markup=False)
 
 
 def _table(console: Console, one: Compared) -> None:
     from rich.table import Table
 
+    from hjcamp.commands._compare_page import CHANNELS, HEADINGS, error_cells
+
     table = Table(box=None, pad_edge=False, header_style="dim")
     table.add_column("               ", no_wrap=True)
-    for heading in ("error", "floor", "error / floor", "r2"):
+    for heading in HEADINGS[2:]:
         table.add_column(heading, justify="right")
-    for name, text, scale, unit in ROWS:
-        error = one.replay.errors[name]
-        if error is None:
-            table.add_row(f"  {text}", "not logged", "", "", "")
-            continue
-        floor = "none" if error.floor is None else f"{error.floor * scale:.3g} {unit}"
-        over = "" if error.ratio is None else f"{error.ratio:.1f}"
-        fraction = "" if error.r2 is None else f"{error.r2:.3f}"
-        table.add_row(f"  {text}", f"{error.rms * scale:.3g} {unit}", floor, over, fraction)
+    for name in CHANNELS:
+        first, *rest = error_cells(one, name)
+        table.add_row(f"  {first}", *rest)
     console.print(table)
 
 
-def _bars(console: Console, compared: list[Compared]) -> None:
-    longest = max(one.score for one in compared)
-    width = max(len(one.replay.name) for one in compared)
-    console.print("error / floor, geometric mean of arm and lines")
-    for one in compared:
+def _bars(console: Console, models: list[Compared]) -> None:
+    longest = max(one.score for one in models)
+    width = max(len(one.replay.name) for one in models)
+    repeated = models[0].replay.evidence.repeated
+    over = "floor" if repeated else "spread of the measurement"
+    console.print(f"error / {over}, geometric mean of arm and lines")
+    for one in models:
         bar = "█" * max(1, round(BAR * one.score / longest))
         console.print(f"  {one.replay.name:<{width}}  {bar} {one.score:.2f}", markup=False)
-    if compared[0].replay.evidence.repeated:
+    if repeated:
         console.print(f"  {'floor':<{width}}  {'█' * max(1, round(BAR / longest))} 1.00", markup=False)
-
-
-def _draw(compared: list[Compared], folder: Path) -> list[Path]:
-    """Write overlay, where, horizon and the page that holds them; return their paths."""
-    import numpy as np
-
-    from hjcamp.discrepancy.where import SLIDING, sentences
-    from hjcamp.records.write import whole_file
-    from hjcamp.report.discrepancy_figures import HorizonCurve, Overlay, draw_horizon, draw_map, draw_overlay
-    from hjcamp.report.discrepancy_page import discrepancy_page
-
-    evidence, last = compared[0].replay.evidence, compared[-1]
-    worst, excess = 0, -1.0
-    overlays = []
-    for name, tests in evidence.conditions.items():
-        index = tests[0]
-        part = slice(int(evidence.edges[index]), int(evidence.edges[index + 1]))
-        models = {one.replay.name: one.replay.predicted[part] for one in compared}
-        overlays.append(Overlay(name, evidence.tests[index].time, last.replay.measured[part], models))
-        error = float(np.sqrt(np.mean((last.replay.predicted[part, 0] - last.replay.measured[part, 0]) ** 2)))
-        if error > excess:
-            worst, excess = len(overlays) - 1, error
-    slides = evidence.sliding
-    velocity, arm = evidence.joined("velocity")[slides] * 1e3, last.replay.measured[slides, 0]
-    curves = [HorizonCurve(one.replay.name, one.horizon.time, one.horizon.rms, one.horizon.floor) for one in compared]
-    pictures = {
-        "overlay": draw_overlay(overlays[worst]),
-        "where": draw_map(velocity, arm, last.residuals[slides, SLIDING], [p.row() for p in last.places]),
-        "horizon": draw_horizon(curves),
-    }
-    files = [folder / f"{name}.svg" for name in pictures]
-    for file, svg in zip(files, pictures.values(), strict=True):
-        with whole_file(file) as stream:
-            stream.write(svg.encode())
-    captions = {
-        "overlay": f"Overlay: {overlays[worst].name}, the condition with the largest error of the arm",
-        "where": "Where: force that the balance of the sliding arm lacks, over speed and angle",
-        "horizon": "Error of the arm against the time since a restart from measured states",
-    }
-    rows = [p.row() for p in last.places]
-    page = folder / "index.html"
-    with whole_file(page) as stream:
-        title = "Comparison: " + ", ".join(one.replay.name for one in compared)
-        table = [
-            [one.replay.name, name, *(["not logged"] * 3 if error is None else _cells(error))]
-            for one in compared
-            for name, error in one.replay.errors.items()
-        ]
-        text = discrepancy_page(
-            title, sentences(last.places), ("model", "channel", "error", "floor", "r2"), table, rows,
-            [(captions[name], svg) for name, svg in pictures.items()],
-        )  # fmt: skip
-        stream.write(text.encode())
-    return [*files, page]
-
-
-def _cells(error: object) -> list[str]:
-    from hjcamp.discrepancy.replay import ChannelError
-
-    assert isinstance(error, ChannelError)
-    return [f"{error.rms:.4g}", *("" if one is None else f"{one:.4g}" for one in (error.floor, error.r2))]

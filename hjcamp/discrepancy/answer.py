@@ -8,9 +8,11 @@ from typing import Any
 
 from hjcamp.discrepancy.diagnose import Diagnosis
 from hjcamp.discrepancy.fit import Fit
-from hjcamp.discrepancy.heldout import Fold, Local, folds, parameter_rows
+from hjcamp.discrepancy.heldout import Fold, Local, folds, judged_error, parameter_rows
+from hjcamp.discrepancy.saved import complete
 from hjcamp.discrepancy.search import Step, unknowns_of
 from hjcamp.discrepancy.unknowns import base_unknowns
+from hjcamp.discrepancy.views import Candidate
 from hjcamp.discrepancy.where import Place, where
 from hjcamp.model.effect import Effect
 
@@ -59,6 +61,17 @@ def answer(
         "minimum_detectable": _detectable(found),
         "seconds": seconds,
     }
+
+
+def start_error(found: Diagnosis, start: Candidate, effort: str) -> float | None:
+    """Return the error over the floor of the model before it was calibrated, on the tests that judge the others."""
+    fitter = found.fitter
+    evidence = fitter.views.evidence
+    seen = fitter.look(complete(start, evidence)).mean_square
+    errors = [
+        judged_error(fitter.features, seen, found.floor, fold.held_out) for fold in folds(evidence, FOLDS[effort])
+    ]
+    return math.sqrt(sum(one**2 for one in errors) / len(errors)) if errors else None
 
 
 def _finite(value: float) -> float | None:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.baseline import calibrate
 from hjcamp.discrepancy.evidence import PERIOD, WINDOW, Evidence
 from hjcamp.discrepancy.features import Features
-from hjcamp.discrepancy.replay import Replay, floor_of, replay
+from hjcamp.discrepancy.replay import ChannelError, Replay, floor_of, replay
 from hjcamp.discrepancy.views import Candidate, Views
 from hjcamp.discrepancy.where import Place, where
 from hjcamp.model.effect import Effect
@@ -19,6 +20,7 @@ from hjcamp.model.effect import Effect
 Array = NDArray[np.float64]
 SCHEMA = "hjcamp.comparison/1"
 HEADLINE = ("arm_deg", "pressure1_mpa", "pressure2_mpa")
+Report = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -42,9 +44,10 @@ class Horizon:
 
 @dataclass(frozen=True)
 class Compared:
-    """One model on the tests: replay, residuals (n, channels) of the views and their features, horizon."""
+    """One model on the tests: replay, errors over the shared floor, residuals (n, channels) of the views, features."""
 
     replay: Replay
+    errors: dict[str, ChannelError | None]
     residuals: Array
     seen: Array
     floor: Array
@@ -53,33 +56,73 @@ class Compared:
     score: float
 
 
-def compare(evidence: Evidence, effects: tuple[type[Effect], ...], models: Mapping[str, Candidate]) -> list[Compared]:
-    """Return every model on the same tests.
+@dataclass(frozen=True)
+class Comparison:
+    """All models on the same tests, and the last one with its base parameters calibrated (None where it is already)."""
 
-    The score is the geometric mean over arm and both pressures of the error over the lowest floor of the models
-    compared (over the spread of the measurement where nothing was repeated): 1 is perfect, lower is better.
+    models: list[Compared]
+    calibrated: Compared | None
+
+
+def compare(
+    evidence: Evidence,
+    effects: tuple[type[Effect], ...],
+    models: Mapping[str, Candidate],
+    calibrated: bool = True,
+    report: Report = lambda text, share: None,
+) -> Comparison:
+    """Return every model on the same tests; unless ``calibrated``, the last one also after its base is calibrated.
+
+    Floors are the lowest of all models looked at: what repetitions do not share grows with a bad model. The score is the
+    geometric mean over arm and both pressures of the error over that floor (over the spread of the measurement where
+    nothing was repeated): 1 is perfect, lower is better.
     """
     views, features = Views(evidence, effects), Features(evidence)
-    replays = {name: replay(views, name, candidate) for name, candidate in models.items()}
-    found = []
-    for name, candidate in models.items():
+    asked, base = dict(models), None
+    if not calibrated:
+        report("calibrating the base parameters", 0.1)
+        name, last = list(models.items())[-1]
+        base = f"{name}, calibrated"
+        asked[base] = calibrate(views, features, start=last if last.effects else None)[0].candidate
+    replays = {}
+    for number, (name, candidate) in enumerate(asked.items()):
+        report(f"replaying {len(evidence.tests)} tests: {name}", 0.3 + 0.2 * number / len(asked))
+        replays[name] = replay(views, name, candidate)
+    errors = over_lowest_floor(list(replays.values()))
+    found = {}
+    for number, (name, candidate) in enumerate(asked.items()):
+        report(f"looking where it comes from: {name}", 0.5 + 0.2 * number / len(asked))
         residuals = views.residuals(candidate)
         seen = features.of(residuals)
         floor = features.floor(seen)
         places = where(features, seen, floor, replays[name])
-        horizon, score = horizon_of(evidence, residuals[:, 0]), score_of(replays[name], list(replays.values()))
-        found.append(Compared(replays[name], residuals, seen, floor, horizon, places, score))
-    return found
+        horizon, score = horizon_of(evidence, residuals[:, 0]), score_of(replays[name], errors[name])
+        found[name] = Compared(replays[name], errors[name], residuals, seen, floor, horizon, places, score)
+    return Comparison([found[name] for name in models], found[base] if base else None)
 
 
-def score_of(one: Replay, every: list[Replay]) -> float:
-    """Return the score of one replay among all that are compared."""
+def over_lowest_floor(replays: Sequence[Replay]) -> dict[str, dict[str, ChannelError | None]]:
+    """Return the errors of every replay by name, each channel with the lowest floor of all of them."""
+    least: dict[str, float] = {}
+    for one in replays:
+        for name, error in one.errors.items():
+            if error is not None and error.floor is not None:
+                least[name] = min(error.floor, least.get(name, error.floor))
+    return {
+        one.name: {
+            name: None if error is None else replace(error, floor=least.get(name)) for name, error in one.errors.items()
+        }
+        for one in replays
+    }
+
+
+def score_of(one: Replay, errors: Mapping[str, ChannelError | None]) -> float:
+    """Return the score of one replay from its errors over the shared floor."""
     parts = []
     for index, name in enumerate(HEADLINE):
-        error = one.errors[name]
+        error = errors[name]
         assert error is not None
-        floors = [found.floor for other in every if (found := other.errors[name]) is not None and found.floor]
-        parts.append(error.rms / (min(floors) if floors else max(float(np.std(one.measured[:, index])), 1e-12)))
+        parts.append(error.rms / (error.floor or max(float(np.std(one.measured[:, index])), 1e-12)))
     return float(np.exp(np.mean(np.log(np.maximum(parts, 1e-12)))))
 
 
@@ -98,13 +141,13 @@ def horizon_of(evidence: Evidence, arm: Array) -> Horizon:
     return Horizon(np.arange(width, dtype=np.float64) * PERIOD, rms, floor)
 
 
-def answer(compared: list[Compared], tests: int) -> dict[str, Any]:
+def answer(compared: Sequence[Compared], tests: int) -> dict[str, Any]:
     """Return the answer for programs, schema hjcamp.comparison/1; ``where`` is that of the model named last."""
     models = []
     for one in compared:
         error = {
             name: None if found is None else {"rms": found.rms, "floor": found.floor, "r2": found.r2}
-            for name, found in one.replay.errors.items()
+            for name, found in one.errors.items()
         }
         models.append({"name": one.replay.name, "tests": tests, "error": error, "score": one.score})
     return {"schema": SCHEMA, "models": models, "where": [place.row() for place in compared[-1].places]}

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -115,6 +114,7 @@ def where(features: Features, seen: Array, floor: Array, replayed: Replay | None
             alike = [one for one in every if one.subsystem == quantity.subsystem]
             whole = sum(float((one.values[one.valid] ** 2).sum()) for one in alike)
             places += _bins(features, quantity, share / (whole or 1.0))
+    places = _merged(places)
     seen_in = {place.subsystem for place in places if place.variable == "all" and place.z > 2.0}
     kept = [
         place
@@ -122,6 +122,18 @@ def where(features: Features, seen: Array, floor: Array, replayed: Replay | None
         if place.subsystem in seen_in and (place.variable == "all" or (place.share >= 0.01 and abs(place.z) > 2.0))
     ]
     return sorted(kept, key=lambda place: (-place.share, place.variable != "all"))[:40]
+
+
+def _merged(places: list[Place]) -> list[Place]:
+    """Return places of one subsystem, variable and bin as one: line sum and difference share theirs; the larger z."""
+    found: dict[tuple[str, str, str], Place] = {}
+    for place in places:
+        other = found.get(key := (place.subsystem, place.variable, place.bin))
+        if other is not None:
+            larger = max(place, other, key=lambda one: abs(one.z))
+            place = replace(larger, share=place.share + other.share)
+        found[key] = place
+    return list(found.values())
 
 
 def quantities(features: Features, seen: Array) -> list[Quantity]:
@@ -244,25 +256,3 @@ def nice_edges(values: Array, wanted: int = 5) -> list[float]:
     step = power * min((1.0, 2.0, 5.0, 10.0), key=lambda one: abs(one * power - rough))
     first, last = np.floor(low / step), np.floor(high / step) + 1
     return [float(f"{number * step:.6g}") for number in np.arange(first, last + 1)]
-
-
-def sentences(places: Sequence[Place]) -> list[str]:
-    """Return the places as sentences: the main subsystem, how it was told, and where it is strongest."""
-    if not places:
-        return ["The error does not rise above what the repetitions differ by."]
-    how = {
-        "joint": "with every pressure and motion as measured, the force balance of the arm still fails",
-        "lines": "driven with the measured pump and arm, the pressures still come out wrong",
-        "pump": "driven with the command, the pump does not move as its model says",
-    }
-    whole = [place for place in places if place.variable == "all"]
-    said = [
-        f"{100 * whole[0].share:.0f} % of the excess error is in the {whole[0].subsystem}: {how[whole[0].subsystem]}."
-    ]
-    said += [f"{100 * place.share:.0f} % is in the {place.subsystem}." for place in whole[1:] if place.share > 0.05]
-    inside = [place for place in places if place.variable != "all"]
-    for place in inside[:2]:
-        name = place.variable.replace("_", " ")
-        text = f"{100 * place.share:.0f} % of all: {place.subsystem}, by {name}: {place.bin} (z {place.z:+.0f})"
-        said.append(f"{text}, in {place.shown} of {place.conditions} conditions.")
-    return said

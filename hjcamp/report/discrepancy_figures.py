@@ -16,6 +16,7 @@ COLOURS = (RED, BLUE, GREEN)
 LABELS = ("Arm angle (deg)", "Pressure 1 (MPa)", "Pressure 2 (MPa)")
 CELLS = 14
 FEWEST = 4
+ZOOM = 0.5
 
 
 class Overlay(NamedTuple):
@@ -28,12 +29,11 @@ class Overlay(NamedTuple):
 
 
 class HorizonCurve(NamedTuple):
-    """One model's error of the arm (rad) and its floor against the time since a restart (s), each (k,)."""
+    """One model's error of the arm (rad) against the time since a restart (s), each (k,)."""
 
     name: str
     time: Array
     rms: Array
-    floor: Array | None
 
 
 def draw(size: tuple[float, float], name: str, paint: Callable[[Any], None]) -> str:
@@ -52,37 +52,70 @@ def draw(size: tuple[float, float], name: str, paint: Callable[[Any], None]) -> 
 
 
 def draw_overlay(one: Overlay) -> str:
-    """Return measurement and models of one test over time, arm and both pressures."""
+    """Return measurement and models of one test over time, arm and pressures, and 0.5 s where the first model is worst."""
 
     def paint(figure: Any) -> None:
-        axes = figure.subplots(3, 1, sharex=True, height_ratios=[1.4, 1.0, 1.0])
-        for column, (axis, label) in enumerate(zip(axes, LABELS, strict=True)):
-            axis.plot(one.time, one.measured[:, column], color=INK, linewidth=1.6, alpha=0.55, label="measured")
-            for number, (name, values) in enumerate(one.models.items()):
-                colour = COLOURS[number % len(COLOURS)]
-                axis.plot(one.time, values[:, column], color=colour, linewidth=1.0, label=name)
-            dress(axis, label)
-        axes[0].set_title(one.name, loc="left", fontsize=9, color=INK)
-        axes[0].legend(loc="best", fontsize=8, frameon=False, ncols=4)
-        axes[-1].set_xlabel("Time (s)", color=INK, fontsize=8.5)
+        axes = figure.subplots(3, 2, sharex="col", height_ratios=[1.4, 1.0, 1.0], width_ratios=[1.9, 1.0])
+        part = worst_part(one)
+        for column, (row, label) in enumerate(zip(axes, LABELS, strict=True)):
+            for axis, inside in zip(row, (slice(None), part), strict=True):
+                time = one.time[inside]
+                axis.plot(time, one.measured[inside, column], color=INK, linewidth=1.6, alpha=0.55, label="measured")
+                for number, (name, values) in enumerate(one.models.items()):
+                    colour = COLOURS[number % len(COLOURS)]
+                    axis.plot(time, values[inside, column], color=colour, linewidth=1.0, label=name)
+                dress(axis, label if axis is row[0] else "")
+            row[0].axvspan(one.time[part][0], one.time[part][-1], color=GRID, alpha=0.6, linewidth=0.0)
+        axes[0, 0].set_title(one.name, loc="left", fontsize=9, color=INK)
+        axes[0, 1].set_title(f"the {ZOOM:g} s shaded", loc="left", fontsize=9, color=INK)
+        axes[0, 0].legend(loc="best", fontsize=8, frameon=False, ncols=2)
+        for axis in axes[-1]:
+            axis.set_xlabel("Time (s)", color=INK, fontsize=8.5)
 
-    return draw((7.4, 6.0), f"overlay {one.name}", paint)
+    return draw((9.6, 6.0), f"overlay {one.name}", paint)
 
 
-def draw_map(velocity: Array, arm: Array, force: Array, rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the mean missing force (N) over speed (mm/s) and arm angle (deg), and bars of the largest shares."""
+def worst_part(one: Overlay) -> slice:
+    """Return the samples of the ``ZOOM`` seconds in which the first model's arm is furthest from the measured one."""
+    if len(one.time) < 2:
+        return slice(None)
+    width = min(len(one.time), max(2, round(ZOOM / float(np.median(np.diff(one.time))))))
+    error = (next(iter(one.models.values()))[:, 0] - one.measured[:, 0]) ** 2
+    total = np.concatenate([[0.0], np.cumsum(error)])
+    begin = int(np.argmax(total[width:] - total[:-width]))
+    return slice(begin, begin + width)
+
+
+def draw_map(velocity: Array, arm: Array, force: Array, bars: Sequence[tuple[str, str, float]]) -> str:
+    """Return the mean missing force (N) over speed (mm/s) and arm angle (deg), and bars (group, label, share)."""
 
     def paint(figure: Any) -> None:
         left, right = figure.subplots(1, 2, width_ratios=[1.3, 1.0])
         _map(figure, left, velocity, arm, force)
-        shown = list(rows)[:10][::-1]
-        names = [f"{row['subsystem']}, {str(row['variable']).replace('_', ' ')}: {row['bin']}" for row in shown]
-        right.barh(range(len(shown)), [100 * row["share"] for row in shown], color=BLUE, height=0.6)
-        right.set_yticks(range(len(shown)), names, fontsize=6.5)
-        dress(right, "")
-        right.set_xlabel("Share of the excess error (%)", color=INK, fontsize=8.5)
+        _bars(right, bars)
 
-    return draw((9.6, 3.8), "where", paint)
+    return draw((9.6, 4.2), "where", paint)
+
+
+def _bars(axis: Any, bars: Sequence[tuple[str, str, float]]) -> None:
+    """Draw bars from the top, each group under its name: every group divides the same error anew."""
+    place, group, places, names = 0.0, "", [], []
+    for number, (new, label, share) in enumerate(bars):
+        if new != group:
+            place += 1.3 if number else 0.0
+            axis.text(0.0, place, new, fontsize=7, color=INK, va="center", fontweight="bold")
+            place, group = place + 0.9, new
+        axis.barh(place, 100 * share, color=INK if not new else BLUE, height=0.6)
+        places.append(place)
+        names.append(label)
+        place += 0.9
+    axis.set_yticks(places, names, fontsize=7)
+    axis.set_ylim(max(place, 9.0), -0.8)
+    dress(axis, "")
+    axis.grid(False, axis="y")
+    axis.grid(True, axis="x", color=GRID, linewidth=0.5)
+    axis.set_title("each group divides the same error anew", loc="left", fontsize=8, color=INK)
+    axis.set_xlabel("Share of the excess error (%)", color=INK, fontsize=8.5)
 
 
 def _map(figure: Any, axis: Any, velocity: Array, arm: Array, force: Array) -> None:
@@ -103,18 +136,17 @@ def _map(figure: Any, axis: Any, velocity: Array, arm: Array, force: Array) -> N
     bar.ax.tick_params(labelsize=7)
 
 
-def draw_horizon(curves: Sequence[HorizonCurve]) -> str:
-    """Return the error of the arm (deg) and its floor against the time since a restart (ms)."""
+def draw_horizon(curves: Sequence[HorizonCurve], floor: Array | None) -> str:
+    """Return the error of the arm (deg) and its floor (rad, (k,)) against the time since a restart (ms)."""
 
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         for number, one in enumerate(curves):
             colour = COLOURS[number % len(COLOURS)]
             axis.plot(one.time * 1e3, np.degrees(one.rms), color=colour, linewidth=1.4, label=one.name)
-            if one.floor is not None:
-                label = f"{one.name}, floor"
-                floor = np.degrees(one.floor)
-                axis.plot(one.time * 1e3, floor, color=colour, linewidth=1.0, linestyle=(0, (4, 2.5)), label=label)
+        if floor is not None:
+            style = (0, (4, 2.5))
+            axis.plot(curves[0].time * 1e3, np.degrees(floor), color=INK, linewidth=1.0, linestyle=style, label="floor")
         dress(axis, "Error of the arm (deg, rms)")
         axis.set_xlabel("Time since the restart from measured states (ms)", color=INK, fontsize=8.5)
         axis.legend(fontsize=8, frameon=False)
@@ -123,19 +155,21 @@ def draw_horizon(curves: Sequence[HorizonCurve]) -> str:
 
 
 def draw_errors(rows: Sequence[tuple[str, float]]) -> str:
-    """Return bars of named errors over the repetition scatter, with the floor as a line at 1."""
+    """Return bars of named errors over the repetition scatter, the last of them the floor, with a line at 1."""
 
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         shown = list(rows)[::-1]
-        colours = [GREEN if index == 0 else RED for index in range(len(shown))]
-        axis.barh(range(len(shown)), [value for _, value in shown], color=colours, height=0.55)
+        colours = [INK, GREEN][: len(shown)] + [RED] * max(len(shown) - 2, 0)
+        bars = axis.barh(range(len(shown)), [value for _, value in shown], color=colours, height=0.55)
+        axis.bar_label(bars, [f"{value:.2f}" for _, value in shown], padding=3, fontsize=8, color=INK)
         axis.set_yticks(range(len(shown)), [name for name, _ in shown], fontsize=8)
         axis.axvline(1.0, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
+        axis.margins(x=0.1)
         dress(axis, "")
-        axis.set_xlabel("Error on tests not used for the fit, over the floor", color=INK, fontsize=8.5)
+        axis.set_xlabel("Error over the scatter between repetitions", color=INK, fontsize=8.5)
 
-    return draw((7.4, 0.9 + 0.5 * len(rows)), "errors", paint)
+    return draw((7.4, 0.9 + 0.45 * len(rows)), "errors", paint)
 
 
 def dress(axis: Any, label: str) -> None:

@@ -9,32 +9,56 @@ from typing import Any
 from hjcamp.report.figures import tidy
 from hjcamp.report.page import SHADES, STYLE
 
+PLACES = 8
 
-def discrepancy_page(
-    title: str,
-    sentences: Sequence[str],
-    headings: Sequence[str],
-    table: Sequence[Sequence[str]],
-    where: Sequence[Mapping[str, Any]],
-    pictures: Sequence[tuple[str, str]],
-) -> str:
-    """Return the HTML; ``where`` are the rows of the answer, ``pictures`` captions with their SVG. Texts are escaped."""
-    places = [place_cells(row) for row in where]
-    said = "".join(f"<li>{escape(line)}</li>" for line in sentences)
-    shown = "\n".join(f"<h3>{escape(name)}</h3>\n<figure>{_shaded(svg)}</figure>" for name, svg in pictures)
-    located = table_of(("subsystem", "by", "where", "share", "z"), places) if places else ""
+
+def discrepancy_page(title: str, lead: str, parts: Sequence[str]) -> str:
+    """Return the HTML; ``lead`` is the answer in one line, ``parts`` are blocks made by the functions below."""
+    said = f'<p class="verdict">{escape(lead)}</p>\n' if lead else ""
+    body = "\n".join(part for part in parts if part)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">\n'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{escape(title)}</title>\n'
         f"<style>\n{STYLE.read_text(encoding='utf-8')}</style></head>\n<body>\n<h1>{escape(title)}</h1>\n"
-        f"<ul>{said}</ul>\n{table_of(headings, table)}\n{shown}\n<h2>Where</h2>\n{located}\n</body>\n</html>\n"
+        f"{said}{body}\n</body>\n</html>\n"
     )
+
+
+def heading(text: str) -> str:
+    """Return the heading of a section."""
+    return f"<h2>{escape(text)}</h2>"
+
+
+def note(text: str) -> str:
+    """Return a paragraph in the softer shade."""
+    return f'<p class="soft">{escape(text)}</p>'
+
+
+def bullets(lines: Sequence[str]) -> str:
+    """Return sentences as a list."""
+    return "<ul>" + "".join(f"<li>{escape(line)}</li>" for line in lines) + "</ul>" if lines else ""
+
+
+def picture(caption: str, svg: str) -> str:
+    """Return a picture under its caption, in the shades of the page."""
+    return f"<h3>{escape(caption)}</h3>\n<figure>{_shaded(svg)}</figure>"
+
+
+def place_table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the largest places of an answer's ``where`` as a table, nothing where there is none."""
+    if not rows:
+        return ""
+    table = table_of(("subsystem", "by", "where", "share", "z"), [place_cells(row) for row in rows[:PLACES]])
+    said = "The cuts by different variables divide the same error anew, so they do not add up."
+    more = f" {PLACES} of {len(rows)} rows; all are in the answer for programs (--json)." if len(rows) > PLACES else ""
+    return table + note(f"{said} z: against the scatter between repetitions.{more}")
 
 
 def place_cells(row: Mapping[str, Any]) -> list[str]:
     """Return the cells of one row of ``where``."""
-    names = [str(row["subsystem"]), str(row["variable"]).replace("_", " "), str(row["bin"])]
-    return [*names, f"{100 * row['share']:.1f} %", f"{row['z']:+.1f}"]
+    variable = "" if row["variable"] == "all" else str(row["variable"]).replace("_", " ")
+    place = "as a whole" if row["variable"] == "all" else str(row["bin"])
+    return [str(row["subsystem"]), variable, place, f"{100 * row['share']:.0f} %", f"{row['z']:+.0f}"]
 
 
 def table_of(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

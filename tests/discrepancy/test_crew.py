@@ -6,6 +6,7 @@ import pickle
 import threading
 
 import pytest
+
 from hjcamp.discrepancy.crew import Crew, available
 from hjcamp.discrepancy.recent import Recent
 from hjcamp.errors import UsageError

@@ -1,0 +1,142 @@
+"""The pictures and the page of a comparison."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from hjcamp.discrepancy.compare import Compared, Comparison
+    from hjcamp.report.discrepancy_figures import Overlay
+
+NOT_CALIBRATED = "not calibrated on these tests: friction and stiffness of another specimen count here"
+HEADINGS = ("model", "channel", "error", "floor", "error / floor", "r2")
+CHANNELS = {
+    "arm_deg": (1.0, "deg"),
+    "pressure1_mpa": (1e3, "kPa"),
+    "pressure2_mpa": (1e3, "kPa"),
+    "pump_deg": (1.0, "deg"),
+}
+
+
+def error_cells(one: Compared, name: str) -> list[str]:
+    """Return the cells of one channel of one model: what it is, error, floor, error over floor, r2."""
+    from hjcamp.report.units import label, plain
+
+    error = one.errors[name]
+    if error is None:
+        return [label(name), "not logged", "", "", ""]
+    scale, unit = CHANNELS[name]
+    floor = "none" if error.floor is None else f"{plain(error.floor * scale)} {unit}"
+    over = "" if error.ratio is None else f"{error.ratio:.1f}"
+    return [
+        label(name),
+        f"{plain(error.rms * scale)} {unit}",
+        floor,
+        over,
+        "" if error.r2 is None else f"{error.r2:.3f}",
+    ]
+
+
+def places_in_words(one: Compared) -> list[str]:
+    """Return the sentences of one model's places; without repetitions nothing says how much of the error is left."""
+    from hjcamp.report.where_words import where_sentences
+
+    return where_sentences(one.places, one.score if one.replay.evidence.repeated else None)
+
+
+def write_pictures(found: Comparison, folder: Path) -> list[Path]:
+    """Write overlay, where, horizon and the page that holds them; return their paths, the page last."""
+    import numpy as np
+
+    from hjcamp.records.write import whole_file
+    from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.discrepancy_figures import HorizonCurve, draw_horizon, draw_overlay
+
+    models, last, calibrated = found.models, found.models[-1], found.calibrated
+    overlay = worst_overlay(models)
+    shown = [*models, calibrated] if calibrated else models
+    curves = [HorizonCurve(one.replay.name, one.horizon.time, one.horizon.rms) for one in shown]
+    floors = [one.horizon.floor for one in shown if one.horizon.floor is not None]
+    pictures = {
+        "overlay": draw_overlay(overlay),
+        "where": draw_where(last),
+        "horizon": draw_horizon(curves, np.minimum.reduce(floors) if floors else None),
+    }
+    if calibrated:
+        pictures["where_calibrated"] = draw_where(calibrated)
+    files = [folder / f"{name}.svg" for name in pictures]
+    for file, svg in zip(files, pictures.values(), strict=True):
+        with whole_file(file) as stream:
+            stream.write(svg.encode())
+    rows = [[one.replay.name, *error_cells(one, name)] for one in models for name in CHANNELS]
+    force = "Force on the sliding arm that the model lacks, over speed and angle"
+    parts = [
+        page.table_of(HEADINGS, rows),
+        page.note("The floor is what repetitions of one test do not share: no model goes below it. 1.0 is perfect."),
+        page.picture(f"Overlay: {overlay.name}, the condition with the largest error of {models[0].replay.name}", pictures["overlay"]),
+        page.heading(f"Where: {last.replay.name}" + (", as it stands" if calibrated else "")),
+        page.note(NOT_CALIBRATED.capitalize() + ".") if calibrated else "",
+        page.bullets(places_in_words(last)),
+        page.place_table([place.row() for place in last.places]),
+        page.picture(force, pictures["where"]),
+    ]  # fmt: skip
+    if calibrated:
+        parts += [
+            page.heading("Where: after calibrating its base parameters on these tests"),
+            page.bullets(places_in_words(calibrated)),
+            page.place_table([place.row() for place in calibrated.places]),
+            page.picture(force, pictures["where_calibrated"]),
+        ]
+    parts += [
+        page.heading("When: error against horizon"),
+        page.picture("Error of the arm against the time since a restart from measured states", pictures["horizon"]),
+    ]
+    path = folder / "index.html"
+    with whole_file(path) as stream:
+        title = "Comparison: " + ", ".join(one.replay.name for one in models)
+        stream.write(page.discrepancy_page(title, lead_of(models), parts).encode())
+    return [*files, path]
+
+
+def lead_of(models: list[Compared]) -> str:
+    """Return the answer in one line."""
+    told = " -> ".join(f"{one.score:.2f}" for one in models)
+    evidence = models[0].replay.evidence
+    tests = f"{len(evidence.tests)} tests, {len(evidence.conditions)} conditions, driven by the measured pump"
+    if not evidence.repeated:
+        return f"Error over the spread of the measurement {told}; no test was repeated, so there is no floor. {tests}."
+    return f"Error over floor, geometric mean of arm and lines: {told}. {tests}."
+
+
+def worst_overlay(models: list[Compared]) -> Overlay:
+    """Return the first test of the condition in which the arm of the first model is furthest off, with all models."""
+    import numpy as np
+
+    from hjcamp.report.discrepancy_figures import Overlay
+
+    first = models[0].replay
+    evidence = first.evidence
+    parts = {
+        name: slice(int(evidence.edges[tests[0]]), int(evidence.edges[tests[0] + 1]))
+        for name, tests in evidence.conditions.items()
+    }
+    errors = {name: np.mean((first.predicted[p, 0] - first.measured[p, 0]) ** 2) for name, p in parts.items()}
+    name = max(errors, key=lambda one: float(errors[one]))
+    part = parts[name]
+    time = evidence.tests[evidence.conditions[name][0]].time
+    return Overlay(name, time, first.measured[part], {one.replay.name: one.replay.predicted[part] for one in models})
+
+
+def draw_where(one: Compared) -> str:
+    """Return the map of the missing force and the bars of one model."""
+    from hjcamp.discrepancy.where import SLIDING
+    from hjcamp.report.discrepancy_figures import draw_map
+    from hjcamp.report.where_words import grouped_bars
+
+    evidence = one.replay.evidence
+    slides = evidence.sliding
+    velocity, arm = evidence.joined("velocity")[slides] * 1e3, one.replay.measured[slides, 0]
+    bars = grouped_bars([place.row() for place in one.places])
+    # The residual is push less friction: a force on the arm that the model lacks has the other sign.
+    return draw_map(velocity, arm, -one.residuals[slides, SLIDING], bars)

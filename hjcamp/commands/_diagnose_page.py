@@ -1,0 +1,68 @@
+"""The pictures and the page of a diagnosis."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from hjcamp.commands._diagnose_words import Told
+
+DETECTABLE = ("effect", "parameter", "smallest that would have been seen")
+
+
+def write_pictures(told: Told, folder: Path) -> list[Path]:
+    """Write the errors, what is unexplained, and the page that holds them; return their paths, the page last."""
+    from hjcamp.records.write import whole_file
+    from hjcamp.report.discrepancy_figures import draw_errors
+    from hjcamp.report.unexplained_figure import draw_unexplained
+
+    pictures = {"errors": draw_errors(told.errors())}
+    if (curve := told.unexplained) is not None:
+        horizontal = f"{curve.driver.replace('_', ' ').capitalize()} ({curve.driver_unit})".replace(" ()", "")
+        vertical = f"Unexplained {curve.quantity} ({curve.unit})"
+        pictures["unexplained"] = draw_unexplained(horizontal, vertical, curve.centres, curve.forward, curve.backward)
+    files = [folder / f"{name}.svg" for name in pictures]
+    for file, svg in zip(files, pictures.values(), strict=True):
+        with whole_file(file) as stream:
+            stream.write(svg.encode())
+    path = folder / "index.html"
+    with whole_file(path) as stream:
+        stream.write(_page(told, pictures).encode())
+    return [*files, path]
+
+
+def _page(told: Told, pictures: dict[str, str]) -> str:
+    from hjcamp.commands._diagnose_words import CALIBRATED, CANDIDATES, QUANTITY
+    from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.units import label
+    from hjcamp.report.units import told as told_value
+
+    answer = told.answer()
+    fall = [f"Error {' -> '.join(f'{value:.2f} ({name})' for name, value in told.errors())}."]
+    parts = [
+        page.bullets([*answer[1:], *fall]),
+        page.picture("Error before and after", pictures["errors"]),
+        page.note(f"Error {QUANTITY}."),
+    ]
+    if told.unexplained is not None:
+        parts += [page.heading("What no effect explains"), page.picture(answer[1], pictures["unexplained"])]
+    parts += [page.heading("Where"), page.bullets(told.where()), page.place_table(told.content["where"])]
+    if rows := told.candidates():
+        parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows)]
+        parts.append(page.note("Error left: of the model with this effect, as in the picture."))
+    if told.content["minimum_detectable"]:
+        least = [
+            [name, label(row["parameter"]), told_value(row["value"], row["unit"], 2)]
+            for name, row in told.content["minimum_detectable"].items()
+        ]
+        parts += [page.heading("What these tests would have shown"), page.table_of(DETECTABLE, least)]
+    hidden, pairs = told.confounded()
+    if hidden or pairs:
+        rows = [[name, "hidden by the base parameters", ""] for name in hidden]
+        rows += [[names, "look alike", f"{cosine:.2f}"] for names, cosine in pairs]
+        parts += [page.heading("Effects that these tests cannot tell apart or cannot see")]
+        parts += [page.table_of(("effects", "why", "cosine"), rows)]
+        parts += [page.note("Cosine: between the responses that the base parameters cannot take up; 1 is the same.")]
+    parts += [page.heading("Calibrated first"), page.table_of(CALIBRATED, told.calibration(every=True))]
+    return page.discrepancy_page(told.title, answer[0], parts)

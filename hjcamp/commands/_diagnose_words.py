@@ -1,0 +1,175 @@
+"""The words and tables of a diagnosis, for the terminal and the page alike."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.report.units import label, told, told_interval
+from hjcamp.report.where_words import NEAR, where_sentences
+
+if TYPE_CHECKING:
+    from hjcamp.discrepancy.diagnose import Diagnosis
+    from hjcamp.discrepancy.unexplained import Unexplained
+    from hjcamp.model.effect import Effect
+
+TITLES = {
+    "nothing_missing": "Nothing missing",
+    "effect": "Effect",
+    "one_of": "One of",
+    "outside_library": "Outside library",
+    "cannot_tell": "Cannot tell",
+}
+QUANTITY = "on tests not used for the fit, over arm, pressures, line cut and sliding force; 1 = the scatter between repetitions"
+CALIBRATED = ("parameter", "published", "here", "95 %", "change")
+CANDIDATES = ("effect", "posterior", "error left", "parameter", "value", "95 %")
+MOVED = 0.01
+APART = 0.95
+LEVEL = 0.05
+
+
+@dataclass(frozen=True)
+class Told:
+    """A diagnosis with all that its words need: the answer for programs, the library, what was started from."""
+
+    found: Diagnosis
+    content: dict[str, Any]
+    library: Mapping[str, type[Effect]]
+    model: str
+    start_error: float | None
+    unexplained: Unexplained | None
+
+    @property
+    def title(self) -> str:
+        """The verdict and what it names."""
+        verdict, drivers = self.content["verdict"], self.content["drivers"]
+        named = {
+            "effect": " and ".join(self.content["effects"]),
+            "one_of": ", ".join(self.content["effects"]),
+            "outside_library": f"depends on {drivers[0].replace('_', ' ')}" if drivers else "",
+        }.get(verdict)
+        return f"{TITLES[verdict]}: {named}" if named else TITLES[verdict]
+
+    def answer(self) -> list[str]:
+        """Return the sentences of the answer, the first of them what the verdict means."""
+        verdict, found = self.content["verdict"], self.found
+        if verdict == "effect":
+            return [*(sentence_of(self.library[name]) for name in self.content["effects"]), self.chance()]
+        if verdict == "one_of":
+            return [whole_sentence(found.reason), self.chance()]
+        if verdict == "outside_library":
+            left = "What is left depends on nothing that was measured."
+            if self.unexplained is not None:
+                final = self.content["error"]["augmented"]
+                left = self.unexplained.sentence("best" if looks_at_final(found, final) else "calibrated")
+            return [whole_sentence(found.reason), left]
+        if verdict == "nothing_missing":
+            return [f"These tests would have shown {cut(self.detectable(), 6)}.", self.chance()]
+        return [whole_sentence(found.reason)]
+
+    def chance(self) -> str:
+        """Return how many of the twins in which nothing is missing gained as much."""
+        if not self.found.steps:
+            return "No effect gained anything."
+        step, p_value = self.found.steps[0], self.content["p_value"]
+        twins = len(step.null_gains)
+        number = round(p_value * (twins + 1)) - 1
+        if self.content["verdict"] == "nothing_missing" and p_value < LEVEL:
+            return f"The best one, {step.best}, gains more than chance, yet the error hardly falls with it."
+        if number <= 0:
+            return f"No twin of {twins}, simulated with nothing missing, gained as much as {step.best} does here."
+        said = f"{number} of {twins} twins, simulated with nothing missing, gained as much as {step.best} does here"
+        return f"{said} (p = {p_value:.2f})."
+
+    def detectable(self) -> list[str]:
+        """Return the smallest amplitude of every effect that would have been seen."""
+        return [
+            f"{name} {told(row['value'], row['unit'], 2)}".rstrip()
+            for name, row in self.content["minimum_detectable"].items()
+        ]
+
+    def where(self) -> list[str]:
+        """Return where the error is before the effects, and where what is left is after them."""
+        from hjcamp.discrepancy.answer import places_of
+
+        error = self.content["error"]
+        said = where_sentences(places_of(self.found, self.found.baseline), error["baseline"])
+        if self.found.final is not self.found.baseline:
+            left = where_sentences(places_of(self.found, self.found.final), error["augmented"])
+            with_ = " and ".join(self.found.final.candidate.effects)
+            said = [f"Calibrated: {line}" if number == 0 else line for number, line in enumerate(said[:3])]
+            said += [f"With {with_}: {left[0]}", *left[1:3]]
+        return said
+
+    def errors(self) -> list[tuple[str, float]]:
+        """Return the named errors over the scatter: as started, calibrated, with the effects, floor."""
+        error, effects = self.content["error"], " and ".join(self.found.final.candidate.effects)
+        rows = [(self.model, self.start_error), ("calibrated", error["baseline"])]
+        if self.found.final is not self.found.baseline:
+            rows.append((f"with {effects}", error["augmented"]))
+        return [(name, value) for name, value in (*rows, ("floor", error["floor"])) if value is not None]
+
+    def calibration(self, every: bool = False) -> list[list[str]]:
+        """Return the rows of the calibrated base parameters, those that moved or ``every`` one."""
+        rows = []
+        for name, row in self.content["calibration"].items():
+            move = row["value"] - row["published"]
+            if every or abs(move) > MOVED * (abs(row["published"]) or 1.0):
+                change = f"{100 * move / abs(row['published']):+.0f} %" if row["published"] else ""
+                before, here = told(row["published"], row["unit"]), told(row["value"], row["unit"])
+                rows.append([label(name), before, here, told_interval(row), change])
+        return rows
+
+    def candidates(self, most: int | None = None) -> list[list[str]]:
+        """Return the rows of the ranked effects, one for each parameter; an effect is named in its first."""
+        rows, baseline = [], self.content["error"]["baseline"]
+        for row in self.content["candidates"][:most]:
+            ratio = row["heldout_error_ratio"]
+            left = "" if ratio is None or baseline is None else f"{ratio * baseline:.2f}"
+            posterior = "<0.01" if row["posterior"] < 0.005 else f"{row['posterior']:.2f}"
+            first = [row["effect"], posterior, left]
+            for name, one in row["parameters"].items():
+                rows.append([*first, label(name), told(one["value"], one["unit"]), told_interval(one)])
+                first = ["", "", ""]
+        return rows
+
+    def confounded(self, least: float = 0.0) -> tuple[list[str], list[tuple[str, float]]]:
+        """Return effects that these tests cannot see, and pairs that look alike with their cosine."""
+        hidden, pairs = list[str](), list[tuple[str, float]]()
+        for row in self.found.confounded:
+            names, cosine = row["effects"], float(str(row["cosine"]))
+            assert isinstance(names, list)
+            if len(names) == 1:
+                hidden.append(str(names[0]))
+            elif cosine >= least:
+                pairs.append((" / ".join(str(name) for name in names), cosine))
+        return hidden, pairs
+
+
+def looks_at_final(found: Diagnosis, error: float | None) -> bool:
+    """Return whether the best model leaves enough to be looked at; else an effect fits whose law does not hold."""
+    return found.final is not found.baseline and (error is None or error > NEAR)
+
+
+def whole_sentence(text: str) -> str:
+    """Return words as a sentence; names keep their capitals."""
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+def sentence_of(effect: type[Effect]) -> str:
+    """Return the first sentence of an effect's docstring."""
+    import inspect
+
+    return " ".join(inspect.cleandoc(effect.__doc__ or "").partition("\n\n")[0].split())
+
+
+def parameters_told(rows: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return the parameters of one effect in a line, in the units that people read."""
+    return ", ".join(f"{label(name)} {told(row['value'], row['unit'])}" for name, row in rows.items())
+
+
+def cut(names: Sequence[str], most: int) -> str:
+    """Return so many names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

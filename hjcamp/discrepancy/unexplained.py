@@ -1,0 +1,103 @@
+"""What the best model leaves, as a curve: unexplained force or flow over the driver that it most likely depends on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.discrepancy.drivers import driver_values, rank_drivers
+from hjcamp.discrepancy.features import Features
+from hjcamp.discrepancy.fit import Fit
+from hjcamp.discrepancy.where import FEWEST, UNITS, quantities
+
+Array = NDArray[np.float64]
+MORE_UNITS = {"pressure_difference": ("MPa", 1e-6), "pump_position": ("mm", 1.0 / (2 * np.pi))}
+# channel of the ranking: position among the quantities of "where", what it is, its unit
+CHANNELS = {
+    "sliding": (0, "force on the arm", "N"),
+    "line_sum": (2, "flow out of both lines", "mm3/s"),
+    "line_difference": (3, "flow out of line 1 beyond that of line 2", "mm3/s"),
+}
+BINS = 12
+STRAIGHT = 0.5
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """A mean force (N) or flow (mm3/s) over bins of a driver (bins,), moving forwards and backwards; NaN where not seen."""
+
+    driver: str
+    driver_unit: str
+    quantity: str
+    unit: str
+    centres: Array
+    forward: Array
+    backward: Array
+
+    @property
+    def even(self) -> Array:
+        """What does not know the direction of motion (bins,), like a spring."""
+        return 0.5 * (self.forward + self.backward)
+
+    @property
+    def odd(self) -> Array:
+        """What turns with the direction of motion (bins,), like friction."""
+        return 0.5 * (self.forward - self.backward)
+
+    def sentence(self, model: str) -> str:
+        """Return what ``model`` lacks in words: the slope of the curve where it is straight, else its range."""
+        parts = {"": self.even, " and turns with the direction of motion": self.odd}
+        kind, curve = max(
+            parts.items(), key=lambda item: float(np.ptp(_seen(item[1]))) if _seen(item[1]).size else -1.0
+        )
+        if not _seen(curve).size:
+            kind, curve = "", np.where(np.isfinite(self.forward), self.forward, self.backward)
+        name = self.driver.replace("_", " ")
+        said = f"What the {model} model lacks is a {self.quantity} that depends on {name}{kind}"
+        inside = np.isfinite(curve)
+        if inside.sum() < 3:
+            return f"{said}."
+        slope, level = np.polyfit(self.centres[inside], curve[inside], 1)
+        rest = float(np.var(curve[inside] - slope * self.centres[inside] - level))
+        if slope and rest < (1.0 - STRAIGHT) * float(np.var(curve[inside])):
+            each = f"{self.unit}/{self.driver_unit}" if self.driver_unit else self.unit
+            return f"{said}: about {slope:.2g} {each}."
+        low, high = float(curve[inside].min()), float(curve[inside].max())
+        return f"{said}: between {low:.2g} and {high:.2g} {self.unit}."
+
+
+def unexplained(features: Features, fit: Fit, floor: Array, driver: str) -> Unexplained:
+    """Return what ``fit`` leaves over ``driver``, in the channel in which the driver explains most of it."""
+    channel = next(row[1] for row in rank_drivers(features, fit, floor) if row[0] == driver)
+    index, name, unit = CHANNELS[channel]
+    quantity = quantities(features, fit.features)[index]
+    # The balance is push less friction: a force on the arm that the model lacks has the other sign.
+    scale = -1.0 if channel == "sliding" else 1e9 / fit.candidate.base["line_stiffness"]
+    drivers = driver_values(features)
+    driver_unit, factor = {**UNITS, **MORE_UNITS}.get(driver, ("", 1.0))
+    values, sign = drivers[driver] * factor, drivers["direction"]
+    edges = _edges(values[quantity.valid])
+    curves = []
+    for inside in (quantity.valid & (sign > 0), quantity.valid & (sign < 0)):
+        members = [inside & (values >= low) & (values < high) for low, high in pairwise(edges)]
+        curves.append(
+            np.array([scale * float(quantity.values[one].mean()) if one.sum() >= FEWEST else np.nan for one in members])
+        )
+    return Unexplained(driver, driver_unit, name, unit, 0.5 * (edges[1:] + edges[:-1]), *curves)
+
+
+def _edges(values: Array) -> Array:
+    """Return the edges of the bins: each value on its own where there are few, else even steps."""
+    distinct = np.unique(values)
+    if 0 < len(distinct) <= 6:
+        steps = 0.5 * (distinct[1:] + distinct[:-1])
+        return np.concatenate([[distinct[0] - 1.0], steps, [distinct[-1] + 1.0]])
+    low, high = np.quantile(values, [0.005, 0.995]) if len(values) else (0.0, 1.0)
+    return np.asarray(np.linspace(low, high if high > low else low + 1.0, BINS + 1))
+
+
+def _seen(curve: Array) -> Array:
+    return curve[np.isfinite(curve)]

@@ -1,0 +1,80 @@
+"""The words of a diagnosis: chance as a count of twins, tables in readable units, errors by name."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hjcamp.commands._diagnose_words import Told
+from hjcamp.effects.leakage import Leakage
+
+ROW = {"value": 2.79e-16, "unit": "m^3/(s*Pa)", "ci95": [2.6e-16, 3e-16]}
+CONTENT: dict[str, Any] = {
+    "verdict": "effect",
+    "effects": ["leakage"],
+    "drivers": [],
+    "p_value": 0.04,
+    "candidates": [
+        {"effect": "leakage", "posterior": 1.0, "heldout_error_ratio": 0.1, "parameters": {"conductance": ROW}},
+        {"effect": "tubing_creep", "posterior": 0.001, "heldout_error_ratio": None, "parameters": {"share": ROW}},
+    ],
+    "error": {"baseline": 14.0, "augmented": 1.15, "floor": 1.0},
+    "calibration": {
+        "coulomb_positive": {"published": 5.27, "value": 4.21, "unit": "N", "ci95": [4.1, 4.3]},
+        "stiffness_asymmetry": {"published": 0.0, "value": -0.001, "unit": "1", "ci95": [-0.002, 0.0]},
+    },
+    "minimum_detectable": {},
+}
+
+
+def told(**changed: Any) -> Told:
+    """Return a diagnosis with some of its answer changed."""
+    step = SimpleNamespace(null_gains=np.zeros(24), best="leakage")
+    final = SimpleNamespace(candidate=SimpleNamespace(effects={"leakage": {}}))
+    confounded = [
+        {"effects": ["encoder_bias"], "cosine": 0.99, "with": "base parameters"},
+        {"effects": ["leakage", "tubing_creep"], "cosine": 0.85, "with": "each other"},
+    ]
+    found: Any = SimpleNamespace(steps=[step], final=final, baseline=None, confounded=confounded, reason="it is so")
+    return Told(found, CONTENT | changed, {"leakage": Leakage}, "published", 15.5, None)
+
+
+@pytest.mark.parametrize(
+    ("p_value", "verdict", "said"),
+    [
+        (1 / 25, "effect", "No twin of 24,"),
+        (
+            3 / 25,
+            "effect",
+            "2 of 24 twins, simulated with nothing missing, gained as much as leakage does here (p = 0.12)",
+        ),
+        (1 / 25, "nothing_missing", "gains more than chance, yet the error hardly falls"),
+    ],
+)
+def test_chance_is_a_count_of_twins(p_value: float, verdict: str, said: str) -> None:
+    assert said in told(p_value=p_value, verdict=verdict).chance()
+
+
+def test_title_and_answer() -> None:
+    assert told().title == "Effect: leakage"
+    assert told().answer()[0].startswith("Water is lost from each line")
+    assert told(verdict="outside_library", drivers=["arm_angle"]).title == "Outside library: depends on arm angle"
+    assert told(verdict="cannot_tell").answer() == ["It is so."]
+
+
+def test_tables_are_in_readable_units() -> None:
+    rows = told().candidates()
+    assert rows[0] == ["leakage", "1.00", "1.40", "conductance", "0.279 mm3/(s MPa)", "0.26 to 0.3"]
+    assert rows[1][:3] == ["tubing_creep", "<0.01", ""]
+    assert told().calibration() == [["Coulomb friction, positive", "5.27 N", "4.21 N", "4.1 to 4.3", "-20 %"]]
+    assert told().calibration(every=True)[1][1:3] == ["0", "-0.001"]
+
+
+def test_errors_and_what_cannot_be_told_apart() -> None:
+    names = [name for name, _ in told().errors()]
+    assert names == ["published", "calibrated", "with leakage", "floor"]
+    assert told().confounded() == (["encoder_bias"], [("leakage / tubing_creep", 0.85)])
+    assert told().confounded(0.95) == (["encoder_bias"], [])

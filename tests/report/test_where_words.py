@@ -1,0 +1,81 @@
+"""Where, in words: what is said first, no z, cuts that do not seem to add up."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import pytest
+
+from hjcamp.report.where_words import grouped_bars, phrase, where_sentences
+
+
+class Place(NamedTuple):
+    """A place with all that the sentences need."""
+
+    subsystem: str
+    variable: str
+    bin: str
+    share: float
+    shown: int = 6
+    conditions: int = 8
+
+
+PLACES = [
+    Place("joint", "all", "all", 0.9),
+    Place("joint", "arm_velocity", "positive, 0 to 2 mm/s", 0.58),
+    Place("joint", "direction", "positive", 0.5),
+    Place("joint", "arm_velocity", "positive, 2 to 4 mm/s", 0.2),
+    Place("lines", "all", "all", 0.1),
+]
+
+
+@pytest.mark.parametrize(
+    ("variable", "label", "told"),
+    [
+        ("all", "all", ""),
+        ("direction", "negative", "moving in the negative direction"),
+        ("arm_velocity", "positive, 0 to 2 mm/s", "moving in the positive direction, below 2 mm/s"),
+        ("arm_velocity", "positive, 2 to 4 mm/s", "moving in the positive direction, at 2 to 4 mm/s"),
+        ("pressure_sum", "at rest, 0.9 to 1 MPa", "at rest, sum of the pressures 0.9 to 1 MPa"),
+        ("time", "at rest, 2 to 4 s", "at rest, 2 to 4 s into the test"),
+        ("repetition", "2", "repetition 2"),
+    ],
+)
+def test_a_bin_in_words(variable: str, label: str, told: str) -> None:
+    assert phrase(variable, label) == told
+
+
+def test_the_sentences() -> None:
+    said = where_sentences(PLACES, 6.0)
+    assert said[0].startswith("90 % of the excess error: joint (")
+    assert said[1].startswith("10 % of the excess error: lines (")
+    strongest = "joint, moving in the positive direction, below 2 mm/s, in 6 of 8 conditions."
+    assert said[2] == f"58 % of the excess error: {strongest}"
+    assert "the same error, divided another way" in said[3] and len(said) == 4
+
+
+def test_little_left_is_said_first() -> None:
+    said = where_sentences(PLACES, 1.12)
+    assert said == ["What is left is 1.1 x the floor: nothing stands out (of that little, 90 % joint, 10 % lines)."]
+    assert where_sentences([])[0].startswith("Nothing stands out")
+    assert where_sentences([], 1.2)[0].startswith("What is left is 1.2 x the floor: nothing stands out")
+
+
+def test_repetitions_are_told_only_where_they_differ() -> None:
+    even = [Place("lines", "all", "all", 0.9), *(Place("lines", "repetition", str(n), 0.3) for n in (1, 2, 3))]
+    assert len(where_sentences(even)) == 1 and len(grouped_bars([place._asdict() for place in even])) == 1
+    drifting = [
+        Place("joint", "all", "all", 0.9), Place("joint", "repetition", "3", 0.7), Place("joint", "repetition", "1", 0.1),
+    ]  # fmt: skip
+    assert "joint, repetition 3, in 6 of 8 conditions" in where_sentences(drifting)[1]
+
+
+def test_bars_are_in_groups() -> None:
+    bars = grouped_bars([place._asdict() for place in PLACES])
+    assert [one[:2] for one in bars] == [
+        ("", "joint"),
+        ("", "lines"),
+        ("joint, by arm velocity", "positive, 0 to 2 mm/s"),
+        ("joint, by arm velocity", "positive, 2 to 4 mm/s"),
+        ("joint, by direction", "positive"),
+    ]
