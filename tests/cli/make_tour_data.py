@@ -1,0 +1,53 @@
+"""Makes the sample logs and the sealed answer of `hjcamp tour`: python tests/cli/make_tour_data.py (10 s)."""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from truth.case import write_case
+
+from hjcamp.commands._tour_samples import SAMPLES, SEALED, pack, seal
+from hjcamp.records.find import read_logs
+
+EFFECT, STRENGTH, SEED = "leakage", "medium", 3
+# What the plant calls it, what the library calls it.
+PARAMETERS = {"leak_conductance": "conductance", "leak_opening_pressure": "threshold"}
+NOTE = (
+    "In the rig the gap of the leak widens steadily above the threshold (flow as its third power); in the library the "
+    "flow grows along a straight line above it. One law stands for the other: conductance and threshold come out higher, "
+    "by more than their intervals say, since an interval takes its law for granted."
+)
+BASE = ("static_positive", "coulomb_positive", "viscous_positive", "static_negative", "coulomb_negative")
+
+
+def sealed(answer: dict[str, Any]) -> dict[str, Any]:
+    """Return what hides in the words of the diagnosis: effects, their parameters and base parameters, SI."""
+    changes, base = answer["changes"][EFFECT], answer["base"]
+    stiffness = (base["stiffness1"] + base["stiffness2"]) / 2
+    return {
+        "verdict": answer["verdict"],
+        "effects": answer["effects"],
+        "parameters": {EFFECT: {name: changes[field] for field, name in PARAMETERS.items()}},
+        "base": {name: base[name] for name in (*BASE, "viscous_negative")} | {"line_stiffness": stiffness},
+        "note": NOTE,
+        "made_by": f"python -m tests.truth OUT --effect {EFFECT} --strength {STRENGTH} --seed {SEED}",
+    }
+
+
+def main(samples: Path = SAMPLES, answer: Path = SEALED) -> None:
+    """Hide the effect, run the tests, pack the logs and seal the answer."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = write_case(Path(folder) / "logs", [EFFECT], STRENGTH, SEED)
+        logs = {log.path.stem: log for log in read_logs([Path(folder) / "logs"]) if log.path}
+        pack(logs, samples)
+        seal(sealed(json.loads(file.read_text(encoding="utf-8"))), answer)
+    print(f"{samples.name}: {len(logs)} tests, {samples.stat().st_size / 1e6:.2f} MB")
+
+
+if __name__ == "__main__":
+    main()
