@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from hjcamp.model.simulator import PERIOD, Simulator
 
 Array = NDArray[np.float64]
+LEAST_PRESSURE_STEP = 5e3
 
 
 @dataclass(frozen=True)
@@ -78,10 +79,20 @@ class Feedforward:
                 push = mass * acceleration * radius + (friction if moving else 0.0) - load
             if not moving and self.static_friction:
                 push = direction * static - load
-            difference = push / area
-            change = (difference - (z[at["pressure1"]] - z[at["pressure2"]])) / (k1 + k2)
-            z[at["pressure1"]] += k1 * change
-            z[at["pressure2"]] -= k2 * change
-            volume += change + (cross + 0.5 * (leak1 - leak2)) * PERIOD
+            lost = 0.5 * (leak1 + leak2) * PERIOD
+            z[at["pressure1"]] -= k1 * lost
+            z[at["pressure2"]] -= k2 * lost
+            missing = push / area - (z[at["pressure1"]] - z[at["pressure2"]])
+            # A reversal turns the whole friction round in one sample; stiffness that varies wants small steps.
+            parts = int(abs(missing) / LEAST_PRESSURE_STEP) + 1
+            for part in range(parts):
+                if part:
+                    model.kernel.signals(k * PERIOD, direction, z, u, p, out)
+                    k1, k2 = out[place[4]], out[place[5]]
+                change = missing / parts / (k1 + k2)
+                z[at["pressure1"]] += k1 * change
+                z[at["pressure2"]] = max(z[at["pressure2"]] - k2 * change, constant["vapour_pressure"])
+                volume += change
+            volume += (cross + 0.5 * (leak1 - leak2)) * PERIOD
             command[k] = (volume + area * angle * radius) / constant["pump_area"]
         return self.gain * command / constant["pump_lead"]
