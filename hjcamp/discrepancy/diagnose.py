@@ -18,7 +18,7 @@ from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.null import Null, simulate_null
 from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
-from hjcamp.discrepancy.search import Screening, Step, fit_effect, refit_without, rival_weights, screen
+from hjcamp.discrepancy.search import Screening, Step, fit_effect, refit_without, rival_weights, screen, unknowns_of
 from hjcamp.discrepancy.twins import match_scatter
 from hjcamp.discrepancy.verdict import judge, matters, what_is_lacking
 from hjcamp.discrepancy.views import Candidate, Views
@@ -184,14 +184,23 @@ class _Search:
         fits: dict[str, Fit] = {}
         self._fit(screening, ranked[: self.work.survivors], fits, share)
         best = min(fits, key=lambda name: fits[name].loss)
-        self._fit(screening, [name for name in alike(screening, best, SAME) if name not in fits], fits, share + 0.1)
+        rivals = dict.fromkeys([*alike(screening, best, SAME), *self._same_as(best)])
+        self._fit(screening, [name for name in rivals if name in screening.best and name not in fits], fits, share + 0.1)
         best = min(fits, key=lambda name: fits[name].loss)
+        here = unknowns_of(fits[best].candidate, self.effects)
+        polished = self.fitter.fit(fits[best].candidate, here, steps=2 * self.work.steps, enough=0.05)
+        fits[best] = min(fits[best], polished, key=lambda fit: fit.loss)
         gain = screening.about.loss - fits[best].loss
         # A fit that gains far more than its linear prediction follows noise that the twins' screening does not see.
         predicted = max(screening.gains.values()) * 2 + 1
         return Step(
             screening, fits, rival_weights(fits, self.fitter.least), null.p_value(min(gain, predicted)), null.gains
         )
+
+    def _same_as(self, name: str) -> list[str]:
+        """Return the effects that say they can be the same thing."""
+        known = {effect.name: effect for effect in self.effects}
+        return [*known[name].same_as, *(other for other, effect in known.items() if name in effect.same_as)]
 
     def _fit(self, screening: Screening, names: list[str], fits: dict[str, Fit], share: float) -> None:
         context = (self.fitter, screening, self.effects, self.work.steps)

@@ -91,7 +91,7 @@ def _gain(features: Features, residual: Array, valid: NDArray[np.bool_], basis: 
         if out.sum() < 5 or inside.sum() < 3 * basis.shape[1]:
             continue
         a = basis[inside]
-        ridge = 1e-3 * np.trace(a.T @ a) / a.shape[1] * np.eye(a.shape[1])
+        ridge = (1e-3 * np.trace(a.T @ a) / a.shape[1] + 1e-12) * np.eye(a.shape[1])
         weights = np.linalg.solve(a.T @ a + ridge, a.T @ residual[inside])
         before += float((residual[out] ** 2).sum())
         after += float(((residual[out] - basis[out] @ weights) ** 2).sum())

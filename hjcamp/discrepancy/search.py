@@ -17,6 +17,7 @@ from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]
 FACTORS = (0.3, 1.0, 2.5)
+WORTH = 4.0
 Progress = Callable[[str, float], None]
 
 
@@ -132,13 +133,18 @@ def fit_effect(
     fitter: Fitter, screening: Screening, effect: type[Effect], effects: Sequence[type[Effect]], steps: int
 ) -> Fit:
     """Return the joint fit of one more effect, from the screening's start."""
-    start = min(
-        (fitter.look(started(screening, effect, factor)) for factor in FACTORS), key=lambda fit: fit.loss
-    ).candidate
+    starts = [fitter.look(started(screening, effect, factor)) for factor in FACTORS]
+    start = min(starts, key=lambda fit: fit.loss).candidate
     here = unknowns_of(start, effects)
-    smooth = fitter.smooth().fit(start, here, steps=steps, enough=0.05).candidate
-    start = min((fitter.look(start), fitter.look(smooth)), key=lambda fit: fit.loss).candidate
-    return fitter.fit(start, here, steps=steps, enough=0.05)
+    calm = fitter.smooth()
+    smooth = calm.fit(start, here, steps=3 * steps, enough=0.1)
+    first, second = sorted((fitter.look(start), fitter.look(smooth.candidate)), key=lambda fit: fit.loss)
+    found = fitter.fit(first.candidate, here, steps=steps, enough=0.05)
+    # Slips answer too wildly to lead there from a start where lines and forces are far better.
+    if second.candidate is smooth.candidate and calm.look(found.candidate).loss > smooth.loss + WORTH:
+        other = fitter.fit(second.candidate, here, steps=2 * steps, enough=0.05)
+        found = min(found, other, key=lambda fit: fit.loss)
+    return found
 
 
 def refit_without(fitter: Fitter, fit: Fit, name: str, effects: Sequence[type[Effect]], steps: int) -> Fit:

@@ -57,9 +57,14 @@ def judge(
     if not taken:
         return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
     for step in taken:
-        rivals = [name for name, weight in step.weights.items() if weight > 0.5 * (1 - POSTERIOR)]
-        if step.weights[step.best] < POSTERIOR and len(rivals) > 1:
-            rivals.sort(key=lambda name: -step.weights[name])
+        others = {other.best for other in taken if other is not step}
+        weights = {name: weight for name, weight in step.weights.items() if name not in others}
+        share = weights[step.best] / sum(weights.values())
+        rivals = sorted(
+            (name for name, weight in weights.items() if weight > 0.5 * (1 - POSTERIOR) * sum(weights.values())),
+            key=lambda name: -weights[name],
+        )
+        if share < POSTERIOR and len(rivals) > 1:
             return Verdict("one_of", rivals, "these tests fit them alike")
     return Verdict("effect", [step.best for step in taken], "the error falls to its floor")
 

@@ -27,6 +27,8 @@ class Effect:
     name: ClassVar[str] = ""
     parameters: ClassVar[dict[str, Parameter]] = {}
     states: ClassVar[dict[str, State]] = {}
+    # Effects that some setting of this one equals: always fitted as rivals.
+    same_as: ClassVar[tuple[str, ...]] = ()
     # Drivers in which the law is exact: where what it leaves still depends on one, it was not this effect.
     exact_in: ClassVar[tuple[str, ...]] = ()
     terms: ClassVar[dict[str, Callable[..., float]]] = {}
