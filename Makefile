@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 WARM := $(VENV)/.warm
 
-.PHONY: help setup demo test lint bench fidelity validation faults kills damage recovery clean
+.PHONY: help setup demo test lint bench benchmark next_value thesis_gap tour_data fidelity validation faults kills damage recovery clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, kernels compiled (about 3 minutes the first time)"
@@ -14,6 +14,10 @@ help:
 	@echo "make test    lint, types, layers, tests"
 	@echo "make lint    lint, types, layers"
 	@echo "make bench   speed of the model against the same model in SciPy, and of the whole chain"
+	@echo "make benchmark  226 hidden effects on the truth plant (about an hour; goes on where it stopped); docs/benchmark.md"
+	@echo "make next_value  how many tests 'hjcamp next' saves against random choice; docs/next_value.md"
+	@echo "make thesis_gap  what the printed tables of 5.4 say is missing; docs/thesis_gap.md"
+	@echo "make tour_data  the sample logs of the tour and its page"
 	@echo "make recovery  calibrate 20 simulated rigs drawn at random; the result is docs/identification_recovery.md"
 	@echo "make fidelity  every published cell beside the simulated mean; the result is docs/fidelity.md"
 	@echo "make validation  errors against an independent solution; the result is docs/validation.md"
@@ -47,6 +51,19 @@ test: $(INSTALLED) lint
 bench: $(WARM)
 	$(BIN)/python benchmarks/bench.py
 	$(BIN)/python benchmarks/loop_timing.py
+
+benchmark: $(WARM)
+	$(BIN)/python benchmarks/hidden_effects.py --size full --effort quick --workers 2 --page docs/benchmark.md
+
+next_value: $(WARM)
+	$(BIN)/python benchmarks/next_value.py
+
+thesis_gap: $(WARM)
+	$(BIN)/python benchmarks/thesis_gap.py
+
+tour_data: $(WARM)
+	$(BIN)/python tests/cli/make_tour_data.py
+	$(BIN)/python tests/cli/write_tour_page.py
 
 fidelity: $(WARM)
 	$(BIN)/python benchmarks/fidelity.py

@@ -133,7 +133,8 @@ class _Search:
         self.report("weighing the answer", 0.95)
         floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
         found = judge(self.features, null, base, current, taken, self.effects)
-        ranked = top_drivers(rank_drivers(self.features, current, floor))
+        # What no effect explains is looked at without those that did not.
+        ranked = top_drivers(rank_drivers(self.features, base, floor))
         drivers = [found.driver, *(one for one in ranked if one != found.driver)] if found.driver else ranked
         needed = max(first_null.needed(), self.least_gain)
         return Diagnosis(

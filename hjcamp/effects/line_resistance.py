@@ -7,12 +7,14 @@ from hjcamp.model.parameter import Parameter
 
 
 class LineResistance(Effect):
-    r"""Flow costs pressure along the tubing, half of it on either side of the volume that yields.
+    r"""Flow costs pressure along the tubing, whose wall yields along its whole length.
 
-    .. math:: p_{sensor} = p + \tfrac12 R\,A_1 \dot x, \quad p_{joint} = p - \tfrac12 R\,A_2 \dot y, \quad
+    .. math:: p_{sensor} = p + R \bigl(\tfrac13 A_1 \dot x + \tfrac16 A_2 \dot y\bigr), \quad
+              p_{joint} = p - R \bigl(\tfrac16 A_1 \dot x + \tfrac13 A_2 \dot y\bigr), \quad
               R = \frac{128 \mu L}{\pi d_i^4}
 
-    laminar; the tube's elasticity is lumped in its middle and the sensors stand at the pump.
+    laminar; the flow falls evenly from that of the pump to that of the joint, p is the mean along the tube and the
+    sensors stand at the pump.
     Seen as: a pressure error in step with pump speed, and viscous friction R A2^2 that both directions share. The
     published tubing has 2.3e8 Pa s/m^3: negligible; fittings and kinks have more.
     Not for: friction at the sliders; a rig whose sensors stand in the middle of its compliance cannot tell it from that.
@@ -23,21 +25,21 @@ class LineResistance(Effect):
     resistance = Parameter("Pa*s/m^3", 2e10, (0.0, 2e12), text="pressure drop for each m^3/s in one line", off=0.0)
 
     @staticmethod
-    def joint_pressure1(slider_flow, resistance):
+    def joint_pressure1(pump_flow, slider_flow, resistance):
         """Pressure that joint cylinder 1 lacks, Pa."""
-        return -0.5 * resistance * slider_flow
+        return -resistance * (pump_flow / 6.0 + slider_flow / 3.0)
 
     @staticmethod
-    def joint_pressure2(slider_flow, resistance):
+    def joint_pressure2(pump_flow, slider_flow, resistance):
         """Pressure that joint cylinder 2 has in addition, Pa."""
-        return 0.5 * resistance * slider_flow
+        return resistance * (pump_flow / 6.0 + slider_flow / 3.0)
 
     @staticmethod
-    def pressure1_reading(pump_flow, resistance):
+    def pressure1_reading(pump_flow, slider_flow, resistance):
         """Pressure that sensor 1 sees in addition, Pa."""
-        return 0.5 * resistance * pump_flow
+        return resistance * (pump_flow / 3.0 + slider_flow / 6.0)
 
     @staticmethod
-    def pressure2_reading(pump_flow, resistance):
+    def pressure2_reading(pump_flow, slider_flow, resistance):
         """Pressure that sensor 2 sees less, Pa."""
-        return -0.5 * resistance * pump_flow
+        return -resistance * (pump_flow / 3.0 + slider_flow / 6.0)

@@ -9,25 +9,27 @@ from hjcamp.model.parameter import Parameter
 class PressureFriction(Effect):
     r"""The water presses the seals of both pistons onto their cylinders, so friction grows with the pressures.
 
-    .. math:: F = F_0 + c\,(p_1 + p_2)
+    .. math:: F = F_0 + c\,(p_1 + p_2 - p_0)
 
-    for static and Coulomb friction alike, with c the coefficient of seal friction times the seal's contact area.
+    for static and Coulomb friction alike, with c the coefficient of seal friction times the seal's contact area and p_0 the
+    sum at which the base friction holds.
     Seen as: the same added friction at a higher preload, in both directions and at any speed.
-    Not for: tests at one preload, where p1 + p2 hardly changes: static and Coulomb friction of both directions, which
-    are those at 0 Pa gauge here, take it up together.
+    Not for: tests at one preload, where p1 + p2 hardly changes: static and Coulomb friction of both directions take it
+    up together.
     Source: Mueller & Nau (1998), Fluid Sealing Technology, chapter 4; Nikas (2010), Proc. IMechE J 224(1), 1-23,
     doi:10.1243/13506501JET607 (reciprocating seals).
     """
 
     subsystem = "joint"
     coefficient = Parameter("N/Pa", 1e-6, (0.0, 5e-5), text="friction added by each pascal of p1 + p2", off=0.0)
+    reference = Parameter("Pa", 0.52e6, (0.2e6, 1.5e6), text="p1 + p2 at which base friction holds (published preload)")
 
     @staticmethod
-    def friction_static(joint_pressure1, joint_pressure2, coefficient):
+    def friction_static(joint_pressure1, joint_pressure2, coefficient, reference):
         """Static friction added by the pressures, N."""
-        return coefficient * max(joint_pressure1 + joint_pressure2, 0.0)
+        return coefficient * (max(joint_pressure1 + joint_pressure2, 0.0) - reference)
 
     @staticmethod
-    def friction_coulomb(joint_pressure1, joint_pressure2, coefficient):
+    def friction_coulomb(joint_pressure1, joint_pressure2, coefficient, reference):
         """Coulomb friction added by the pressures, N."""
-        return coefficient * max(joint_pressure1 + joint_pressure2, 0.0)
+        return coefficient * (max(joint_pressure1 + joint_pressure2, 0.0) - reference)
