@@ -112,7 +112,9 @@ def prepare_test(log: TestLog) -> TestEvidence:
     arm = columns["arm_deg"] * DEGREE
     if len(arm) < 10 * STRIDE:
         raise UsageError(f"{name}: {len(arm)} samples in the command phase; at least {10 * STRIDE} are needed")
-    pump = columns["pump_deg"] * DEGREE if "pump_deg" in columns else hardware.pump_motion(columns["command_deg"] * DEGREE)
+    pump = (
+        columns["pump_deg"] * DEGREE if "pump_deg" in columns else hardware.pump_motion(columns["command_deg"] * DEGREE)
+    )
     pick = slice(0, None, STRIDE)
     half = STRIDE // 2
     travel, velocity, acceleration = slider_motion(arm, hardware.values["pulley_radius"])

@@ -116,7 +116,11 @@ def project(
 
 
 def all_gains(
-    gram: Gram, residual: Array, base: Array, groups: Sequence[tuple[tuple[int, ...], tuple[bool, ...]]], rounds: int = 3
+    gram: Gram,
+    residual: Array,
+    base: Array,
+    groups: Sequence[tuple[tuple[int, ...], tuple[bool, ...]]],
+    rounds: int = 3,
 ) -> tuple[Array, Array, list[Array]]:
     """Return the loss (tests,) with the base columns alone, the gains (groups, tests) of each group, its coefficients.
 

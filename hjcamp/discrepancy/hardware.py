@@ -34,7 +34,9 @@ class Hardware:
 
         system = ([self.values["pump_gain"]], [1.0, *(self.values[name] for name in ("pump_a2", "pump_a1", "pump_a0"))])
         numerator, denominator, _ = cont2discrete(system, 1e-3, method="zoh")
-        late = np.interp(np.arange(len(command)) * 1e-3 - self.values["pump_delay"], np.arange(len(command)) * 1e-3, command)
+        late = np.interp(
+            np.arange(len(command)) * 1e-3 - self.values["pump_delay"], np.arange(len(command)) * 1e-3, command
+        )
         moved = lfilter(numerator.ravel(), denominator, late - command[0])
         return np.asarray(moved) / self.values["pump_lead"] + command[0]
 

@@ -52,7 +52,9 @@ def judge(
     for effect in named:
         for driver in effect.exact_in:
             if share_left(features, final, driver) > MATTERS:
-                reason = f"what {effect.name} leaves still depends on {driver.replace('_', ' ')}, in which its law is exact"
+                reason = (
+                    f"what {effect.name} leaves still depends on {driver.replace('_', ' ')}, in which its law is exact"
+                )
                 return Verdict("outside_library", [], reason, driver)
     if not taken:
         return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
