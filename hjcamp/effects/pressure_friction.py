@@ -25,11 +25,13 @@ class PressureFriction(Effect):
     reference = Parameter("Pa", 0.52e6, (0.2e6, 1.5e6), text="p1 + p2 at which base friction holds (published preload)")
 
     @staticmethod
-    def friction_static(joint_pressure1, joint_pressure2, coefficient, reference):
-        """Static friction added by the pressures, N."""
-        return coefficient * (max(joint_pressure1 + joint_pressure2, 0.0) - reference)
+    def friction_static(friction_static, joint_pressure1, joint_pressure2, coefficient, reference):
+        """Static friction with the pressures on the seals, a fifth of the base at least, N."""
+        added = coefficient * (max(joint_pressure1 + joint_pressure2, 0.0) - reference)
+        return max(friction_static + added, 0.2 * friction_static)
 
     @staticmethod
-    def friction_coulomb(joint_pressure1, joint_pressure2, coefficient, reference):
-        """Coulomb friction added by the pressures, N."""
-        return coefficient * (max(joint_pressure1 + joint_pressure2, 0.0) - reference)
+    def friction_coulomb(friction_coulomb, joint_pressure1, joint_pressure2, coefficient, reference):
+        """Coulomb friction with the pressures on the seals, a fifth of the base at least, N."""
+        added = coefficient * (max(joint_pressure1 + joint_pressure2, 0.0) - reference)
+        return max(friction_coulomb + added, 0.2 * friction_coulomb)
