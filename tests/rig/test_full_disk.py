@@ -57,7 +57,6 @@ def test_a_full_disk_makes_the_rig_safe(kind: str, tmp_path: Path, compose: Any,
     assert seen["tests"] == 1, "a run whose log cannot be written must not go on"
     assert (seen["volts"]["Dev1/ao1"], seen["volts"]["Dev1/ao2"]) == (0.0, 0.0)
     assert FULL_AT < seen["samples"] < 4500, "stopped before the test was over"
-    # Virtual time runs ahead of the thread that writes: 0.2 s of the clock may be many samples on a busy machine.
-    assert 100 <= seen["kept"] <= seen["samples"]
+    assert FULL_AT - 200 <= seen["kept"] <= seen["samples"]
     assert seen["final"] == 0
     assert (seen["resumed"], seen["whole"]) == (0, 2)
