@@ -55,7 +55,7 @@ class Told:
         """Return the sentences of the answer, the first of them what the verdict means."""
         verdict, found = self.content["verdict"], self.found
         if verdict == "effect":
-            return [*(sentence_of(self.library[name]) for name in self.content["effects"]), self.chance()]
+            return [*(self.library[name].sentence() for name in self.content["effects"]), self.chance()]
         if verdict == "one_of":
             return [whole_sentence(found.reason), self.chance()]
         if verdict == "outside_library":
@@ -155,13 +155,6 @@ def looks_at_final(found: Diagnosis, error: float | None) -> bool:
 def whole_sentence(text: str) -> str:
     """Return words as a sentence; names keep their capitals."""
     return f"{text[:1].upper()}{text[1:]}."
-
-
-def sentence_of(effect: type[Effect]) -> str:
-    """Return the first sentence of an effect's docstring."""
-    import inspect
-
-    return " ".join(inspect.cleandoc(effect.__doc__ or "").partition("\n\n")[0].split())
 
 
 def parameters_told(rows: Mapping[str, Mapping[str, Any]]) -> str:

@@ -59,8 +59,10 @@ def _diagnose(tour: Tour) -> list[str]:
 
 
 def _add(tour: Tour) -> list[str]:
+    from hjcamp.commands._session import free_model_name
+
     effects = effects_to_add(tour.answer(2))
-    return ["add", *effects, str(tour.folder), "--as", free_name(), "--json", str(tour.answer_file(3))]
+    return ["add", *effects, str(tour.folder), "--as", free_model_name(MODEL), "--json", str(tour.answer_file(3))]
 
 
 def _compare_both(tour: Tour) -> list[str]:
@@ -81,19 +83,6 @@ def effects_to_add(diagnosis: dict[str, Any]) -> list[str]:
     if not ranked:
         raise HjcampError("the diagnosis names no effect, so there is nothing to add; try --step 2 --effort standard")
     return ranked[:1]
-
-
-def free_name() -> str:
-    """Return a name that no model has yet: tour_model, else tour_model_2 and so on."""
-    from hjcamp.configuration.composer import Composer
-    from hjcamp.discrepancy.saved import FOLDER
-
-    taken = set(Composer().options("model")) | {path.stem for path in FOLDER.glob("*.yaml")}
-    number, name = 1, MODEL
-    while name in taken:
-        number += 1
-        name = f"{MODEL}_{number}"
-    return name
 
 
 STEPS = (

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from hjcamp.errors import HjcampError, UsageError
-
-if TYPE_CHECKING:
-    from hjcamp.model.effect import Effect
 
 FORMATS = (".pdf", ".png", ".svg")
 USAGE = "hjcamp effects [NAME [OVERRIDE...]] | effects new NAME | effects test NAME"
@@ -81,17 +78,10 @@ def show_catalogue() -> None:
         table.add_column(column, no_wrap=column == "effect")
     library = load_effects()
     for name, effect in sorted(library.items(), key=lambda item: SUBSYSTEMS.index(item[1].subsystem)):
-        table.add_row(effect.subsystem, name, sentence(effect), ", ".join(effect.parameters))
+        table.add_row(effect.subsystem, name, effect.sentence(), ", ".join(effect.parameters))
     console = make_console()
     console.print(table)
     console.print(f"  {len(library)} effects; one of them: hjcamp effects NAME", style="dim", markup=False)
-
-
-def sentence(effect: type[Effect]) -> str:
-    """Return the first sentence of an effect's docstring."""
-    import inspect
-
-    return " ".join(inspect.cleandoc(effect.__doc__ or "").partition("\n\n")[0].split())
 
 
 def show_effect(name: str) -> None:

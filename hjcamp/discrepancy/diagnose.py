@@ -16,7 +16,7 @@ from hjcamp.discrepancy.drivers import rank_drivers, top_drivers
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.null import Null, simulate_null
+from hjcamp.discrepancy.null import Null, null_of, simulate_twins
 from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
 from hjcamp.discrepancy.search import Screening, Step, fit_effect, refit_without, rival_weights, screen, unknowns_of
 from hjcamp.discrepancy.twins import match_scatter
@@ -104,6 +104,8 @@ class _Search:
         self.features = Features(evidence)
         self.views = Views(evidence, self.effects)
         self.steps: list[Step] = []
+        self.twins_of: Fit | None = None
+        self.twins: list[Array] = []
         self.least_gain = LEAST_GAIN * len(evidence.tests)
 
     def run(self, start: Candidate | None, began: float) -> Diagnosis:
@@ -129,7 +131,10 @@ class _Search:
             taken.append(step)
             last = number + 1 == self.work.forward
             screening, null = self._look(current, number + 1, not last and not self.work.hasty)
-        current, taken = self._backward(current, taken, null)
+        kept, taken = self._backward(current, taken, null)
+        if kept is not current:
+            current = kept
+            _, null = self._look(current, self.work.forward + 1, False)
         self.report("weighing the answer", 0.95)
         floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
         found = judge(self.features, null, base, current, taken, self.effects)
@@ -159,11 +164,17 @@ class _Search:
         )
 
     def _look(self, current: Fit, number: int, whole: bool) -> tuple[Screening, Null]:
-        """Return the screening about a model (of nothing unless ``whole``) and its twins."""
+        """Return the screening about a model (of nothing unless ``whole``) and what it finds in the twins of that model."""
         share = 0.1 + 0.8 * number / (self.work.forward + 1)
         if whole:
             self.report(f"screening {len(self.effects)} effects", share)
         screening = screen(self.fitter, current, self.effects, whole)
+        if current is not self.twins_of:
+            self.twins_of, self.twins = current, self._twins(current, number, share)
+        return screening, null_of(self.fitter, screening, self.twins)
+
+    def _twins(self, current: Fit, number: int, share: float) -> list[Array]:
+        """Return what a model leaves of its own twins."""
         done = [0]
 
         def tick() -> None:
@@ -172,7 +183,7 @@ class _Search:
 
         self.scatter = match_scatter(self.views, current, scatter_of(self.evidence, dict(current.candidate.base)))
         seeds = [self.seed * 100_000 + number * 1000 + index for index in range(self.work.twins)]
-        return screening, simulate_null(self.fitter, current, screening, self.scatter, seeds, tick)
+        return simulate_twins(self.fitter, current, self.scatter, seeds, tick)
 
     def _step(self, screening: Screening, null: Null, number: int) -> Step | None:
         """Return the fits of the most promising effects and of those that look the same as the best of them."""

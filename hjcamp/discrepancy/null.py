@@ -72,30 +72,34 @@ class Null:
         return np.asarray((left / allowed)[:JUDGED])
 
 
-def simulate_null(
-    fitter: Fitter,
-    fit: Fit,
-    screening: Screening,
-    scatter: RepetitionScatter,
-    seeds: list[int],
-    tick: Callable[[], None] = lambda: None,
-) -> Null:
-    """Return what twins of the fitted model give in the same screening, one for each seed."""
-    gains, logarithms = [], []
-    for gain, errors in fitter.crew.each(_one_twin, (fitter.views, fit, screening, scatter), seeds):
-        gains.append(gain)
-        logarithms.append(np.log(errors + fitter.least**2))
+def simulate_twins(
+    fitter: Fitter, fit: Fit, scatter: RepetitionScatter, seeds: list[int], tick: Callable[[], None] = lambda: None
+) -> list[Array]:
+    """Return what the fitted model leaves (blocks, channels) of twins of itself, one for each seed."""
+    residuals = []
+    for residual in fitter.crew.each(_one_twin, (fitter.views, fit, scatter), seeds):
+        residuals.append(residual)
         tick()
+    return residuals
+
+
+def null_of(fitter: Fitter, screening: Screening, residuals: list[Array]) -> Null:
+    """Return what a screening finds in the residuals of twins in which nothing is missing."""
+    found = list(fitter.crew.each(_look_at, screening, residuals))
     features = fitter.features
     says = np.add.reduceat(features.valid, features.edges[:-1], axis=0) > 0
-    return Null(np.array(gains), np.array(logarithms), says, fitter.least)
+    logarithms = np.array([np.log(errors + fitter.least**2) for _, errors in found])
+    return Null(np.array([gain for gain, _ in found]), logarithms, says, fitter.least)
 
 
-def _one_twin(context: tuple[Views, Fit, Screening, RepetitionScatter], seed: int) -> tuple[float, Array]:
-    """Return the largest gain in one twin, and its mean square error (tests, channels) beside what is fitted already."""
-    views, fit, screening, scatter = context
+def _one_twin(context: tuple[Views, Fit, RepetitionScatter], seed: int) -> Array:
+    views, fit, scatter = context
     twin = make_twin(views, fit.candidate, scatter, seed)
-    residual = Features(twin).of(Views(twin, views.effects).residuals(fit.candidate))
+    return Features(twin).of(Views(twin, views.effects).residuals(fit.candidate))
+
+
+def _look_at(screening: Screening, residual: Array) -> tuple[float, Array]:
+    """Return the largest gain in one twin, and its mean square error (tests, channels) beside what is fitted already."""
     gain = 0.0
     if screening.probes:
         _, found, coefficients = all_gains(screening.gram, residual, screening.known, screening.groups)

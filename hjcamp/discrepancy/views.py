@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -48,7 +48,7 @@ class Candidate:
         """Return this model with one effect added or replaced."""
         return Candidate(self.base, {**self.effects, name: dict(parameters)})
 
-    def without(self, names: Sequence[str]) -> Candidate:
+    def without(self, names: Collection[str]) -> Candidate:
         """Return this model without some of its effects."""
         return Candidate(self.base, {name: values for name, values in self.effects.items() if name not in names})
 
@@ -182,7 +182,15 @@ class Views:
         return observed, track, self.lines.follow(p, course, tolerance=TOLERANCE).readings
 
     def _shown_otherwise(self, candidate: Candidate) -> bool:
-        return any(_shows_otherwise(effect) and effect.name in candidate.effects for effect in self.effects)
+        return not self._misleading.isdisjoint(candidate.effects)
+
+    @cached_property
+    def _misleading(self) -> frozenset[str]:
+        return frozenset(effect.name for effect in self.effects if _shows_otherwise(effect))
+
+    @cached_property
+    def _circular(self) -> frozenset[str]:
+        return frozenset(effect.name for effect in self.effects if _balances_itself(effect))
 
     def readings(
         self, candidate: Candidate, *, windows: bool = True, scatter: Array | None = None
@@ -204,8 +212,7 @@ class Views:
         """Return push, friction, static friction (N) and mass (kg) of one group of tests (n, 4)."""
         part, hardware = self._groups[index]
         key, observed, track, _ = self._line_view(candidate, index)
-        circular = [effect.name for effect in self.effects if _balances_itself(effect)]
-        p = self.vector(self.inverse, candidate.without(circular), hardware)
+        p = self.vector(self.inverse, candidate.without(self._circular), hardware)
         own = (index, *self._key(self.inverse, p, PumpJoint.balance))
 
         def compute() -> Array:

@@ -71,6 +71,11 @@ class Effect:
             raise UsageError(f"{where}: no Parameter; an effect needs at least one")
 
     @classmethod
+    def sentence(cls) -> str:
+        """Return the first sentence of the docstring."""
+        return " ".join(inspect.cleandoc(cls.__doc__ or "").partition("\n\n")[0].split())
+
+    @classmethod
     def equation(cls) -> str:
         """Return the equation of the docstring (the text of its ``.. math::`` block), or an empty string."""
         lines = inspect.cleandoc(cls.__doc__ or "").splitlines()
