@@ -10,10 +10,10 @@ from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.unknowns import base_unknowns, effect_unknowns
-from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.discrepancy.views import HOME, Candidate, Views
 
 Array = NDArray[np.float64]
-NOISE = np.array([2e-3, 700.0, 700.0, 700.0, 0.02, 0.05])
+NOISE = np.array([2e-3, 700.0, 700.0, 700.0, 0.02, 0.05, 2e-3])
 RATIOS = (1.15, 1.37)
 
 
@@ -77,5 +77,6 @@ def calibrate(
     if least is not None:
         return best, fitter
     least = np.maximum(0.5 * features.floor(best.features), 0.3 * NOISE)
+    least[HOME] = views.evidence.home_scatter
     fitter = Fitter(views, features, least, crew=crew)
     return fitter.fit(best.candidate, unknowns, steps=8), fitter

@@ -24,6 +24,7 @@ REST_SPEED = 0.6e-3
 SLIDING_SPEED = 4e-3
 SLIDING_MARGIN = 5
 STEADY = 0.3
+LEAST_HOME = 0.5
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class TestEvidence:
 
     ``arm`` (rad), ``pressure1``, ``pressure2`` (Pa) and ``pump`` (rad of the motor) are means over one coarse sample;
     ``velocity`` (m/s) is the sliders' speed, 0 where they rest; ``track`` (m) and ``acceleration`` (m/s^2) belong to it; ``misfit``
-    (counts) is how far the counted angle is from that smooth motion; ``breaks`` (events,) are the samples at which the arm breaks away.
+    (counts) is how far the counted angle is from that smooth motion; ``breaks`` (events,) are the samples at which the arm breaks away;
+    ``home`` (rad) is the first reading of a test that begins at the arm's own zero, NaN where that is not known.
     """
 
     name: str
@@ -49,6 +51,7 @@ class TestEvidence:
     acceleration: Array
     misfit: Array
     breaks: NDArray[np.int64]
+    home: float
     hardware: Hardware
     log: TestLog
 
@@ -133,9 +136,24 @@ def prepare_test(log: TestLog) -> TestEvidence:
         acceleration=acceleration[pick],
         misfit=misfit_of(arm, travel, hardware.values)[pick],
         breaks=breakaways(arm, hardware.values["encoder_count"]),
+        home=home_reading(log),
         hardware=hardware,
         log=log,
     )
+
+
+def home_reading(log: TestLog) -> float:
+    """Return the arm's first reading (rad) where the test begins at the arm's zero and nothing has moved it there.
+
+    A loop that was closed before the log began may have driven the reading, not the arm, to zero: NaN, as without a
+    reference.
+    """
+    columns, command = log.columns, log.command_phase
+    if "reference_deg" not in columns or len(command["time_s"]) == 0 or abs(command["reference_deg"][0]) > 1e-6:
+        return math.nan
+    from_before = len(command["time_s"]) < len(columns["time_s"])
+    closed = log.metadata.get("controller", "") != "open_loop" and np.any(columns.get("pid_deg", 1.0))
+    return math.nan if closed and not from_before else float(columns["arm_deg"][0]) * DEGREE
 
 
 def _loudest(values: Array) -> Array:
@@ -199,6 +217,13 @@ class Evidence:
     def breakaways(self) -> NDArray[np.int64]:
         """Samples (events,) at which the count of the resting arm first changes."""
         return np.concatenate([test.breaks + edge for test, edge in zip(self.tests, self.edges[:-1], strict=True)])
+
+    @cached_property
+    def home_scatter(self) -> float:
+        """Standard deviation (rad) of where tests begin, at least half a count."""
+        known = np.array([test.home for test in self.tests if math.isfinite(test.home)])
+        least = LEAST_HOME * max(test.hardware.values["encoder_count"] for test in self.tests)
+        return max(float(np.std(known, ddof=1)) if len(known) > 1 else 0.0, least)
 
     @cached_property
     def repeated(self) -> bool:

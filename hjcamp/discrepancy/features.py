@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.evidence import Evidence
-from hjcamp.discrepancy.views import WINDOWED
+from hjcamp.discrepancy.views import HOME, WINDOWED
 
 Array = NDArray[np.float64]
 BLOCK = 5
@@ -41,22 +41,24 @@ class Features:
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
-        """Which features say something (blocks, channels): force channels only where the arm slides or breaks away."""
-        sliding = self.evidence.sliding.astype(float)
-        events = np.zeros(len(sliding))
-        events[self.evidence.breakaways] = 1.0
-        shares = self._sums(np.column_stack([sliding, events]))
-        always = np.ones((len(shares), WINDOWED), dtype=bool)
-        return np.hstack([always, shares > 0])
+        """Which features say something (blocks, channels): forces only where the arm slides or breaks away."""
+        always = np.ones((len(self._shares), WINDOWED), dtype=bool)
+        return np.hstack([always, self._shares > 0])
+
+    @cached_property
+    def _shares(self) -> Array:
+        """Number of samples of each block in which the arm slides, in which it breaks away, and at which a test begins."""
+        marks = np.zeros((int(self.evidence.edges[-1]), 3))
+        marks[:, 0] = self.evidence.sliding
+        marks[self.evidence.breakaways, 1] = 1.0
+        marks[self.evidence.edges[:-1], 2] = [np.isfinite(test.home) for test in self.evidence.tests]
+        return self._sums(marks)
 
     @cached_property
     def _members(self) -> Array:
         """Number of samples (blocks, channels) that a feature averages."""
-        sliding = self.evidence.sliding.astype(float)
-        events = np.zeros(len(sliding))
-        events[self.evidence.breakaways] = 1.0
-        shares = self._sums(np.column_stack([sliding, events]))
-        return np.hstack([np.full((len(shares), WINDOWED), float(BLOCK)), np.maximum(shares, 1.0)])
+        always = np.full((len(self._shares), WINDOWED), float(BLOCK))
+        return np.hstack([always, np.maximum(self._shares, 1.0)])
 
     @cached_property
     def counts(self) -> Array:
@@ -100,12 +102,15 @@ class Features:
 
         .. math:: \sigma^2 = \frac{1}{N} \sum_c \frac{R_c}{R_c - 1} \sum_{r,t} (r_{crt} - \bar r_{ct})^2
 
-        over the conditions c with R_c > 1 repetitions. Without any repetition the whole residual counts as floor.
+        over the conditions c with R_c > 1 repetitions. Without any repetition the whole residual counts as floor. Where
+        tests begin has the scatter of all tests.
         """
         totals, counts = self._unshared(features)
         total, count = totals.sum(axis=0), counts.sum(axis=0)
         whole = np.sqrt((features**2).sum(axis=0) / np.maximum(self.valid.sum(axis=0), 1))
-        return np.where(count > 20, np.sqrt(total / np.maximum(count, 1)), whole)
+        floor = np.where(count > 20, np.sqrt(total / np.maximum(count, 1)), whole)
+        floor[HOME] = self.evidence.home_scatter
+        return floor
 
 
 def log_error(mean_square: Array, least: Array) -> float:

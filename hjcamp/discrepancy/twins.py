@@ -117,6 +117,7 @@ def make_twin(views: Views, candidate: Candidate, scatter: RepetitionScatter, se
     generator = np.random.default_rng([20260721, seed])
     candidate = imperfect(candidate, generator)
     joint, _ = views.readings(candidate, windows=False, scatter=twin_scatter(evidence, scatter, generator))
+    shown = views.shown_at_zero(candidate)
     tests: list[TestEvidence] = []
     for index, test in enumerate(evidence.tests):
         part = joint[evidence.edges[index] : evidence.edges[index + 1]]
@@ -143,6 +144,7 @@ def make_twin(views: Views, candidate: Candidate, scatter: RepetitionScatter, se
                 acceleration=acceleration[pick],
                 misfit=misfit_of(arm, travel, test.hardware.values)[pick],
                 breaks=breakaways(arm, count),
+                home=test.home if np.isnan(test.home) else shown + evidence.home_scatter * generator.standard_normal(),
             )
         )
     return Evidence(tuple(tests))

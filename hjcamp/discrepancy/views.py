@@ -20,7 +20,8 @@ from hjcamp.model.structure import influences
 from hjcamp.plants.pump_joint import PumpJoint
 
 Array = NDArray[np.float64]
-CHANNELS = ("arm", "difference", "line_sum", "line_difference", "sliding", "breakaway")
+CHANNELS = ("arm", "difference", "line_sum", "line_difference", "sliding", "breakaway", "home")
+HOME = CHANNELS.index("home")
 WINDOWED = 4
 LOOK_BACK = 4
 SURPRISE = 0.1
@@ -246,12 +247,29 @@ class Views:
         return out
 
     def residuals(self, candidate: Candidate) -> Array:
-        """Return the residuals (n, channels): arm (rad), pressure difference, line sum, line difference (Pa), forces (N).
+        """Return the residuals (n, channels): arm (rad), pressure difference, line sum, line difference (Pa), forces (N)
+        and where the test begins (rad).
 
         A constant of each test is taken out of the line view: it is the error of the initial pressures.
         """
         joint, lines = self.readings(candidate)
-        return np.hstack([self.subtract(joint, lines), self.forces(candidate)])
+        return np.hstack([self.subtract(joint, lines), self.forces(candidate), self.home(candidate)])
+
+    def home(self, candidate: Candidate) -> Array:
+        """Return the reading predicted at the arm's zero minus the first reading (n, 1), rad; 0 but where a test begins."""
+        out = np.zeros((len(self._columns["time"]), 1))
+        homes = np.array([test.home for test in self.evidence.tests])
+        out[self.evidence.edges[:-1], 0] = np.where(np.isfinite(homes), self.shown_at_zero(candidate) - homes, 0.0)
+        return out
+
+    def shown_at_zero(self, candidate: Candidate) -> float:
+        """Return the reading (rad) of an arm at rest at its true zero."""
+        if not self._shown_otherwise(candidate):
+            return 0.0
+        part, hardware = slice(int(self.evidence.edges[0]), int(self.evidence.edges[0]) + 2), self._groups[0][1]
+        course = self._course(part, np.zeros((2, 2)), np.zeros((2, 4)), False, None)
+        p = self.vector(self.lines, candidate, hardware)
+        return float(self.lines.follow(p, course, tolerance=TOLERANCE).readings[0, 0])
 
     def subtract(self, joint: Array, lines: Array, measured: Array | None = None) -> Array:
         """Return predicted readings minus ``measured`` (n, 3: arm, pressure 1 and 2; the logs' own by default)."""

@@ -14,8 +14,8 @@ from hjcamp.model.catalogue import scan
 from hjcamp.model.effect import Effect
 
 RIVALS = (
-    "cross_leakage", "encoder_eccentricity", "encoder_lag", "entrained_air", "friction_drift", "gravity_load", "leakage",
-    "position_friction", "pressure_friction", "stribeck_friction",
+    "cross_leakage", "encoder_bias", "encoder_eccentricity", "encoder_lag", "entrained_air", "friction_drift", "gravity_load",
+    "leakage", "position_friction", "pressure_friction", "stribeck_friction",
 )  # fmt: skip
 
 
