@@ -25,11 +25,11 @@ def detectable_amplitudes(
     base = len(screening.known)
     beside = _Beside(screening)
     for probe in screening.probes:
-        for name, column in zip(probe.lifted, probe.columns, strict=True):
+        for name, column, height in zip(probe.lifted, probe.columns, probe.heights, strict=True):
             unexplained = beside.product([base + column])[0, 0]
             if not name or unexplained < 1e-12:
                 continue
-            smallest = math.sqrt(needed / unexplained) * abs(probe.parameters[name])
+            smallest = math.sqrt(needed / unexplained) * abs(height)
             if probe.effect not in found or smallest < found[probe.effect][1]:
                 found[probe.effect] = (name, smallest, by_name[probe.effect].parameters[name].unit)
     return found

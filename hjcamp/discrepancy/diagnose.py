@@ -205,8 +205,8 @@ class _Search:
         polished = self.fitter.fit(fits[best].candidate, here, steps=2 * self.work.steps, enough=0.05)
         fits[best] = min(fits[best], polished, key=lambda fit: fit.loss)
         gain = screening.about.loss - fits[best].loss
-        # A fit that gains far more than its linear prediction follows noise that the twins' screening does not see.
-        predicted = max(screening.gains.values()) * 2 + 1
+        # A fit that gains far more than its own linear prediction follows noise that the twins' screening does not see.
+        predicted = 2.0 * screening.gains[best] + 1.0
         return Step(
             screening, fits, rival_weights(fits, self.fitter.least), null.p_value(min(gain, predicted)), null.gains
         )

@@ -25,8 +25,9 @@ SMOOTH = 2
 class Probe:
     """One shape of one effect: its parameters at a finite amplitude, and the positions of its response columns.
 
-    ``lifted`` names, column by column, the amplitude that the column raises from "off" to the value in ``parameters``;
-    ``shifts`` holds, column by column, the move of the base parameters (on the fitted scale) that goes with it.
+    ``lifted`` names, column by column, the amplitude that the column raises from "off" to its value in ``heights``;
+    ``shifts`` holds, column by column, the move of the base parameters (on the fitted scale) that goes with it. Where
+    the effect has an ``angle``, its columns are those at 0 and at a quarter turn (``turns``), of which others are sums.
     """
 
     effect: str
@@ -35,11 +36,30 @@ class Probe:
     columns: tuple[int, ...]
     signed: tuple[bool, ...]
     shifts: tuple[tuple[float, ...], ...] = ()
+    heights: tuple[float, ...] = ()
+    turns: tuple[float, ...] = ()
+    angle: str = ""
+
+    def lifts(self, coefficients: Array) -> dict[str, float]:
+        """Return the amplitudes that the coefficients of the columns ask for, and the angle (rad) if there is one."""
+        values = [float(factor) * height for factor, height in zip(coefficients, self.heights, strict=True)]
+        if not self.angle:
+            return {name: value for name, value in zip(self.lifted, values, strict=True) if name}
+        whole = sum(
+            value * complex(math.cos(turn), math.sin(turn)) for value, turn in zip(values, self.turns, strict=True)
+        )
+        return {self.lifted[0]: abs(whole), self.angle: math.atan2(whole.imag, whole.real)}
 
 
 def amplitudes(effect: type[Effect]) -> list[str]:
     """Return the linear amplitudes of an effect: parameters with an "off" value that are not shapes."""
     return [name for name, parameter in effect.parameters.items() if parameter.off is not None and not parameter.shape]
+
+
+def angle_of(effect: type[Effect]) -> str:
+    """Return the name of the angle at which the only amplitude of an effect acts, or an empty string."""
+    angles = [name for name, parameter in effect.parameters.items() if parameter.shape and parameter.cyclic]
+    return angles[0] if len(angles) == 1 and len(amplitudes(effect)) == 1 else ""
 
 
 def grid(parameter: Parameter, points: int) -> list[float]:
@@ -49,14 +69,14 @@ def grid(parameter: Parameter, points: int) -> list[float]:
         return [float(value) for value in np.geomspace(low, high, points + 2)[1:-1]]
     if not math.isfinite(high - low):
         return [parameter.default]
-    if low < -3.0 and high > 3.0 and parameter.unit == "rad":
+    if parameter.cyclic:
         return [float(value) for value in np.linspace(-math.pi, math.pi, points + 1)[:-1]]
     return [float(value) for value in np.linspace(low, high, points + 2)[1:-1]]
 
 
 def shapes(effect: type[Effect]) -> Iterator[dict[str, float]]:
-    """Yield the combinations of the shape parameters to be tried, the default among them."""
-    names = [name for name, parameter in effect.parameters.items() if parameter.shape]
+    """Yield the combinations of the shape parameters to be tried, the default among them, without an angle."""
+    names = [name for name, parameter in effect.parameters.items() if parameter.shape and name != angle_of(effect)]
     if not names:
         yield {}
         return
@@ -107,13 +127,15 @@ class Responses:
         """Evaluate every shape of an effect: its probes and their response columns; invisible shapes are left out."""
         found: list[Probe] = []
         every: list[Array] = []
-        linear = amplitudes(effect)
+        linear, angle = amplitudes(effect), angle_of(effect)
+        quarters = (0.0, 0.5 * math.pi) if angle else (0.0,)
         off = {name: float(effect.parameters[name].off or 0.0) for name in linear}
         scale: dict[str, float] = {}
         for shape in shapes(effect):
             columns, lifted, parameters, signed, shifts = [], [], dict(shape), [], []
-            for name in linear or [""]:
-                given = {**off, **shape}
+            heights, turns = [], []
+            for name, turn in itertools.product(linear or [""], quarters):
+                given = {**off, **shape, **({angle: turn} if angle else {})}
                 parameter = effect.parameters.get(name)
                 if parameter is not None:
                     given[name] = scale.get(name, parameter.default)
@@ -133,12 +155,13 @@ class Responses:
                 shifts.append(tuple(float(step) for step in move))
                 columns.append(len(every))
                 lifted.append(name)
-                signed.append(parameter is not None and parameter.bounds[0] < 0)
+                heights.append(given.get(name, 0.0))
+                turns.append(turn)
+                signed.append(parameter is not None and (parameter.bounds[0] < 0 or bool(angle)))
                 every.append(response)
             if columns:
-                found.append(
-                    Probe(effect.name, parameters, tuple(lifted), tuple(columns), tuple(signed), tuple(shifts))
-                )
+                places = tuple(lifted), tuple(columns), tuple(signed), tuple(shifts), tuple(heights), tuple(turns)
+                found.append(Probe(effect.name, parameters, *places, angle))
         return found, np.array(every) if every else np.zeros((0, *self.about.features.shape))
 
 

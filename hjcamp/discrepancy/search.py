@@ -106,12 +106,14 @@ def started(screening: Screening, effect: type[Effect], factor: float = 1.0) -> 
     for coefficient, shift in zip(coefficients, probe.shifts, strict=True):
         move += float(coefficient) * np.array(shift)
     parameters = {**effect.defaults(), **probe.parameters}
-    for name, coefficient in zip(probe.lifted, coefficients, strict=True):
-        if name:
-            low, high = effect.parameters[name].bounds
-            value = parameters[name] * float(coefficient) * factor
-            least = 0.05 * factor * abs(parameters[name])
-            parameters[name] = min(max(value if abs(value) > least else least, low), high)
+    heights = dict(zip(probe.lifted, probe.heights, strict=True))
+    for name, value in probe.lifts(coefficients).items():
+        if name == probe.angle:
+            parameters[name] = value
+            continue
+        low, high = effect.parameters[name].bounds
+        least = 0.05 * factor * abs(heights[name])
+        parameters[name] = min(max(factor * value if abs(factor * value) > least else least, low), high)
     for name, parameter in effect.parameters.items():
         if parameter.off is not None and name not in probe.lifted and not parameter.shape:
             parameters[name] = parameter.off

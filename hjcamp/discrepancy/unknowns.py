@@ -48,8 +48,10 @@ class Unknown:
         return math.log(value) if self.logarithmic else value / self.scale
 
     def back(self, place: float) -> float:
-        """Return the value of a place on the fitted scale, held within its bounds."""
+        """Return the value of a place on the fitted scale, held within its bounds, or within a turn where it is cyclic."""
         low, high = self.parameter.bounds
+        if self.parameter.cyclic:
+            return math.remainder(place * self.scale, math.tau)
         value = math.exp(min(max(place, -700.0), 700.0)) if self.logarithmic else place * self.scale
         return min(max(value, low), high)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -40,12 +41,19 @@ class Parameter:
         if self.prior == "log-uniform" and low <= 0:
             raise UsageError(f"{where}: a log-uniform prior needs a lower bound above zero, not {low:g}")
 
+    @property
+    def cyclic(self) -> bool:
+        """Whether it is an angle that comes back to itself: its bounds hold one turn about zero and hardly more."""
+        low, high = self.bounds
+        return self.unit == "rad" and low < -3.0 and high > 3.0 and math.tau <= high - low < 1.1 * math.tau
+
 
 @dataclass(frozen=True)
 class State:
     """A quantity that the model integrates.
 
     ``resolution`` is the local error that one sample may make, ``typical`` the size at which the model is linearised.
+    An effect's state that is ``known`` at rest starts anew where the observed states are set to measurements at rest.
     """
 
     unit: str
