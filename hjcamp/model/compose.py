@@ -159,18 +159,19 @@ class Composition:
         return _function("signals(time, direction, z, u, p, out)", self.body(lines))
 
     def memory_source(self) -> str:
-        """Return the source of ``begin`` (starts of own states) and ``remember`` (their once-per-sample updates)."""
-        starts, updates, stored = [], [], []
+        """Return the source of ``begin`` and ``renew`` (starts of all own states, of those known from the observed ones)
+        and ``remember`` (their once-per-sample updates)."""
+        starts, known, updates, stored = [], [], [], []
         for index, name in enumerate(self.states):
             start, update = self.start(name), self.update(name)
             if start:
                 starts.append(f"z[{index}] = {start}")
+                known += starts[-1:] if self.states[name].known else []
             if update:
                 updates.append(f"next_{index} = {update}")
                 stored.append(f"z[{index}] = next_{index}")
-        return _function("begin(time, direction, z, u, p)", self.body(starts)) + _function(
-            "remember(time, direction, z, u, p)", self.body(updates + stored)
-        )
+        bodies = {"begin": starts, "renew": known, "remember": updates + stored}
+        return "".join(_function(f"{name}(time, direction, z, u, p)", self.body(last)) for name, last in bodies.items())
 
     def start(self, state: str) -> str:
         """Return the expression that an effect's state starts with; empty for a state of the plant."""

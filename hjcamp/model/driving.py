@@ -22,6 +22,7 @@ DRIVEN_INPUTS: Any = ()
 readings: Any = None
 balance: Any = None
 begin: Any = None
+renew: Any = None
 remember: Any = None
 move: Any = None
 forget: Any = None
@@ -126,7 +127,8 @@ def follow(  # type: ignore[no-untyped-def]
     """Drive the plant along measured motion; fill ``out`` with its readings, ``ideal`` with its observed states
     and ``forces`` with its force balance.
 
-    Where ``restart`` is 2 a test begins, where it is 1 the observed states are set to what was measured.
+    Where ``restart`` is 2 a test begins, where it is 1 the observed states are set to what was measured, and at rest the
+    effects' states that are known from them.
     """
     fast = (
         propagator[0, 0, 0], propagator[0, 0, 1], propagator[0, 0, 2],
@@ -139,6 +141,10 @@ def follow(  # type: ignore[no-untyped-def]
     for k in range(n):
         u[DITHER] = dither[k]
         u[SCATTER] = scatter[k]
+        ends = k + 1 == n or restart[k + 1] == 2
+        for i in range(len(DRIVEN_STATES)):
+            z[DRIVEN_STATES[i]] = driven[k, i]
+            u[DRIVEN_INPUTS[i]] = 0.0 if ends else (driven[k + 1, i] - driven[k, i]) / h
         if restart[k] > 0:
             for i in range(len(OBSERVED_STATES)):
                 z[OBSERVED_STATES[i]] = observed[k, i]
@@ -149,10 +155,8 @@ def follow(  # type: ignore[no-untyped-def]
             if restart[k] == 2:
                 counter[0] = 0.0
                 begin(time[k], direction, z, u, p)
-        ends = k + 1 == n or restart[k + 1] == 2
-        for i in range(len(DRIVEN_STATES)):
-            z[DRIVEN_STATES[i]] = driven[k, i]
-            u[DRIVEN_INPUTS[i]] = 0.0 if ends else (driven[k + 1, i] - driven[k, i]) / h
+            elif velocity[k] == 0.0:
+                renew(time[k], direction, z, u, p)
         readings(time[k], direction, z, u, p, out[k])
         balance(time[k], direction, z, u, p, forces[k])
         for i in range(len(OBSERVED_STATES)):

@@ -61,6 +61,7 @@ class State:
     typical: float
     start: float = 0.0
     text: str = ""
+    known: bool = False
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
