@@ -7,39 +7,39 @@ from hjcamp.model.parameter import Parameter
 
 
 class LineResistance(Effect):
-    r"""Flow costs pressure along the tubing, whose wall yields along its whole length.
+    r"""Flow costs pressure between the pump's end of a line and the joint's.
 
-    .. math:: p_{sensor} = p + R \bigl(\tfrac13 A_1 \dot x + \tfrac16 A_2 \dot y\bigr), \quad
-              p_{joint} = p - R \bigl(\tfrac16 A_1 \dot x + \tfrac13 A_2 \dot y\bigr), \quad
-              R = \frac{128 \mu L}{\pi d_i^4}
+    .. math:: p_{sensor} = p + f R Q, \quad p_{joint} = p - (1 - f) R Q, \quad
+              Q = f A_1 \dot x + (1 - f) A_2 \dot y, \quad R = \frac{128 \mu L}{\pi d_i^4}
 
-    laminar; the flow falls evenly from that of the pump to that of the joint, p is the mean along the tube and the
-    sensors stand at the pump.
-    Seen as: a pressure error in step with pump speed, and viscous friction R A2^2 that both directions share. The
-    published tubing has 2.3e8 Pa s/m^3: negligible; fittings and kinks have more.
-    Not for: friction at the sliders; a rig whose sensors stand in the middle of its compliance cannot tell it from that.
+    laminar; f is the share of the line's compliance on the joint's side of the resistance, p the mean pressure, and the
+    sensors stand at the pump. A smooth tube has f = 1/2, a fitting at the pump 1, one at the joint 0.
+    Seen as: a pressure error in step with pump speed, and viscous friction (1 - f)^2 R A2^2 that both directions share.
+    The published tubing has 2.3e8 Pa s/m^3: negligible; fittings and kinks have more.
+    Not for: friction at the sliders; with f = 0 nothing tells it from that.
     Source: thesis 4.4.1.2 (Reynolds number below 900); White (2011), Fluid Mechanics, 7th ed., section 6.4.
     """
 
     subsystem = "lines"
     resistance = Parameter("Pa*s/m^3", 2e10, (0.0, 2e12), text="pressure drop for each m^3/s in one line", off=0.0)
+    far_share = Parameter("1", 0.5, (0.0, 1.0), text="share of the compliance on the joint's side of it")
 
     @staticmethod
-    def joint_pressure1(pump_flow, slider_flow, resistance):
+    def joint_pressure1(pump_flow, slider_flow, resistance, far_share):
         """Pressure that joint cylinder 1 lacks, Pa."""
-        return -resistance * (pump_flow / 6.0 + slider_flow / 3.0)
+        return -(1.0 - far_share) * resistance * (far_share * pump_flow + (1.0 - far_share) * slider_flow)
 
     @staticmethod
-    def joint_pressure2(pump_flow, slider_flow, resistance):
+    def joint_pressure2(pump_flow, slider_flow, resistance, far_share):
         """Pressure that joint cylinder 2 has in addition, Pa."""
-        return resistance * (pump_flow / 6.0 + slider_flow / 3.0)
+        return (1.0 - far_share) * resistance * (far_share * pump_flow + (1.0 - far_share) * slider_flow)
 
     @staticmethod
-    def pressure1_reading(pump_flow, slider_flow, resistance):
+    def pressure1_reading(pump_flow, slider_flow, resistance, far_share):
         """Pressure that sensor 1 sees in addition, Pa."""
-        return resistance * (pump_flow / 3.0 + slider_flow / 6.0)
+        return far_share * resistance * (far_share * pump_flow + (1.0 - far_share) * slider_flow)
 
     @staticmethod
-    def pressure2_reading(pump_flow, slider_flow, resistance):
+    def pressure2_reading(pump_flow, slider_flow, resistance, far_share):
         """Pressure that sensor 2 sees less, Pa."""
-        return -resistance * (pump_flow / 3.0 + slider_flow / 6.0)
+        return -far_share * resistance * (far_share * pump_flow + (1.0 - far_share) * slider_flow)
