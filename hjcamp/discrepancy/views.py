@@ -163,7 +163,9 @@ class Views:
         sensors' errors taken out, and the readings (n, 4) of the lines driven by pump and arm."""
         part, hardware = self._groups[index]
         p = self.vector(self.lines, candidate, hardware)
-        key = (index, *self._key(self.lines, p, [channel.signal for channel in PumpJoint.channels]))
+        key: tuple[Any, ...] = (index, *self._key(self.lines, p, [channel.signal for channel in PumpJoint.channels]))
+        if self._hung(candidate):
+            key = (*key, self.vector(self.joint, candidate, hardware).tobytes())
         return key, *self._recent_lines.get(key, lambda: self._follow_lines(p, candidate, part, hardware))
 
     def _follow_lines(self, p: Array, candidate: Candidate, part: slice, hardware: Any) -> tuple[Array, Array, Array]:
@@ -173,8 +175,14 @@ class Views:
         observed = np.column_stack([pump, columns["pressure1"][part], columns["pressure2"][part], arm])
         track = columns["track"][part, None]
         if self._shown_otherwise(candidate):
-            course = self._course(part, np.hstack([pump, arm]), observed, False, None)
-            seen = self.lines.follow(p, course, tolerance=TOLERANCE)
+            if self._hung(candidate):
+                # What hangs between sliders and arm moves while the arm stands: only the joint's own motion tells.
+                course = self._course(part, pump, observed, True, None)
+                own = self.vector(self.joint, candidate, hardware)
+                seen = self.joint.follow(own, course, tolerance=TOLERANCE)
+            else:
+                course = self._course(part, np.hstack([pump, arm]), observed, False, None)
+                seen = self.lines.follow(p, course, tolerance=TOLERANCE)
             shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
             error = shown - seen.ideal[:, 1:]
             observed = np.hstack([observed[:, :1], observed[:, 1:] - error])
@@ -184,6 +192,14 @@ class Views:
 
     def _shown_otherwise(self, candidate: Candidate) -> bool:
         return not self._misleading.isdisjoint(candidate.effects)
+
+    def _hung(self, candidate: Candidate) -> bool:
+        """Whether the model has an effect between the sliders and the arm."""
+        return not self._hanging.isdisjoint(candidate.effects)
+
+    @cached_property
+    def _hanging(self) -> frozenset[str]:
+        return frozenset(effect.name for effect in self.effects if "arm_angle" in effect.terms)
 
     @cached_property
     def _misleading(self) -> frozenset[str]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.signal import lsim
 
 from hjcamp.model.simulator import Course, Followed, Simulator
 from hjcamp.plants.pump_joint import PumpJoint
@@ -79,9 +80,9 @@ def test_line_resistance_drops_along_the_tube_and_a_steady_flow_drops_all_of_it(
     lifted = seen.readings[:, P1] - seen.ideal[:, 1]
     left = (seen.ideal[:, 1] - seen.ideal[:, 2]) * AREA - seen.forces[:, 0]
     steady = np.abs(np.gradient(to_joint, course.period)) < 2e-5
-    expected = resistance * (from_pump / 3 + to_joint / 6)
+    expected = resistance * (from_pump + to_joint) / 4
     assert np.max(np.abs(lifted - expected)[steady]) < 200.0
-    assert np.max(np.abs(left - 2 * AREA * resistance * (from_pump / 6 + to_joint / 3))[steady]) < 0.01
+    assert np.max(np.abs(left - 2 * AREA * resistance * (from_pump + to_joint) / 4)[steady]) < 0.01
     whole = lifted + left / (2 * AREA)
     assert np.max(np.abs(whole - 0.5 * resistance * (from_pump + to_joint))[steady]) < 500.0
     assert np.max(np.abs(lifted)) > 5e3
@@ -167,6 +168,42 @@ def test_the_string_stretches_by_compliance_times_force(simulator: Simulator) ->
     seen = run(simulator, rest, string_elasticity__compliance=1e-3, string_elasticity__arm_share=0.5, **held, **weight)
     load = -8.5e-3 * 9.81 * 0.02 / 3.41e-3 * np.sin(seen.readings[-1, ARM] + 1.5)
     assert seen.readings[-1, ARM] * 3.41e-3 == pytest.approx(1e-3 * 0.5 * load, rel=0.01)
+
+
+@pytest.mark.parametrize("dead_share", [0.0, 0.5])
+def test_the_encoder_is_late_as_its_transfer_function_says(simulator: Simulator, dead_share: float) -> None:
+    course, lag = pump_courses()["sine"], 8e-3
+    seen = run(simulator, course, encoder_lag__lag=lag, encoder_lag__dead_share=dead_share)
+    angle, time = seen.ideal[:, 3] / 3.41e-3, np.arange(len(course.time)) * course.period
+    _, expected, _ = lsim((np.trim_zeros([-dead_share * lag, 1.0]), [(1.0 - dead_share) * lag, 1.0]), angle, time)
+    assert np.max(np.abs(angle - expected)) > 0.05
+    assert seen.readings[:, ARM] == pytest.approx(expected, abs=2e-3)
+    late = np.interp(time - lag, time, angle)
+    assert np.std(expected - late) < (0.02 if dead_share == 0.0 else 0.005)
+
+
+def test_the_arms_own_friction_keeps_it_behind_the_sliders(simulator: Simulator) -> None:
+    there_and_back = motion([0.1, 1.1, 1.3, 2.3], [0.0, 2e-3, 2e-3, 0.0])
+    seen = run(
+        simulator,
+        there_and_back,
+        string_elasticity__compliance=1e-4,
+        string_elasticity__arm_share=0.3,
+        string_elasticity__friction_share=0.4,
+    )
+    lead = seen.readings[:, ARM] * 3.41e-3 - seen.ideal[:, 3]
+    assert np.mean(lead[900:1090]) == pytest.approx(-1e-4 * 0.4 * 5.27, rel=0.03)
+    assert np.mean(lead[2100:2290]) == pytest.approx(1e-4 * 0.4 * 2.97, rel=0.03)
+
+
+def test_presliding_starts_a_window_at_rest_with_bristles_that_carry_the_push(simulator: Simulator) -> None:
+    rest = motion([0.4], [0.0], (0.5e6 + 3.0 / AREA, 0.5e6))
+    windows = replace(rest, restart=np.where(np.arange(len(rest.time)) % 100 == 0, 1, 0))
+    windows.restart[0] = 2
+    seen = run(simulator, windows, presliding__compliance=1e-5)
+    assert np.max(np.abs(seen.ideal[:, 3])) < 1e-7
+    # with free bristles it would give way by 1e-5 m/N times 3 N, as far as the lines follow
+    assert 100 * np.max(np.abs(seen.ideal[:, 3])) < 1e-5 * 3.0
 
 
 def test_sensor_effects_leave_the_motion_alone(simulator: Simulator) -> None:
