@@ -21,7 +21,8 @@ DRIVERS = (
     "time_at_rest",
     "repetition",
 )
-KNOTS = 5
+# Wide for a slope, narrow for a spot.
+KNOTS = (5, 9, 21)
 # A force is a pressure difference and a line error is one too: those pairs would explain themselves. What pushes the
 # arm cannot know of the pump, whose motion is so like the arm's that it would take the arm's place by chance.
 TAUTOLOGIES = {
@@ -63,8 +64,8 @@ def driver_values(features: Features) -> dict[str, Array]:
     }
 
 
-def _basis(values: Array, sign: Array | None) -> Array:
-    """Return piecewise linear functions of the values (blocks, knots), times the direction for an odd part."""
+def _basis(values: Array, sign: Array | None, count: int = KNOTS[0]) -> Array:
+    """Return piecewise linear functions of the values (blocks, ``count``), times the direction for an odd part."""
     low, high = np.quantile(values, [0.02, 0.98])
     if high <= low:
         return np.zeros((len(values), 0))
@@ -72,7 +73,7 @@ def _basis(values: Array, sign: Array | None) -> Array:
     if len(distinct) <= 3:
         columns = [(values == value).astype(float) for value in distinct[1:]]
     else:
-        knots = np.linspace(low, high, KNOTS)
+        knots = np.linspace(low, high, count)
         width = knots[1] - knots[0]
         columns = [np.clip(1 - np.abs(np.clip(values, low, high) - knot) / width, 0, 1) for knot in knots]
     basis = np.column_stack(columns)
@@ -131,8 +132,8 @@ def _rhythm(features: Features, residual: Array, valid: NDArray[np.bool_], time:
 def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, str, float]]:
     """Return (driver, channel, share explained on conditions left out), largest first, of the channel most off its floor.
 
-    A force that is even in direction is looked for as it is, friction as its product with the direction; a force in time
-    may also swing with one frequency.
+    Slopes and spots are looked for alike, with few knots and with many. A force that is even in direction is looked for as
+    it is, friction as its product with the direction; a force in time may also swing with one frequency.
     """
     values = driver_values(features)
     sign = values["direction"]
@@ -145,9 +146,10 @@ def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, 
         for driver, column in values.items():
             if driver in TAUTOLOGIES.get(channel, ()):
                 continue
-            plain = _gain(features, residual, valid, _basis(column, None))
-            odd = _gain(features, residual, valid, _basis(column, sign)) if channel == "sliding" else 0.0
-            best = max(plain, 0.98 * odd)
+            best = max(_gain(features, residual, valid, _basis(column, None, count)) for count in KNOTS)
+            if channel == "sliding":
+                odd = max(_gain(features, residual, valid, _basis(column, sign, count)) for count in KNOTS)
+                best = max(best, 0.98 * odd)
             if driver == "time" and channel == "sliding":
                 best = max(best, 0.8 * _rhythm(features, residual, valid, column))
             found.append((driver, channel, best * max(excess, 0.05)))
