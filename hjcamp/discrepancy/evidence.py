@@ -25,6 +25,7 @@ SLIDING_SPEED = 4e-3
 SLIDING_MARGIN = 5
 STEADY = 0.3
 LEAST_HOME = 0.5
+MOST_HOME = 3.0
 
 
 @dataclass(frozen=True)
@@ -219,11 +220,25 @@ class Evidence:
         return np.concatenate([test.breaks + edge for test, edge in zip(self.tests, self.edges[:-1], strict=True)])
 
     @cached_property
+    def homes(self) -> Array:
+        """Where each test begins (tests,), rad, NaN where not known.
+
+        Not for arms that begin more than three counts apart from each other: nobody brings those to their zero.
+        """
+        homes = np.array([test.home for test in self.tests])
+        known = homes[np.isfinite(homes)]
+        apart = len(known) > 1 and np.std(known, ddof=1) > MOST_HOME * self._count
+        return np.full(len(homes), np.nan) if apart else homes
+
+    @cached_property
     def home_scatter(self) -> float:
         """Standard deviation (rad) of where tests begin, at least half a count."""
-        known = np.array([test.home for test in self.tests if math.isfinite(test.home)])
-        least = LEAST_HOME * max(test.hardware.values["encoder_count"] for test in self.tests)
-        return max(float(np.std(known, ddof=1)) if len(known) > 1 else 0.0, least)
+        known = self.homes[np.isfinite(self.homes)]
+        return max(float(np.std(known, ddof=1)) if len(known) > 1 else 0.0, LEAST_HOME * self._count)
+
+    @cached_property
+    def _count(self) -> float:
+        return max(test.hardware.values["encoder_count"] for test in self.tests)
 
     @cached_property
     def repeated(self) -> bool:

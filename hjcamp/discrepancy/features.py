@@ -51,7 +51,7 @@ class Features:
         marks = np.zeros((int(self.evidence.edges[-1]), 3))
         marks[:, 0] = self.evidence.sliding
         marks[self.evidence.breakaways, 1] = 1.0
-        marks[self.evidence.edges[:-1], 2] = [np.isfinite(test.home) for test in self.evidence.tests]
+        marks[self.evidence.edges[:-1], 2] = np.isfinite(self.evidence.homes)
         return self._sums(marks)
 
     @cached_property

@@ -274,7 +274,7 @@ class Views:
     def home(self, candidate: Candidate) -> Array:
         """Return the reading predicted at the arm's zero minus the first reading (n, 1), rad; 0 but where a test begins."""
         out = np.zeros((len(self._columns["time"]), 1))
-        homes = np.array([test.home for test in self.evidence.tests])
+        homes = self.evidence.homes
         out[self.evidence.edges[:-1], 0] = np.where(np.isfinite(homes), self.shown_at_zero(candidate) - homes, 0.0)
         return out
 
