@@ -1,6 +1,6 @@
 """Hide effects in rigs of the truth plant, diagnose them, and write how often the diagnosis is right.
 
-    python benchmarks/hidden_effects.py [--size small|full] [--effort quick|standard] [--workers N] [--page FILE]
+    python benchmarks/hidden_effects.py [--size small|fresh|full] [--effort quick|standard] [--workers N] [--page FILE]
 
 The truth plant (tests/truth) shares no code with the model. Finished cases are kept in OUT/results.jsonl, so that the same
 command goes on after an interruption; --score only writes the page anew. The page goes to OUT/benchmark.md, or to FILE.
