@@ -21,7 +21,8 @@ EFFECTS: dict[str, dict[str, float]] = {
     "leakage": {"leak": 2e-16, "leak_above": 3.9e-14},
     "entrained_air": {"air": 8.5e-9},
     "stribeck_friction": {"stribeck": 6e-3},
-    "encoder_lag": {"lag": 5e-3},
+    # a quarter of its 5 ms is dead time: the rest is the time constant
+    "encoder_lag": {"lag": 3.75e-3},
     "line_inertance": {"inertance": 4.2e7},
 }
 
@@ -40,7 +41,8 @@ def open_loops() -> None:
             for tolerance in (1e-8, 1e-10):
                 arm = Arm.at_rest(Physics(**given), *PRESSURES, method="DOP853", rtol=tolerance)
                 states = open_loop(arm, 8.5 * reference[:, 0])
-                angles.append(states[:, LAG] if "lag" in given else states[:, Y] / RADIUS)
+                angle = states[:, Y] / RADIUS
+                angles.append(states[:, LAG] + (states[:, LAG] - angle) / 3 if "lag" in given else angle)
             assert arm is not None
             found = columns(reference, PRESSURES, effects=tuple(chosen))
             error = (found["arm_deg"] - angles[1]) / DEGREE
