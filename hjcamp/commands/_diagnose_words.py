@@ -21,7 +21,10 @@ TITLES = {
     "outside_library": "Outside library",
     "cannot_tell": "Cannot tell",
 }
-QUANTITY = "on tests not used for the fit, over arm, pressures, line cut and sliding force; 1 = the scatter between repetitions"
+QUANTITY = (
+    "on tests not used for the fit, over arm, pressures, line cut, sliding force and first reading; "
+    "1 = the scatter between repetitions"
+)
 CALIBRATED = ("parameter", "published", "here", "95 %", "change")
 CANDIDATES = ("effect", "posterior", "error left", "parameter", "value", "95 %")
 MOVED = 0.01

@@ -15,6 +15,7 @@ from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.unknowns import Unknown, read, surprise, written
+from hjcamp.discrepancy.views import HOME
 
 Array = NDArray[np.float64]
 JUDGED = 5
@@ -55,12 +56,17 @@ def _fold(evidence: Evidence, out: set[int]) -> Fold:
 
 
 def judged_error(features: Features, mean_square: Array, floor: Array, tests: Sequence[int]) -> float:
-    """Return the error of some tests over the floor: root mean square over arm, pressures, line cut and sliding force."""
+    """Return the error of some tests over the floor: root mean square over arm, pressures, line cut, sliding force and,
+    where one of them tells it, where they begin."""
     rows = list(tests)
     counts = features.counts[rows]
     total = np.sqrt((mean_square[rows] * counts).sum(axis=0) / counts.sum(axis=0))
-    over = (total / np.maximum(floor, 1e-30))[:JUDGED]
-    return float(np.sqrt(np.mean(over**2)))
+    over = total / np.maximum(floor, 1e-30)
+    begins = np.isfinite(features.evidence.homes[rows])
+    if begins.any():
+        over[HOME] = np.sqrt(mean_square[rows, HOME][begins].mean()) / max(floor[HOME], 1e-30)
+        return float(np.sqrt(np.mean(np.append(over[:JUDGED], over[HOME]) ** 2)))
+    return float(np.sqrt(np.mean(over[:JUDGED] ** 2)))
 
 
 @dataclass(frozen=True)

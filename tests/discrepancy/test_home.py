@@ -10,9 +10,11 @@ import pytest
 from test_hidden_effects_end_to_end import RIVALS
 from truth.case import write_case
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence, home_reading, prepare
 from hjcamp.discrepancy.features import Features
-from hjcamp.discrepancy.views import CHANNELS, HOME, Candidate, Views
+from hjcamp.discrepancy.heldout import judged_error
+from hjcamp.discrepancy.views import CHANNELS, HOME, Views
 from hjcamp.effects import load_effects
 from hjcamp.records.find import find_logs, read_logs
 from hjcamp.records.log import TestLog
@@ -55,12 +57,16 @@ def test_the_bias_takes_up_what_the_first_readings_show(logs: list[TestLog]) -> 
     views, features = Views(evidence, effects), Features(evidence)
 
     def error(candidate: Candidate) -> np.ndarray:
-        return features.mean_square(features.of(views.residuals(candidate)))[:, HOME]
+        seen = features.of(views.residuals(candidate))
+        judged.append(judged_error(features, features.mean_square(seen), features.floor(seen), [0, 1]))
+        return features.mean_square(seen)[:, HOME]
 
+    judged: list[float] = []
     without = error(Candidate({}))
     found = error(Candidate({}, {"encoder_bias": {"bias": bias}}))
     assert np.sqrt(without.mean()) >= abs(bias)
     assert found.mean() < 0.3 * without.mean()
+    assert judged[1] < judged[0] - 0.3
     assert CHANNELS[HOME] == "home"
 
 
