@@ -25,6 +25,7 @@ from truth.menu import Condition, asked, sine
 from truth.simulate import COLUMNS
 
 from hjcamp.discrepancy.baseline import calibrate
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence, prepare
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fitter
@@ -34,7 +35,7 @@ from hjcamp.discrepancy.next_tests import REPETITIONS, propose
 from hjcamp.discrepancy.next_trials import Bench
 from hjcamp.discrepancy.repetition import scatter_of
 from hjcamp.discrepancy.search import fit_effect, rival_weights, screen, unknowns_of
-from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.discrepancy.views import Views
 from hjcamp.effects import load_effects
 from hjcamp.records.log import TestLog
 

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from hjcamp.discrepancy.baseline import calibrate
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.heldout import Fold, Local, folds, judged_error, parameter_rows
 from hjcamp.discrepancy.saved import complete
 from hjcamp.discrepancy.search import fit_effect, screen, unknowns_of
-from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.discrepancy.views import Views
 from hjcamp.errors import UsageError
 from hjcamp.model.effect import Effect
 

@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.diagnose import Diagnosis
 from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.heldout import Fold, Local, folds, judged_error, parameter_rows
 from hjcamp.discrepancy.saved import complete
 from hjcamp.discrepancy.search import Step, unknowns_of
 from hjcamp.discrepancy.unknowns import base_unknowns
-from hjcamp.discrepancy.views import Candidate
 from hjcamp.discrepancy.where import Place, where
 from hjcamp.model.effect import Effect
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.unknowns import base_unknowns, effect_unknowns
-from hjcamp.discrepancy.views import HOME, Candidate, Views
+from hjcamp.discrepancy.views import HOME, Views
 
 Array = NDArray[np.float64]
 NOISE = np.array([2e-3, 700.0, 700.0, 700.0, 0.02, 0.05, 2e-3])

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.baseline import calibrate
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import PERIOD, WINDOW, Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.replay import ChannelError, Replay, floor_of, replay
-from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.discrepancy.views import Views
 from hjcamp.discrepancy.where import Place, where
 from hjcamp.model.effect import Effect
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.baseline import calibrate
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.detectable import alike, confounded, detectable_amplitudes
 from hjcamp.discrepancy.drivers import rank_drivers, top_drivers
@@ -21,7 +22,7 @@ from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
 from hjcamp.discrepancy.search import Screening, Step, fit_effect, refit_without, rival_weights, screen, unknowns_of
 from hjcamp.discrepancy.twins import match_scatter
 from hjcamp.discrepancy.verdict import judge, matters, what_is_lacking
-from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.discrepancy.views import Views
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]

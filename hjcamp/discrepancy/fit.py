@@ -8,10 +8,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.features import Features, log_error
 from hjcamp.discrepancy.unknowns import STEP, Unknown, base_unknowns, read, surprise, written
-from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.discrepancy.views import Views
 
 Array = NDArray[np.float64]
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.evidence import Evidence, TestEvidence
 from hjcamp.discrepancy.features import Features
@@ -17,7 +18,7 @@ from hjcamp.discrepancy.next_responses import Responses
 from hjcamp.discrepancy.next_rivals import Rival
 from hjcamp.discrepancy.next_separation import Arena, choose, contests_with_nothing, every_contest
 from hjcamp.discrepancy.next_trials import Bench, Trial
-from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.discrepancy.views import Views
 from hjcamp.errors import UsageError
 
 Array = NDArray[np.float64]

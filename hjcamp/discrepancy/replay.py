@@ -9,8 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import DEGREE, Evidence
-from hjcamp.discrepancy.views import Candidate, Views
+from hjcamp.discrepancy.views import Views
 from hjcamp.errors import HjcampError
 
 Array = NDArray[np.float64]

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.unknowns import base_unknowns
-from hjcamp.discrepancy.views import Candidate
 from hjcamp.errors import UsageError, unknown
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.records.write import whole_file

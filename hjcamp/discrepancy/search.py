@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.gram import Gram, all_gains
 from hjcamp.discrepancy.probes import Probe, probe_all
 from hjcamp.discrepancy.unknowns import Unknown, base_unknowns, effect_unknowns, read, written
-from hjcamp.discrepancy.views import Candidate
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]

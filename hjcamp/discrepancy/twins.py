@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import (
     PERIOD,
     STRIDE,
@@ -21,7 +22,7 @@ from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.repetition import RepetitionScatter
 from hjcamp.discrepancy.unknowns import base_unknowns
-from hjcamp.discrepancy.views import CHANNELS, Candidate, Views
+from hjcamp.discrepancy.views import CHANNELS, Views
 from hjcamp.model.scatter import coloured
 from hjcamp.plants.pump_joint import PumpJoint
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import PERIOD, Evidence
 from hjcamp.discrepancy.hardware import composition, simulator
 from hjcamp.discrepancy.recent import Recent
@@ -36,26 +37,6 @@ def _reaching(effects: tuple[Any, ...], cut: str, present: frozenset[str], outpu
     some = composition(tuple(effect for effect in effects if effect.name in present), cut, gated=False)
     names = influences(some, outputs)
     return np.array([position for position, name in enumerate(whole.parameters) if name in names], dtype=np.int64)
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A model to look at: base parameters by name and effects with their parameters, all SI."""
-
-    base: Mapping[str, float]
-    effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-
-    def with_effect(self, name: str, parameters: Mapping[str, float]) -> Candidate:
-        """Return this model with one effect added or replaced."""
-        return Candidate(self.base, {**self.effects, name: dict(parameters)})
-
-    def without(self, names: Collection[str]) -> Candidate:
-        """Return this model without some of its effects."""
-        return Candidate(self.base, {name: values for name, values in self.effects.items() if name not in names})
-
-    def with_base(self, base: Mapping[str, float]) -> Candidate:
-        """Return this model with other base parameters."""
-        return Candidate({**self.base, **base}, self.effects)
 
 
 def _shows_otherwise(effect: Any) -> bool:

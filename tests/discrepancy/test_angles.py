@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.probes import Probe, angle_of, shapes
 from hjcamp.discrepancy.unknowns import effect_unknowns, read, written
-from hjcamp.discrepancy.views import Candidate
 from hjcamp.effects import load_effects
 
 LIBRARY = load_effects([])
