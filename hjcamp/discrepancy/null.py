@@ -17,7 +17,7 @@ from hjcamp.discrepancy.twins import make_twin
 from hjcamp.discrepancy.views import Views
 
 Array = NDArray[np.float64]
-MARGIN = 1.15
+MARGIN = 1.25
 LAW = 0.15
 JUDGED = 5
 
