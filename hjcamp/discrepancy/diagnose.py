@@ -21,7 +21,7 @@ from hjcamp.discrepancy.null import Null, null_of, simulate_twins
 from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
 from hjcamp.discrepancy.search import Screening, Step, fit_effect, refit_without, rival_weights, screen, unknowns_of
 from hjcamp.discrepancy.twins import match_scatter
-from hjcamp.discrepancy.verdict import judge, matters, what_is_lacking
+from hjcamp.discrepancy.verdict import judge, law_of, matters, what_is_lacking
 from hjcamp.discrepancy.views import Views
 from hjcamp.model.effect import Effect
 
@@ -118,7 +118,9 @@ class _Search:
         current, taken = base, list[Step]()
         for number in range(0 if lacking else self.work.forward):
             if number and self.work.hasty and not screening.probes:
-                if np.all(null.excess(base.mean_square, current.mean_square) <= 1.0) and not self._others(taken[-1]):
+                named = [effect for effect in self.effects if effect.name in current.candidate.effects]
+                excess = null.excess(base.mean_square, current.mean_square, law_of(named))
+                if np.all(excess <= 1.0) and not self._others(taken[-1]):
                     break
                 screening, null = self._look(current, number, True)
             step = self._step(screening, null, number)

@@ -43,8 +43,7 @@ def judge(
     if lacking:
         return Verdict("cannot_tell", [], lacking)
     named = [effect for effect in effects if any(effect.name == step.best for step in taken)]
-    law = 0.0 if named and all(effect.exact_in for effect in named) else LAW
-    excess = null.excess(base.mean_square, final.mean_square, law)
+    excess = null.excess(base.mean_square, final.mean_square, law_of(named))
     if np.any(excess > 1.0):
         worst = int(np.argmax(excess))
         over = float(null.over(final.mean_square)[worst])
@@ -71,6 +70,11 @@ def judge(
         if share < POSTERIOR and len(rivals) > 1:
             return Verdict("one_of", rivals, "these tests fit them alike")
     return Verdict("effect", [step.best for step in taken], "the error falls to its floor")
+
+
+def law_of(named: Sequence[type[Effect]]) -> float:
+    """Return the share by which the laws of the named effects may be off: none where all are exact, or none is named."""
+    return 0.0 if all(effect.exact_in for effect in named) else LAW
 
 
 def matters(features: Features, before: Fit, after: Fit) -> bool:
