@@ -23,7 +23,7 @@ SMOOTH = 2
 
 @dataclass(frozen=True)
 class Probe:
-    """One shape of one effect: its parameters at a finite amplitude, and the positions of its response columns.
+    """One shape of one effect: its parameters without amplitudes, and the positions of its response columns.
 
     ``lifted`` names, column by column, the amplitude that the column raises from "off" to its value in ``heights``;
     ``shifts`` holds, column by column, the move of the base parameters (on the fitted scale) that goes with it. Where
@@ -132,8 +132,7 @@ class Responses:
         off = {name: float(effect.parameters[name].off or 0.0) for name in linear}
         scale: dict[str, float] = {}
         for shape in shapes(effect):
-            columns, lifted, parameters, signed, shifts = [], [], dict(shape), [], []
-            heights, turns = [], []
+            columns, lifted, signed, shifts, heights, turns = [], [], [], [], [], []
             for name, turn in itertools.product(linear or [""], quarters):
                 given = {**off, **shape, **({angle: turn} if angle else {})}
                 parameter = effect.parameters.get(name)
@@ -148,7 +147,6 @@ class Responses:
                     size = self.size(response)
                 if parameter is not None:
                     scale[name] = given[name]
-                    parameters[name] = given[name]
                 if not 0.02 < size < 1e6:
                     continue
                 response, move = self.compensated(effect, given, response)
@@ -161,7 +159,7 @@ class Responses:
                 every.append(response)
             if columns:
                 places = tuple(lifted), tuple(columns), tuple(signed), tuple(shifts), tuple(heights), tuple(turns)
-                found.append(Probe(effect.name, parameters, *places, angle))
+                found.append(Probe(effect.name, shape, *places, angle))
         return found, np.array(every) if every else np.zeros((0, *self.about.features.shape))
 
 
