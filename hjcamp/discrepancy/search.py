@@ -12,7 +12,7 @@ from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.gram import Gram, all_gains
 from hjcamp.discrepancy.probes import Probe, probe_all
-from hjcamp.discrepancy.unknowns import Unknown, base_unknowns, effect_unknowns, read, written
+from hjcamp.discrepancy.unknowns import Unknown, base_unknowns, effect_unknowns, read, surprise, written
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]
@@ -156,7 +156,12 @@ def refit_without(fitter: Fitter, fit: Fit, name: str, effects: Sequence[type[Ef
 
 
 def rival_weights(fits: dict[str, Fit], least: Array) -> dict[str, float]:
-    """Return the weight of each fitted model beside the best one, from the differences test by test.
+    r"""Return the weight of each fitted model beside the best one, from the differences test by test.
+
+    .. math:: w = \min\bigl(2 \Phi(-d / s),\ e^{-d / 2}\bigr)\ e^{-(k - k_{best}) / 2}
+
+    with d the difference of the logarithms of error, s its standard error, and k what the model asks of base parameters
+    that are known beforehand (sum of squared standard deviations), which does not scatter from test to test.
 
     The unit of evidence is the test: the sum of differences of log error over its standard error is a standard normal
     deviate for models that fit alike (Vuong 1989, Econometrica 57(2), 307-333). A few clear tests among many silent ones
@@ -165,14 +170,14 @@ def rival_weights(fits: dict[str, Fit], least: Array) -> dict[str, float]:
     from scipy.stats import norm
 
     losses = {name: np.log(fit.mean_square + least**2).sum(axis=1) for name, fit in fits.items()}
+    asked = {name: float(np.sum(surprise(fit.candidate, base_unknowns()) ** 2)) for name, fit in fits.items()}
     best = min(fits, key=lambda name: fits[name].loss)
     weights = {}
     for name, loss in losses.items():
         difference = loss - losses[best]
         error = np.std(difference, ddof=1) * np.sqrt(len(difference)) if len(difference) > 1 else 1.0
         behind = max(float(difference.sum()), 0.0)
-        weights[name] = (
-            1.0 if name == best else min(float(2.0 * norm.sf(behind / max(error, 0.7))), np.exp(-0.5 * behind))
-        )
+        weights[name] = min(float(2.0 * norm.sf(behind / max(error, 0.7))), np.exp(-0.5 * behind))
+        weights[name] *= np.exp(-0.5 * (asked[name] - asked[best]))
     total = sum(weights.values())
     return {name: weight / total for name, weight in weights.items()}
