@@ -85,7 +85,8 @@ def _counting() -> str:
   with and without the effect with the same draws of scatter, three repetitions each. The change of the mean log is
   divided by the standard deviation of one repetition, and what {len(BASE)} groups of base parameters can imitate is
   taken off (bounded least squares: friction +-60 %,
-  stiffness +-30 % together and +-2 % apart, mass +-15 %). The effect is detectable where the root mean square of
+  stiffness +-30 % together and +-2 % apart, mass +-15 %; for offsets of the pressure sensors also the very friction that
+  balances them). The effect is detectable where the root mean square of
   the rest over a test is at least {DETECTABLE:g} in some channel of some condition. Of two effects, both must be.
 * **Strictly** right: EFFECT with the hidden names and no others. **With groups**: the other name of the same thing is right, too
   ({groups}), and so is ONE OF that group alone; nothing_missing is right where the effect is not detectable.
