@@ -111,7 +111,7 @@ class Duel:
         for name, candidate in candidates.items():
             fits[name] = fitter.fit(candidate, unknowns_of(candidate, self.effects), steps=STEPS, enough=0.3)
             candidates[name] = fits[name].candidate
-        return fitter, rival_weights(fits, fitter.least)[self.names[0]]
+        return fitter, rival_weights(fits, fitter.least, self.effects)[self.names[0]]
 
     def needed(self, order: list[Choice]) -> int:
         """Return after how many tests in this order the rivals are apart; with an empty order what is proposed is run."""

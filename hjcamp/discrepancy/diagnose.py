@@ -211,7 +211,11 @@ class _Search:
         # A fit that gains far more than its own linear prediction follows noise that the twins' screening does not see.
         predicted = 2.0 * screening.gains[best] + 1.0
         return Step(
-            screening, fits, rival_weights(fits, self.fitter.least), null.p_value(min(gain, predicted)), null.gains
+            screening,
+            fits,
+            rival_weights(fits, self.fitter.least, self.effects),
+            null.p_value(min(gain, predicted)),
+            null.gains,
         )
 
     def _others(self, step: Step) -> bool:

@@ -155,13 +155,21 @@ def refit_without(fitter: Fitter, fit: Fit, name: str, effects: Sequence[type[Ef
     return fitter.fit(candidate, unknowns_of(candidate, effects), steps=steps, enough=0.05)
 
 
-def rival_weights(fits: dict[str, Fit], least: Array) -> dict[str, float]:
+def asks(candidate: Candidate, effects: Sequence[type[Effect]]) -> float:
+    """Return what a model asks: the surprise of its base parameters, and 2 for each amplitude and shape of its effects."""
+    named = [effect for effect in effects if effect.name in candidate.effects]
+    number = sum(one.shape or one.off is not None for effect in named for one in effect.parameters.values())
+    return float(np.sum(surprise(candidate, base_unknowns()) ** 2)) + 2.0 * number
+
+
+def rival_weights(fits: dict[str, Fit], least: Array, effects: Sequence[type[Effect]]) -> dict[str, float]:
     r"""Return the weight of each fitted model beside the best one, from the differences test by test.
 
     .. math:: w = \min\bigl(2 \Phi(-d / s),\ e^{-d / 2}\bigr)\ e^{-(k - k_{best}) / 2}
 
-    with d the difference of the logarithms of error, s its standard error, and k what the model asks of base parameters
-    that are known beforehand (sum of squared standard deviations), which does not scatter from test to test.
+    with d the difference of the logarithms of error, s its standard error, and k what the model asks, which does not scatter
+    from test to test: the squared standard deviations by which it moves base parameters that are known beforehand, and 2
+    for each amplitude and shape of its effects (Akaike 1974, doi:10.1109/TAC.1974.1100705).
 
     The unit of evidence is the test: the sum of differences of log error over its standard error is a standard normal
     deviate for models that fit alike (Vuong 1989, Econometrica 57(2), 307-333). A few clear tests among many silent ones
@@ -170,7 +178,7 @@ def rival_weights(fits: dict[str, Fit], least: Array) -> dict[str, float]:
     from scipy.stats import norm
 
     losses = {name: np.log(fit.mean_square + least**2).sum(axis=1) for name, fit in fits.items()}
-    asked = {name: float(np.sum(surprise(fit.candidate, base_unknowns()) ** 2)) for name, fit in fits.items()}
+    asked = {name: asks(fit.candidate, effects) for name, fit in fits.items()}
     best = min(fits, key=lambda name: fits[name].loss)
     weights = {}
     for name, loss in losses.items():
