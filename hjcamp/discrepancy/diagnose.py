@@ -19,7 +19,16 @@ from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.null import Null, null_of, simulate_twins
 from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
-from hjcamp.discrepancy.search import Screening, Step, fit_effect, refit_without, rival_weights, screen, unknowns_of
+from hjcamp.discrepancy.search import (
+    WORTH,
+    Screening,
+    Step,
+    fit_effect,
+    refit_without,
+    rival_weights,
+    screen,
+    unknowns_of,
+)
 from hjcamp.discrepancy.twins import match_scatter
 from hjcamp.discrepancy.verdict import judge, law_of, matters, what_is_lacking
 from hjcamp.discrepancy.views import Views
@@ -30,6 +39,7 @@ LEVEL = 0.05
 # For each test: arm and pressures of the windows, which go together, both fall by 10 %.
 LEAST_GAIN = 0.42
 SAME = 0.95
+PAIR = 2
 Report = Callable[[str, float], None]
 
 
@@ -37,7 +47,8 @@ Report = Callable[[str, float], None]
 class Effort:
     """How much work a diagnosis may do: twins, fitted survivors of a screening, Gauss-Newton steps, further effects.
 
-    A ``hasty`` one looks for a further effect only where the model found so far leaves an error.
+    A ``hasty`` one looks for a further effect only where the model found so far leaves an error, and fits no survivor whose
+    prediction is far behind.
     """
 
     twins: int
@@ -196,8 +207,7 @@ class _Search:
         if not ranked:
             return None
         share = 0.25 + 0.8 * number / (self.work.forward + 1)
-        fits: dict[str, Fit] = {}
-        self._fit(screening, ranked[: self.work.survivors], fits, share)
+        fits = self._survivors(screening, ranked[: self.work.survivors], share)
         best = min(fits, key=lambda name: fits[name].loss)
         rivals = dict.fromkeys([*alike(screening, best, SAME), *self._same_as(best)])
         self._fit(
@@ -208,8 +218,7 @@ class _Search:
         polished = self.fitter.fit(fits[best].candidate, here, steps=2 * self.work.steps, enough=0.05)
         fits[best] = min(fits[best], polished, key=lambda fit: fit.loss)
         gain = screening.about.loss - fits[best].loss
-        # A fit that gains far more than its own linear prediction follows noise that the twins' screening does not see.
-        predicted = 2.0 * screening.gains[best] + 1.0
+        predicted = _at_most(screening, best)
         return Step(
             screening,
             fits,
@@ -217,6 +226,18 @@ class _Search:
             null.p_value(min(gain, predicted)),
             null.gains,
         )
+
+    def _survivors(self, screening: Screening, names: list[str], share: float) -> dict[str, Fit]:
+        """Return the fits of the most promising effects; a hasty search leaves out those that no gain can be hoped of."""
+        fits: dict[str, Fit] = {}
+        # two by two, however many workers there are: the answer must not depend on them
+        for begin in range(0, len(names), PAIR):
+            gain = max((screening.about.loss - fit.loss for fit in fits.values()), default=-np.inf)
+            hoped = _at_most(screening, names[begin])
+            if fits and self.work.hasty and hoped < max(gain - WORTH, self.least_gain):
+                break
+            self._fit(screening, names[begin : begin + PAIR], fits, share)
+        return fits
 
     def _others(self, step: Step) -> bool:
         """Whether another effect, too, gained much beside the model before the step."""
@@ -244,6 +265,11 @@ class _Search:
             if without.loss - current.loss < max(self.least_gain, null.needed()):
                 current, taken = without, [other for other in taken if other is not step]
         return current, taken
+
+
+def _at_most(screening: Screening, name: str) -> float:
+    """Return what a fit may gain: far more than its own linear prediction follows noise that the twins do not see."""
+    return 2.0 * screening.gains[name] + 1.0
 
 
 def _fit_one(context: tuple[Fitter, Screening, tuple[type[Effect], ...], int], name: str) -> Fit:

@@ -25,7 +25,7 @@ class Presliding(Effect):
     """
 
     subsystem = "joint"
-    compliance = Parameter("m/N", 1e-5, (1e-6, 2e-4), "log-uniform", "deflection for each newton", shape=True, off=0.0)
+    compliance = Parameter("m/N", 1e-5, (2e-6, 2e-4), "log-uniform", "deflection for each newton", shape=True, off=0.0)
     fall_velocity = Parameter(
         "m/s",
         5e-4,
@@ -39,7 +39,7 @@ class Presliding(Effect):
         "1", 16.0, (0.0, 40.0), text="0: friction falls with any motion (LuGre); large: with full slip only"
     )
     deflection = State("m", 2e-8, 1e-5, text="deflection of the bristles", known=True)
-    weakness = State("1", 1e-3, 1.0, text="share of the extra static friction that slip has taken", known=True)
+    weakness = State("1", 1e-2, 1.0, text="share of the extra static friction that slip has taken", known=True)
 
     @staticmethod
     def start_deflection(push, slider_velocity, speed, friction_static, friction_coulomb, compliance):

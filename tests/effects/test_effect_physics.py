@@ -58,7 +58,7 @@ RISE = motion([0.1, 1.1], [0.0, 4e-3])
 
 def test_presliding_breaks_away_at_static_and_slides_at_coulomb_friction(simulator: Simulator) -> None:
     slow = motion([0.1, 1.6, 2.1], [0.0, 5e-4, 4.5e-3])
-    stiff = {"presliding__compliance": 1e-6, "presliding__fall_velocity": 2e-4}
+    stiff = {"presliding__compliance": 2e-6, "presliding__fall_velocity": 2e-4}
     followed = run(simulator, slow, **stiff, presliding__lateness=40.0)
     assert np.max(force(followed)) == pytest.approx(7.20, rel=0.05)
     assert sliding(followed) == pytest.approx(5.27, rel=0.01)
