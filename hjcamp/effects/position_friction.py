@@ -13,6 +13,7 @@ class PositionFriction(Effect):
 
     .. math:: F \leftarrow F\,\bigl(1 + a \sin(2\pi\,\theta / \Theta + \varphi)\bigr)
 
+    What depends on the angle comes again after a turn: periods are a turn or less.
     Seen as: a force that depends on arm angle and turns its sign with the direction of motion.
     Not for: a force with one sign in both directions (see gravity_load), or change with time (see friction_drift).
     Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138,
@@ -21,7 +22,9 @@ class PositionFriction(Effect):
 
     subsystem = "joint"
     amplitude = Parameter("1", 0.2, (0.0, 0.9), text="largest change of friction over its mean", off=0.0)
-    period = Parameter("rad", 6.283185307179586, (0.3, 12.6), "log-uniform", "arm angle of one period", shape=True)
+    period = Parameter(
+        "rad", 6.283185307179586, (0.3, 6.3), "log-uniform", "arm angle of one period, a turn or less", shape=True
+    )
     phase = Parameter("rad", 0.0, (-3.15, 3.15), text="phase at arm angle 0", shape=True)
 
     @staticmethod
