@@ -151,7 +151,7 @@ class _Search:
             _, null = self._look(current, self.work.forward + 1, False)
         self.report("weighing the answer", 0.95)
         floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
-        found = judge(self.features, null, base, current, taken, self.effects)
+        found = judge(self.views, self.features, null, base, current, taken, self.effects)
         # What no effect explains is looked at without those that did not.
         ranked = top_drivers(rank_drivers(self.features, base, floor))
         drivers = [found.driver, *(one for one in ranked if one != found.driver)] if found.driver else ranked

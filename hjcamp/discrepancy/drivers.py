@@ -166,6 +166,27 @@ def share_left(features: Features, fit: Fit, driver: str) -> float:
     return _gain(features, fit.features[:, index], features.valid[:, index], basis)
 
 
+def straightness(features: Features, force: Array, law: Array, driver: Array, valid: NDArray[np.bool_]) -> float:
+    r"""Return by how many standard errors a straight line in the driver fits a force better than a law does.
+
+    .. math:: z = \frac{\sum_t d_t}{s_d \sqrt{T}}, \quad d_t = \log \overline{e^2_{law}} - \log \overline{e^2_{line}}
+
+    over T tests; ``force`` (blocks,) is what the law is to explain, ``law`` what it says; both may be off by a constant in
+    each direction. Of what a law says with one sign, a line says as much where the law is nearly straight: then z is 0.
+    """
+    sign = driver_values(features)["direction"]
+    errors = []
+    for column in (law, driver):
+        basis = np.column_stack([np.ones(len(force)), sign, column])
+        weights = np.linalg.lstsq(basis[valid], force[valid], rcond=None)[0]
+        errors.append((force - basis @ weights) ** 2)
+    rows = [valid & (features.of_test == test) for test in range(len(features.counts))]
+    rows = [row for row in rows if row.sum() >= FEWEST_BLOCKS]
+    ahead = np.array([np.log(errors[0][row].mean() / errors[1][row].mean()) for row in rows])
+    scatter = float(np.std(ahead, ddof=1)) * np.sqrt(len(ahead)) if len(ahead) > 2 else 0.0
+    return float(ahead.sum()) / scatter if scatter > 0.0 else 0.0
+
+
 def top_drivers(ranked: list[tuple[str, str, float]]) -> list[str]:
     """Return the drivers, most likely first, each once, those that explain nothing left out."""
     order: list[str] = []

@@ -8,19 +8,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjcamp.discrepancy.drivers import share_left
+from hjcamp.discrepancy.drivers import driver_values, share_left, straightness
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.null import LAW, Null
 from hjcamp.discrepancy.search import Step
-from hjcamp.discrepancy.views import CHANNELS
+from hjcamp.discrepancy.views import CHANNELS, Views
 from hjcamp.model.effect import Effect
 
 POSTERIOR = 0.8
 MATTERS = 0.10
 # Breakaways are few, and scatter most.
 SAYS = [place for place, name in enumerate(CHANNELS) if name != "breakaway"]
+SLIDING = CHANNELS.index("sliding")
+STRAIGHT = 0.5
 TRAVEL = math.radians(20)
 
 
@@ -35,7 +37,13 @@ class Verdict:
 
 
 def judge(
-    features: Features, null: Null, base: Fit, final: Fit, taken: Sequence[Step], effects: Sequence[type[Effect]]
+    views: Views,
+    features: Features,
+    null: Null,
+    base: Fit,
+    final: Fit,
+    taken: Sequence[Step],
+    effects: Sequence[type[Effect]],
 ) -> Verdict:
     """Return the verdict; ``null`` are twins of the final model, ``effects`` the library."""
     evidence = features.evidence
@@ -57,6 +65,9 @@ def judge(
                     f"what {effect.name} leaves still depends on {driver.replace('_', ' ')}, in which its law is exact"
                 )
                 return Verdict("outside_library", [], reason, driver)
+            if _straighter(views, features, final, effect.name, driver):
+                reason = f"what looks like {effect.name} follows {driver.replace('_', ' ')} in a straight line"
+                return Verdict("outside_library", [], reason, driver)
     if not taken:
         return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
     for step in taken:
@@ -70,6 +81,14 @@ def judge(
         if share < POSTERIOR and len(rivals) > 1:
             return Verdict("one_of", rivals, "these tests fit them alike")
     return Verdict("effect", [step.best for step in taken], "the error falls to its floor")
+
+
+def _straighter(views: Views, features: Features, final: Fit, name: str, driver: str) -> bool:
+    """Whether the force that an effect is to explain follows its driver better in a straight line than by its law."""
+    force = features.of(views.residuals(final.candidate.without([name])))[:, SLIDING]
+    law = force - final.features[:, SLIDING]
+    values = driver_values(features)[driver]
+    return straightness(features, force, law, values, features.valid[:, SLIDING]) > STRAIGHT
 
 
 def law_of(named: Sequence[type[Effect]]) -> float:

@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.drivers import KNOTS, _basis, _gain
+from hjcamp.discrepancy.drivers import KNOTS, _basis, _gain, straightness
 
 TESTS, BLOCKS = 6, 200
 
@@ -40,3 +40,17 @@ def test_what_depends_on_nothing_is_not_explained(features: Any) -> None:
     generator = np.random.default_rng(6)
     force = generator.standard_normal(TESTS * BLOCKS)
     assert max(shares(features, force, generator.uniform(-1.0, 1.0, len(force)))) < 0.02
+
+
+@pytest.mark.parametrize(("hidden", "straight"), [(np.sin, False), (lambda angle: 0.9 * angle, True)])
+def test_a_spring_is_straighter_than_a_weight(
+    features: Any, hidden: Any, straight: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    generator = np.random.default_rng(7)
+    angle = generator.uniform(-1.2, 1.2, TESTS * BLOCKS)
+    sign = np.where(generator.random(len(angle)) < 0.5, -1.0, 1.0)
+    features.counts = np.ones((TESTS, 1))
+    monkeypatch.setattr("hjcamp.discrepancy.drivers.driver_values", lambda features: {"direction": sign})
+    force = hidden(angle) + 0.1 * sign + 0.1 * generator.standard_normal(len(angle))
+    found = straightness(features, force, np.sin(angle), angle, np.ones(len(angle), dtype=bool))
+    assert found > 2.0 if straight else found < -2.0
