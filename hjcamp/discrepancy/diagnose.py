@@ -30,7 +30,7 @@ from hjcamp.discrepancy.search import (
     unknowns_of,
 )
 from hjcamp.discrepancy.twins import match_scatter
-from hjcamp.discrepancy.verdict import judge, law_of, matters, what_is_lacking
+from hjcamp.discrepancy.verdict import judge, law_of, matters, named_by, what_is_lacking
 from hjcamp.discrepancy.views import Views
 from hjcamp.model.effect import Effect
 
@@ -129,8 +129,8 @@ class _Search:
         current, taken = base, list[Step]()
         for number in range(0 if lacking else self.work.forward):
             if number and self.work.hasty and not screening.probes:
-                named = [effect for effect in self.effects if effect.name in current.candidate.effects]
-                excess = null.excess(base.mean_square, current.mean_square, law_of(named))
+                law = law_of(named_by(taken, self.effects))
+                excess = null.excess(base.mean_square, current.mean_square, law)
                 if np.all(excess <= 1.0) and not self._others(taken[-1]):
                     break
                 screening, null = self._look(current, number, True)

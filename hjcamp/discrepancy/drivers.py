@@ -166,15 +166,16 @@ def share_left(features: Features, fit: Fit, driver: str) -> float:
     return _gain(features, fit.features[:, index], features.valid[:, index], basis)
 
 
-def straightness(features: Features, force: Array, law: Array, driver: Array, valid: NDArray[np.bool_]) -> float:
+def straightness(
+    features: Features, force: Array, law: Array, driver: Array, sign: Array, valid: NDArray[np.bool_]
+) -> float:
     r"""Return by how many standard errors a straight line in the driver fits a force better than a law does.
 
     .. math:: z = \frac{\sum_t d_t}{s_d \sqrt{T}}, \quad d_t = \log \overline{e^2_{law}} - \log \overline{e^2_{line}}
 
-    over T tests; ``force`` (blocks,) is what the law is to explain, ``law`` what it says; both may be off by a constant in
-    each direction. Of what a law says with one sign, a line says as much where the law is nearly straight: then z is 0.
+    over T tests; ``force`` (blocks,) is what the law is to explain, ``law`` what it says, ``sign`` the direction; law and
+    line may be off by a constant in each direction. Where the law is nearly straight itself, z is near 0.
     """
-    sign = driver_values(features)["direction"]
     errors = []
     for column in (law, driver):
         basis = np.column_stack([np.ones(len(force)), sign, column])

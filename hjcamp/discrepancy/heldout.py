@@ -121,9 +121,8 @@ class Local:
         groups = [group for group in groups if group]
         return groups if len(groups) >= LEAST_CONDITIONS else [[row] for row in sorted(rows)]
 
-    def _moves(self, units: Sequence[Sequence[int]]) -> Array:
+    def _moves(self, units: Sequence[Sequence[int]], weighted: Array, hessian: Array) -> Array:
         """Return by how much the unknowns move (units, unknowns) when one unit after the other is left out, linearised."""
-        weighted, hessian, _ = self._system(self.fitter)
         edges = self.fitter.features.edges
         count = len(self.unknowns)
         moves = []
@@ -151,11 +150,12 @@ class Local:
 
         units = self._units()
         count = len(units)
-        moves = self._moves(units)
+        weighted, hessian, _ = self._system(self.fitter)
+        moves = self._moves(units, weighted, hessian)
         moves = moves - moves.mean(axis=0)
         # What was known beforehand is evidence too: its own score scatters by its inverse variance.
         known = np.array([unknown.spread for unknown in self.unknowns]) ** -2.0
-        inverse = np.linalg.pinv(self._system(self.fitter)[1])
+        inverse = np.linalg.pinv(hessian)
         variance = (moves**2).sum(axis=0) * (count - 1) / count + (inverse**2) @ known
         deviation = np.sqrt(variance)
         places = read(self.fit.candidate, self.unknowns)

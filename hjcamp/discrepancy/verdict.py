@@ -50,7 +50,7 @@ def judge(
     lacking = what_is_lacking(evidence)
     if lacking:
         return Verdict("cannot_tell", [], lacking)
-    named = [effect for effect in effects if any(effect.name == step.best for step in taken)]
+    named = named_by(taken, effects)
     excess = null.excess(base.mean_square, final.mean_square, law_of(named))
     if np.any(excess > 1.0):
         worst = int(np.argmax(excess))
@@ -87,8 +87,14 @@ def _straighter(views: Views, features: Features, final: Fit, name: str, driver:
     """Whether the force that an effect is to explain follows its driver better in a straight line than by its law."""
     force = features.of(views.residuals(final.candidate.without([name])))[:, SLIDING]
     law = force - final.features[:, SLIDING]
-    values = driver_values(features)[driver]
-    return straightness(features, force, law, values, features.valid[:, SLIDING]) > STRAIGHT
+    values = driver_values(features)
+    valid = features.valid[:, SLIDING]
+    return straightness(features, force, law, values[driver], values["direction"], valid) > STRAIGHT
+
+
+def named_by(taken: Sequence[Step], effects: Sequence[type[Effect]]) -> list[type[Effect]]:
+    """Return the effects of the library that the steps taken have added."""
+    return [effect for effect in effects if any(effect.name == step.best for step in taken)]
 
 
 def law_of(named: Sequence[type[Effect]]) -> float:

@@ -20,8 +20,8 @@ class Presliding(Effect):
     away at F_s, slides at F_c + C_v v. At rest the bristles carry the push: from there a test starts.
     Seen as: motion of some hundredths of a millimetre below breakaway, and its recovery when the force is taken off.
     Not for: the fall of friction at speeds far above v_s (see stribeck_friction).
-    Source: Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40(3), 419-425, doi:10.1109/9.376053; elastic until
-    full slip: Dupont et al. (2002), doi:10.1109/TAC.2002.1000274; memory: Hess & Soom (1990), doi:10.1115/1.2920239.
+    Source: Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40(3), 419-425, doi:10.1109/9.376053; slip told
+    from bending: Dupont et al. (2002), doi:10.1109/TAC.2002.1000274; memory: Hess & Soom (1990), doi:10.1115/1.2920239.
     """
 
     subsystem = "joint"

@@ -1,0 +1,36 @@
+"""Rivals are weighed by their errors and by what they ask of base parameters that are known beforehand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hjcamp.discrepancy.candidate import Candidate
+from hjcamp.discrepancy.fit import Fit
+from hjcamp.discrepancy.search import asks, rival_weights
+from hjcamp.effects import load_effects
+from hjcamp.plants.pump_joint import PumpJoint
+
+EFFECTS = tuple(load_effects([]).values())
+LEAST = np.ones(3)
+
+
+def fitted(name: str, base: dict[str, float] | None = None) -> Fit:
+    candidate = Candidate(base or {}).with_effect(name, {})
+    error = np.ones((4, 3))
+    return Fit(candidate, float(np.log(error + 1.0).sum()) + asks(candidate, ()), np.zeros((0, 3)), error)
+
+
+def test_a_model_asks_for_what_it_moves_and_for_its_amplitudes_and_shapes() -> None:
+    moved = {"stiffness_asymmetry": 3.0 * PumpJoint.uncertain["stiffness_asymmetry"]}
+    assert asks(Candidate({}), EFFECTS) == 0.0
+    assert asks(Candidate(moved), EFFECTS) == pytest.approx(9.0)
+    assert asks(Candidate({}).with_effect("payload_inertia", {}), EFFECTS) == 2.0
+    assert asks(Candidate({}).with_effect("line_inertance", {}), EFFECTS) == 4.0
+
+
+def test_equal_errors_are_told_apart_by_what_is_known_of_the_rig() -> None:
+    unlike = {"stiffness_asymmetry": 4.0 * PumpJoint.uncertain["stiffness_asymmetry"]}
+    fits = {"pressure_gain": fitted("pressure_gain"), "dither_relief": fitted("dither_relief", unlike)}
+    weights = rival_weights(fits, LEAST, EFFECTS)
+    assert weights["dither_relief"] / weights["pressure_gain"] == pytest.approx(np.exp(-8.0))
