@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +35,7 @@ TAUTOLOGIES = {
 # Below 4 Hz a swing cannot be told from the motion's own harmonics.
 FREQUENCIES = np.arange(4.0, 24.0, 0.25)
 FEWEST_BLOCKS = 15
+BENDS = np.linspace(0.125, 0.875, 11)
 EXPLAINED = {"sliding": 4, "line_sum": 2, "line_difference": 3}
 
 
@@ -102,8 +105,8 @@ def _gain(features: Features, residual: Array, valid: NDArray[np.bool_], basis: 
 def _rhythm(features: Features, residual: Array, valid: NDArray[np.bool_], time: Array) -> float:
     """Return the share of the squared residual that swings with one frequency, found in the other conditions each time.
 
-    Phase and size are free in each test, since nothing says that a test begins in step with what shakes it; what two free
-    numbers explain of noise is taken off.
+    The median of the conditions: a harmonic of the motion swings in those of one speed. Phase and size are free in each
+    test, since nothing says that a test begins in step with what shakes it; what two free numbers explain of noise is taken off.
     """
     tests = list(range(len(features.counts)))
     whole, swing = np.zeros(len(tests)), np.zeros((len(tests), len(FREQUENCIES)))
@@ -121,12 +124,13 @@ def _rhythm(features: Features, residual: Array, valid: NDArray[np.bool_], time:
         whole[test] = float(seen @ seen)
         explained = np.einsum("fk,fk->f", cross, np.linalg.solve(square, cross[:, :, None])[:, :, 0])
         swing[test] = explained - 2.0 / number * whole[test]
-    found = 0.0
+    shares = []
     for out in features.evidence.conditions.values():
         others = [test for test in tests if test not in out]
-        if others:
-            found += float(swing[out][:, int(np.argmax(swing[others].sum(axis=0)))].sum())
-    return found / float(whole.sum()) if whole.sum() > 0 else 0.0
+        if others and whole[out].sum() > 0:
+            place = int(np.argmax(swing[others].sum(axis=0)))
+            shares.append(float(swing[out][:, place].sum() / whole[out].sum()))
+    return float(np.median(shares)) if shares else 0.0
 
 
 def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, str, float]]:
@@ -166,26 +170,42 @@ def share_left(features: Features, fit: Fit, driver: str) -> float:
     return _gain(features, fit.features[:, index], features.valid[:, index], basis)
 
 
-def straightness(
-    features: Features, force: Array, law: Array, driver: Array, sign: Array, valid: NDArray[np.bool_]
+def rhythm_left(features: Features, left: Array) -> float:
+    """Return the share of the unexplained sliding force that swings with one frequency; ``left`` (blocks, channels)."""
+    index = EXPLAINED["sliding"]
+    return _rhythm(features, left[:, index], features.valid[:, index], driver_values(features)["time"])
+
+
+def bends(driver: Array, valid: NDArray[np.bool_]) -> list[Array]:
+    """Return forces (blocks,) that set in at one place of the driver and grow from there, upwards or downwards."""
+    places = np.quantile(driver[valid], BENDS)
+    return [np.maximum(side * (driver - place), 0.0) for side in (1.0, -1.0) for place in places]
+
+
+def outdone(
+    features: Features, force: Array, law: Array, shapes: Sequence[Array], sign: Array, valid: NDArray[np.bool_]
 ) -> float:
-    r"""Return by how many standard errors a straight line in the driver fits a force better than a law does.
+    r"""Return by how many standard errors the best of some shapes fits a force better than a law does.
 
-    .. math:: z = \frac{\sum_t d_t}{s_d \sqrt{T}}, \quad d_t = \log \overline{e^2_{law}} - \log \overline{e^2_{line}}
+    .. math:: z = \frac{\sum_t d_t}{s_d \sqrt{T}}, \quad d_t = \log \overline{e^2_{law}} - \log \overline{e^2_{shape}}
 
-    over T tests; ``force`` (blocks,) is what the law is to explain, ``law`` what it says, ``sign`` the direction; law and
-    line may be off by a constant in each direction. Where the law is nearly straight itself, z is near 0.
+    over T tests, each predicted from the other conditions, where the shape is chosen, too. ``force`` (blocks,) is what the
+    law is to explain, ``law`` what it says, ``sign`` the direction; law and shapes may be off by a factor and by a constant in
+    each direction. Where a law is nearly the shape itself, z is near 0.
     """
-    errors = []
-    for column in (law, driver):
-        basis = np.column_stack([np.ones(len(force)), sign, column])
-        weights = np.linalg.lstsq(basis[valid], force[valid], rcond=None)[0]
-        errors.append((force - basis @ weights) ** 2)
-    rows = [valid & (features.of_test == test) for test in range(len(features.counts))]
-    rows = [row for row in rows if row.sum() >= FEWEST_BLOCKS]
-    ahead = np.array([np.log(errors[0][row].mean() / errors[1][row].mean()) for row in rows])
+    columns = [np.column_stack([np.ones(len(force)), sign, column]) for column in (law, *shapes)]
+    ahead = []
+    for tests in features.evidence.conditions.values():
+        others = valid & ~np.isin(features.of_test, tests)
+        if others.sum() < FEWEST_BLOCKS:
+            continue
+        weights = [np.linalg.lstsq(basis[others], force[others], rcond=None)[0] for basis in columns]
+        errors = [(force - basis @ weight) ** 2 for basis, weight in zip(columns, weights, strict=True)]
+        best = min(errors[1:], key=lambda error: float(error[others].sum()))
+        rows = [valid & (features.of_test == test) for test in tests]
+        ahead += [np.log(errors[0][row].mean() / best[row].mean()) for row in rows if row.sum() >= FEWEST_BLOCKS]
     scatter = float(np.std(ahead, ddof=1)) * np.sqrt(len(ahead)) if len(ahead) > 2 else 0.0
-    return float(ahead.sum()) / scatter if scatter > 0.0 else 0.0
+    return float(np.sum(ahead)) / scatter if scatter > 0.0 else 0.0
 
 
 def top_drivers(ranked: list[tuple[str, str, float]]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,13 +27,14 @@ JUDGED = 5
 class Null:
     """Twins of one model: the largest gain of each (twins,), and the logarithm of its errors (twins, tests, channels).
 
-    ``says`` (tests, channels) is where a test says anything in a channel.
+    ``says`` (tests, channels) is where a test says anything in a channel; ``residuals`` are what the model leaves of each twin.
     """
 
     gains: Array
     logarithms: Array
     says: NDArray[np.bool_]
     least: Array
+    residuals: Sequence[Array] = ()
 
     def p_value(self, gain: float) -> float:
         """Return how often a twin gains as much."""
@@ -91,7 +92,7 @@ def null_of(fitter: Fitter, screening: Screening, residuals: list[Array]) -> Nul
     features = fitter.features
     says = np.add.reduceat(features.valid, features.edges[:-1], axis=0) > 0
     logarithms = np.array([np.log(errors + fitter.least**2) for _, errors in found])
-    return Null(np.array([gain for gain, _ in found]), logarithms, says, fitter.least)
+    return Null(np.array([gain for gain, _ in found]), logarithms, says, fitter.least, residuals)
 
 
 def _one_twin(context: tuple[Views, Fit, RepetitionScatter], seed: int) -> Array:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjcamp.discrepancy.drivers import driver_values, share_left, straightness
+from hjcamp.discrepancy.drivers import bends, driver_values, outdone, rhythm_left, share_left
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit
@@ -22,7 +22,8 @@ MATTERS = 0.10
 # Breakaways are few, and scatter most.
 SAYS = [place for place, name in enumerate(CHANNELS) if name != "breakaway"]
 SLIDING = CHANNELS.index("sliding")
-STRAIGHT = 0.5
+STRAIGHT, BENT = 0.5, 0.8
+RHYTHM = 0.15
 TRAVEL = math.radians(20)
 
 
@@ -65,10 +66,14 @@ def judge(
                     f"what {effect.name} leaves still depends on {driver.replace('_', ' ')}, in which its law is exact"
                 )
                 return Verdict("outside_library", [], reason, driver)
-            if _straighter(views, features, final, effect.name, driver):
-                reason = f"what looks like {effect.name} follows {driver.replace('_', ' ')} in a straight line"
+            better = _better_shape(views, features, final, effect.name, driver)
+            if better:
+                reason = f"what looks like {effect.name} follows {driver.replace('_', ' ')} {better}"
                 return Verdict("outside_library", [], reason, driver)
     if not taken:
+        # a named law that is off in form leaves harmonics of the motion
+        if _swings(features, null, final):
+            return Verdict("outside_library", [], "what is left swings with one frequency in all tests", "time")
         return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
     for step in taken:
         others = {other.best for other in taken if other is not step}
@@ -83,13 +88,24 @@ def judge(
     return Verdict("effect", [step.best for step in taken], "the error falls to its floor")
 
 
-def _straighter(views: Views, features: Features, final: Fit, name: str, driver: str) -> bool:
-    """Whether the force that an effect is to explain follows its driver better in a straight line than by its law."""
+def _swings(features: Features, null: Null, final: Fit) -> bool:
+    """Whether what is left swings with one frequency, more than in any twin."""
+    share = rhythm_left(features, final.features)
+    return share > RHYTHM and share > max((rhythm_left(features, twin) for twin in null.residuals), default=0.0)
+
+
+def _better_shape(views: Views, features: Features, final: Fit, name: str, driver: str) -> str:
+    """Return in words how the force that an effect is to explain follows its driver better than by its law, or nothing."""
     force = features.of(views.residuals(final.candidate.without([name])))[:, SLIDING]
     law = force - final.features[:, SLIDING]
     values = driver_values(features)
-    valid = features.valid[:, SLIDING]
-    return straightness(features, force, law, values[driver], values["direction"], valid) > STRAIGHT
+    valid, sign = features.valid[:, SLIDING], values["direction"]
+    along = values[driver]
+    if outdone(features, force, law, [along], sign, valid) > STRAIGHT:
+        return "in a straight line"
+    if outdone(features, force, law, bends(along, valid), sign, valid) > BENT:
+        return "from one place on only"
+    return ""
 
 
 def named_by(taken: Sequence[Step], effects: Sequence[type[Effect]]) -> list[type[Effect]]:

@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.drivers import KNOTS, _basis, _gain, straightness
+from hjcamp.discrepancy.drivers import KNOTS, _basis, _gain, _rhythm, bends, outdone
 
 TESTS, BLOCKS = 6, 200
 
@@ -17,7 +17,8 @@ TESTS, BLOCKS = 6, 200
 def features() -> Any:
     """Six tests in three conditions."""
     evidence = SimpleNamespace(conditions={"a": [0, 1], "b": [2, 3], "c": [4, 5]})
-    return cast(Any, SimpleNamespace(evidence=evidence, of_test=np.repeat(np.arange(TESTS), BLOCKS)))
+    of_test = np.repeat(np.arange(TESTS), BLOCKS)
+    return cast(Any, SimpleNamespace(evidence=evidence, of_test=of_test, counts=np.ones((TESTS, 1))))
 
 
 def shares(features: Any, force: np.ndarray, driver: np.ndarray) -> list[float]:
@@ -42,12 +43,40 @@ def test_what_depends_on_nothing_is_not_explained(features: Any) -> None:
     assert max(shares(features, force, generator.uniform(-1.0, 1.0, len(force)))) < 0.02
 
 
+def motion(generator: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Angle, direction and noise (blocks,) of all tests."""
+    count = TESTS * BLOCKS
+    sign = np.where(generator.random(count) < 0.5, -1.0, 1.0)
+    return generator.uniform(-1.2, 1.2, count), sign, 0.1 * sign + 0.1 * generator.standard_normal(count)
+
+
 @pytest.mark.parametrize(("hidden", "straight"), [(np.sin, False), (lambda angle: 0.9 * angle, True)])
 def test_a_spring_is_straighter_than_a_weight(features: Any, hidden: Any, straight: bool) -> None:
-    generator = np.random.default_rng(7)
-    angle = generator.uniform(-1.2, 1.2, TESTS * BLOCKS)
-    sign = np.where(generator.random(len(angle)) < 0.5, -1.0, 1.0)
-    features.counts = np.ones((TESTS, 1))
-    force = hidden(angle) + 0.1 * sign + 0.1 * generator.standard_normal(len(angle))
-    found = straightness(features, force, np.sin(angle), angle, sign, np.ones(len(angle), dtype=bool))
+    angle, sign, others = motion(np.random.default_rng(7))
+    every = np.ones(len(angle), dtype=bool)
+    found = outdone(features, hidden(angle) + others, np.sin(angle), [angle], sign, every)
     assert found > 2.0 if straight else found < -2.0
+
+
+@pytest.mark.parametrize(("hidden", "stop"), [(np.sin, False), (lambda angle: np.maximum(angle - 0.4, 0.0), True)])
+def test_a_stop_sets_in_at_one_place_and_a_weight_does_not(features: Any, hidden: Any, stop: bool) -> None:
+    angle, sign, others = motion(np.random.default_rng(8))
+    every = np.ones(len(angle), dtype=bool)
+    # the weight whose curve is as like a stop as it can be
+    law = np.sin(angle) if not stop else -np.cos(angle + 0.9)
+    found = outdone(features, hidden(angle) + others, law, bends(angle, every), sign, every)
+    assert found > 2.0 if stop else found < -2.0
+
+
+@pytest.mark.parametrize("shaken", [("a", "b", "c"), ("b",)])
+def test_a_swing_counts_where_all_conditions_have_it(features: Any, shaken: tuple[str, ...]) -> None:
+    generator = np.random.default_rng(9)
+    time = np.tile(0.02 * np.arange(BLOCKS), TESTS)
+    force = generator.standard_normal(len(time))
+    for name in shaken:
+        for test in features.evidence.conditions[name]:
+            rows = features.of_test == test
+            force[rows] += 1.5 * np.sin(2 * np.pi * 7.0 * time[rows] + test)
+    share = _rhythm(features, force, np.ones(len(time), dtype=bool), time)
+    # 1.5^2 / 2 beside a variance of 1
+    assert share == pytest.approx(1.125 / 2.125, abs=0.08) if len(shaken) == 3 else abs(share) < 0.05
