@@ -1,6 +1,6 @@
 """Hide effects in rigs of the truth plant, diagnose them, and write how often the diagnosis is right.
 
-    python benchmarks/hidden_effects.py [--size small|fresh|full] [--effort quick|standard] [--workers N] [--page FILE]
+    python benchmarks/hidden_effects.py [--size small|fresh|full] [--effort quick|standard] [--workers N] [--shift N] [--page FILE]
 
 The truth plant (tests/truth) shares no code with the model. Finished cases are kept in OUT/results.jsonl, so that the same
 command goes on after an interruption; --score only writes the page anew. The page goes to OUT/benchmark.md, or to FILE.
@@ -35,7 +35,7 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the cases that are not finished, then write the page; return the exit code."""
     given = parsed(arguments)
-    cases = plan(given.size, given.nulls)
+    cases = plan(given.size, given.nulls, given.shift)
     ledger = Ledger(given.out / "results.jsonl")
     done = ledger.finished(given.tag, given.effort)
     left = [] if given.score else [case for case in cases if case.name not in done]
@@ -48,6 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         f"python benchmarks/hidden_effects.py --size {given.size} --effort {given.effort} --workers {given.workers}"
     )
     command += "" if given.nulls is None else f" --nulls {given.nulls}"
+    command += f" --shift {given.shift}" if given.shift else ""
     text = page(lines, cases, given.effort, given.tag, command, len(os.sched_getaffinity(0)))
     complete = {case.name for case in cases} <= set(ledger.finished(given.tag, given.effort))
     # a committed page is never replaced by one of half the cases
@@ -64,6 +65,7 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--effort", choices=EFFORTS, default="standard")
     parser.add_argument("--workers", type=int, default=1, help="processes, each with one thread")
     parser.add_argument("--nulls", type=int, help="rigs with nothing hidden; by default as the size says")
+    parser.add_argument("--shift", type=int, default=0, metavar="N", help="added to every seed: the plan on other rigs")
     parser.add_argument("--out", type=Path, default=Path("build/benchmark"), metavar="FOLDER")
     parser.add_argument("--tag", default=commit(), help="version of the code; the git commit by default")
     parser.add_argument("--page", type=Path, metavar="FILE", help="where the page goes once every case is finished")
@@ -73,6 +75,8 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
         parser.error(f"--workers {given.workers}: give a whole number, 1 or more")
     if given.nulls is not None and given.nulls < 0:
         parser.error(f"--nulls {given.nulls}: give a whole number, 0 or more")
+    if given.shift < 0:
+        parser.error(f"--shift {given.shift}: give a whole number, 0 or more")
     return given
 
 

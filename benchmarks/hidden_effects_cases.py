@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 from zlib import crc32
@@ -62,6 +62,10 @@ class HiddenCase:
     without: tuple[str, ...] = ()
     small: bool = False
 
+    def on_rig(self, seed: int) -> HiddenCase:
+        """Return the case with the same effect hidden in another rig."""
+        return replace(self, seed=seed, name=f"{self.name.rsplit('-', 1)[0]}-{seed}")
+
     def row(self) -> dict[str, Any]:
         """Return the case as plain values."""
         return asdict(self)
@@ -72,13 +76,14 @@ def alike(name: str) -> frozenset[str]:
     return next((group for group in SAME if name in group), frozenset({name}))
 
 
-def plan(size: str, nulls: int | None = None) -> list[HiddenCase]:
+def plan(size: str, nulls: int | None = None, shift: int = 0) -> list[HiddenCase]:
     """Return the cases of a benchmark of ``size``, those of the small one first; a null keeps its rig at any number.
 
     "fresh" are the cases of the full one that the small one, which development looks at, does not have; they are mixed,
-    so that a run that is stopped has seen all kinds.
+    so that a run that is stopped has seen all kinds. ``shift`` is added to every seed: the same plan on other rigs.
     """
     cases = [*_singles(), *_nulls(NULLS[size] if nulls is None else nulls), *_pairs(), *_outside(), *_taken_out()]
+    cases = [case.on_rig(case.seed + shift) for case in cases]
     small, others = [case for case in cases if case.small], [case for case in cases if not case.small]
     others.sort(key=lambda case: crc32(case.name.encode()))
     return (small if size != "fresh" else []) + (others if size != "small" else [])

@@ -74,7 +74,7 @@ code at commit {tag}, effort {effort}, on a machine with {cores} cores, each cas
 
 **What this does not show.** The truth plant (`tests/truth`) shares no code with the model: other integrator, other friction
 law, other noise, its own writer. But the same people wrote both, so what they did not think of is in neither. The rigs
-are new (seeds from {min(FIRST_SEED.values())}; development used 1 - 313 and the small plan), the plant's effects and strengths
+are new (seeds from {min(line["seed"] for line in lines)}; development used 1 - 391 and 1000 - 2029), the plant's effects and strengths
 are those that development looked at, and six laws of the library were widened or changed after seeing those of this plant
 (docs/decisions/0010). Thresholds come from twins of each campaign, or were set by hand on development cases (0009)."""
 

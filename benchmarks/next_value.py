@@ -3,11 +3,11 @@
     python benchmarks/next_value.py [--random 4] [--pairs 8] > docs/next_value.md
 
 For each pair the truth plant of the tests, which shares no code with the model, hides the first effect in a rig of its
-own. The first tests are one condition with three repetitions. Both rivals are fitted to them; then one test after
-the other (one repetition each) is run on the truth plant, both rivals are refitted on all tests, and weighed as a
-diagnosis weighs them. They are apart when the true one has 95 % of the weight. Proposals are made anew after every two
-tests. Pairs that the first tests set apart, and pairs that no order sets apart (a pressure offset is a friction asymmetry to
-every test), say nothing of the order and are left out of the means.
+own, at medium and at weak strength. The first tests are one condition with three repetitions. Both rivals are fitted to
+them; then one test after the other (one repetition each) is run on the truth plant, both rivals are refitted on all tests,
+and weighed as a diagnosis weighs them. They are apart when the true one has 95 % of the weight. Proposals are made anew
+after every two tests. Pairs that the first tests set apart, and pairs that no order sets apart (a pressure offset is a
+friction asymmetry to every test), say nothing of the order and are left out of the means.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ PAIRS = (
     ("pump_backlash", "string_elasticity"),
     ("dither_relief", "stribeck_friction"),
 )
-STRENGTH = "medium"
+STRENGTHS = ("medium", "weak")
 MOST = 8
 BATCH = 2
 APART = 0.95
@@ -64,9 +64,11 @@ STEPS = 4
 FIRST = Condition("sine_first", "sine_0p5hz", lambda: sine(0.5, 4), 60, 0.40)
 
 
-def logs_of(effect: str, seed: int, condition: Condition, first_test: int, repetitions: int) -> list[TestLog]:
+def logs_of(
+    effect: str, strength: str, seed: int, condition: Condition, first_test: int, repetitions: int
+) -> list[TestLog]:
     """Return the repetitions of one condition on the truth plant, as logs."""
-    case = build_case([effect], STRENGTH, seed, conditions=[condition])
+    case = build_case([effect], strength, seed, conditions=[condition])
     object.__setattr__(case, "first_test", first_test)
     found = []
     for number in range(repetitions):
@@ -80,10 +82,12 @@ def logs_of(effect: str, seed: int, condition: Condition, first_test: int, repet
 class Duel:
     """Two rivals on one rig of the truth plant."""
 
-    def __init__(self, names: tuple[str, str], seed: int, effects: tuple[Any, ...], choices: list[Choice]) -> None:
-        self.names, self.seed, self.effects, self.choices = names, seed, effects, choices
+    def __init__(
+        self, names: tuple[str, str], strength: str, seed: int, effects: tuple[Any, ...], choices: list[Choice]
+    ) -> None:
+        self.names, self.strength, self.seed, self.effects, self.choices = names, strength, seed, effects, choices
         self.logs: dict[str, list[TestLog]] = {}
-        self.first = logs_of(names[0], seed, FIRST, 0, REPETITIONS)
+        self.first = logs_of(names[0], strength, seed, FIRST, 0, REPETITIONS)
         evidence = prepare(self.first)
         views = Views(evidence, effects)
         base, self.fitter = calibrate(views, Features(evidence))
@@ -101,7 +105,9 @@ class Duel:
         """Return the logs of one test of the menu; they are made once."""
         if choice.name not in self.logs:
             number = 1000 + [one.name for one in self.choices].index(choice.name)
-            self.logs[choice.name] = logs_of(self.names[0], self.seed, asked(choice.name, choice.settings), number, 1)
+            self.logs[choice.name] = logs_of(
+                self.names[0], self.strength, self.seed, asked(choice.name, choice.settings), number, 1
+            )
         return self.logs[choice.name]
 
     def refit(self, logs: list[TestLog], candidates: dict[str, Candidate]) -> tuple[Fitter, float]:
@@ -152,12 +158,14 @@ def main() -> None:
     print("# Tests needed to set two rivals apart\n")
     print("Made by `python benchmarks/next_value.py`; its head says how. A test is one repetition of one condition;")
     print(f"at most {MOST} are run, {MOST + 1} means not apart by then.\n")
-    print("| truth | rival | proposed order | random order (each) |\n|---|---|---|---|", flush=True)
-    for number, names in enumerate(PAIRS[: options.pairs]):
-        duel = Duel(names, 300 + number, effects, choices)
+    print("| truth | strength | rival | proposed order | random order (each) |\n|---|---|---|---|---|", flush=True)
+    duels = [(strength, names) for strength in STRENGTHS for names in PAIRS[: options.pairs]]
+    for number, (strength, names) in enumerate(duels):
+        duel = Duel(names, strength, 300 + number, effects, choices)
         _, weight = duel.refit(duel.first, dict(duel.start))
+        row = f"| {names[0]} | {strength} | {names[1]} |"
         if weight > APART:
-            print(f"| {names[0]} | {names[1]} | apart from the start | |", flush=True)
+            print(f"{row} apart from the start | |", flush=True)
             continue
         mine = duel.needed([])
         random = np.random.default_rng([7, number])
@@ -166,8 +174,7 @@ def main() -> None:
         if min(mine, *others) <= MOST:
             ours.append(mine)
             theirs += others
-        told = ", ".join(map(str, others))
-        print(f"| {names[0]} | {names[1]} | {mine} | {told} |", flush=True)
+        print(f"{row} {mine} | {', '.join(map(str, others))} |", flush=True)
     ratio = np.mean(theirs) / np.mean(ours)
     print(
         f"\nMedian: {np.median(ours):g} proposed, {np.median(theirs):g} random; mean {np.mean(ours):.2f} and {np.mean(theirs):.2f},"

@@ -30,6 +30,15 @@ def test_a_plan_with_more_nulls_keeps_every_other_case() -> None:
     assert sum(case.kind == "null" for case in plan("small", 40)) == 40
 
 
+def test_a_shifted_plan_is_the_same_on_other_rigs() -> None:
+    plain, moved = plan("full"), plan("full", shift=5000)
+    assert {(case.kind, case.effects, case.strength, case.seed + 5000) for case in plain} == {
+        (case.kind, case.effects, case.strength, case.seed) for case in moved
+    }
+    assert not {case.name for case in plain} & {case.name for case in moved}
+    assert all(case.name.endswith(f"-{case.seed}") for case in moved)
+
+
 def test_what_is_taken_out_goes_with_what_is_the_same_thing() -> None:
     taken = {case.effects[0]: case.without for case in plan("full") if case.kind == "taken_out"}
     assert taken["payload_inertia"] == ("line_inertance", "payload_inertia")
@@ -61,7 +70,7 @@ def test_only_what_is_left_is_run_and_the_page_is_kept_until_all_is_done(
             asked.append(case.name)
             yield made_up("nothing_missing", (), (), "null", seed=case.seed, name=case.name)
 
-    monkeypatch.setattr(hidden_effects, "plan", lambda size, nulls: cases)
+    monkeypatch.setattr(hidden_effects, "plan", lambda *given: cases)
     monkeypatch.setattr(hidden_effects, "results", stopped)
     options = ["--out", str(tmp_path), "--tag", "made-up", "--page", str(tmp_path / "docs.md")]
     assert hidden_effects.main(options) == 130
