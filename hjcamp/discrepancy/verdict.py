@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjcamp.discrepancy.drivers import bends, driver_values, outdone, rhythm_left, share_left
+from hjcamp.discrepancy.drivers import bends, driver_values, foreign_shares, outdone, share_left
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit
@@ -23,8 +23,12 @@ MATTERS = 0.10
 SAYS = [place for place, name in enumerate(CHANNELS) if name != "breakaway"]
 SLIDING = CHANNELS.index("sliding")
 STRAIGHT, BENT = 0.5, 0.8
-RHYTHM = 0.15
+SHARE = 0.15
 TRAVEL = math.radians(20)
+FOREIGN = {
+    "arm_angle": "no effect of the library explains a force that depends on the arm's angle",
+    "time": "no effect of the library explains a force that swings with one frequency in all tests",
+}
 
 
 @dataclass(frozen=True)
@@ -71,9 +75,10 @@ def judge(
                 reason = f"what looks like {effect.name} follows {driver.replace('_', ' ')} {better}"
                 return Verdict("outside_library", [], reason, driver)
     if not taken:
-        # a named law that is off in form leaves harmonics of the motion
-        if _swings(features, null, final):
-            return Verdict("outside_library", [], "what is left swings with one frequency in all tests", "time")
+        # a law in the model that is off in form leaves harmonics of the motion
+        driver = "" if final.candidate.effects else _foreign(features, null, final)
+        if driver:
+            return Verdict("outside_library", [], FOREIGN[driver], driver)
         return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
     for step in taken:
         others = {other.best for other in taken if other is not step}
@@ -88,10 +93,13 @@ def judge(
     return Verdict("effect", [step.best for step in taken], "the error falls to its floor")
 
 
-def _swings(features: Features, null: Null, final: Fit) -> bool:
-    """Whether what is left swings with one frequency, more than in any twin."""
-    share = rhythm_left(features, final.features)
-    return share > RHYTHM and share > max((rhythm_left(features, twin) for twin in null.residuals), default=0.0)
+def _foreign(features: Features, null: Null, final: Fit) -> str:
+    """Return the driver that no base parameter knows of on which the error depends more than in any twin, or nothing."""
+    seen = foreign_shares(features, final.features)
+    twins = [foreign_shares(features, twin) for twin in null.residuals] if max(seen.values()) > SHARE else []
+    over = {driver: share - max([SHARE, *(twin[driver] for twin in twins)]) for driver, share in seen.items()}
+    driver = max(over, key=lambda name: over[name])
+    return driver if over[driver] > 0 else ""
 
 
 def _better_shape(views: Views, features: Features, final: Fit, name: str, driver: str) -> str:
