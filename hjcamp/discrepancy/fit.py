@@ -106,4 +106,8 @@ class Fitter:
                 damping *= 6
             if before - best.loss < enough:
                 break
-        return best
+        centred = self.views.centred(best.candidate)
+        if centred is best.candidate:
+            return best
+        seen = self.look(centred)
+        return seen if seen.loss < best.loss + enough else best

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import PERIOD, Evidence
 from hjcamp.discrepancy.hardware import composition, simulator
+from hjcamp.discrepancy.own_starts import own_moves, step_within
 from hjcamp.discrepancy.recent import Recent
+from hjcamp.model.parameter import Parameter
 from hjcamp.model.simulator import Course, Simulator
 from hjcamp.model.structure import influences
 from hjcamp.plants.pump_joint import PumpJoint
@@ -27,7 +29,10 @@ WINDOWED = 4
 LOOK_BACK = 4
 SURPRISE = 0.1
 TOLERANCE = 10.0
-KEPT = 12
+KEPT = 24
+LINES = slice(CHANNELS.index("line_sum"), CHANNELS.index("line_difference") + 1)
+# What no pressure sensor tells (Pa).
+SILENT = 70.0
 
 
 @functools.lru_cache(maxsize=512)
@@ -247,10 +252,50 @@ class Views:
         """Return the residuals (n, channels): arm (rad), pressure difference, line sum, line difference (Pa), forces (N)
         and where the test begins (rad).
 
-        A constant of each test is taken out of the line view: it is the error of the initial pressures.
+        A constant of each test is taken out of the line view: it is the error of the initial pressures. What a test
+        begins with and no rig repeats (`Parameter.each_test`) is set for each test on its own, as the lines tell it.
         """
         joint, lines = self.readings(candidate)
-        return np.hstack([self.subtract(joint, lines), self.forces(candidate), self.home(candidate)])
+        out = np.hstack([self.subtract(joint, lines), self.forces(candidate), self.home(candidate)])
+        for effect, parameter in self._own_starts(candidate):
+            response, moves = self._moves(candidate, effect, parameter, out[:, LINES])
+            out[:, LINES] += response * moves[self.evidence.of_test, None]
+        return out
+
+    def centred(self, candidate: Candidate) -> Candidate:
+        """Return the candidate with the mean of the tests for what each test begins with."""
+        for effect, parameter in self._own_starts(candidate):
+            _, moves = self._moves(candidate, effect, parameter, self._line_errors(candidate))
+            given = {parameter.name: parameter.default, **candidate.effects[effect]}
+            given[parameter.name] += float(moves.mean())
+            candidate = candidate.with_effect(effect, given)
+        return candidate
+
+    def _own_starts(self, candidate: Candidate) -> list[tuple[str, Parameter]]:
+        return [
+            (effect.name, parameter)
+            for effect in self.effects
+            if effect.name in candidate.effects
+            for parameter in effect.parameters.values()
+            if parameter.each_test
+        ]
+
+    def _moves(self, candidate: Candidate, effect: str, parameter: Parameter, left: Array) -> tuple[Array, Array]:
+        """Return the response (n, 2) of the line view to a parameter, and the move (tests,) of each test."""
+        given = {parameter.name: parameter.default, **candidate.effects[effect]}
+        value = given[parameter.name]
+        step = step_within(value, parameter.bounds)
+        moved = self._line_errors(candidate.with_effect(effect, {**given, parameter.name: value + step}))
+        response = (moved - left) / step
+        room = (parameter.bounds[0] - value, parameter.bounds[1] - value)
+        return response, own_moves(left, response, self.evidence.edges, SILENT, room)
+
+    def _line_errors(self, candidate: Candidate) -> Array:
+        """Return the residuals (n, 2) of the line view alone, Pa: sum and difference."""
+        lines = np.empty((len(self._columns["time"]), 4))
+        for index, (part, _) in enumerate(self._groups):
+            lines[part] = self._line_view(candidate, index)[3]
+        return self.subtract(lines, lines)[:, LINES]
 
     def home(self, candidate: Candidate) -> Array:
         """Return the reading predicted at the arm's zero minus the first reading (n, 1), rad; 0 but where a test begins."""

@@ -16,7 +16,8 @@ class Parameter:
     """A constant of the model: unit (SI), default, bounds and, for fitting, the prior over the bounds.
 
     ``shape`` marks a parameter that enters non-linearly (a length, a time constant): it is fitted from several starts.
-    ``off`` is the value at which the effect that owns it vanishes, if there is one.
+    ``off`` is the value at which the effect that owns it vanishes, if there is one. ``each_test`` marks what a test begins
+    with and no rig repeats: every measured test then has a value of its own, and the parameter is their mean.
     """
 
     unit: str
@@ -26,6 +27,7 @@ class Parameter:
     text: str = ""
     shape: bool = False
     off: float | None = None
+    each_test: bool = False
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
