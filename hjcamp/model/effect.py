@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import ClassVar
 
 from hjcamp.errors import UsageError, unknown
@@ -12,6 +12,11 @@ from hjcamp.model.parameter import Parameter, State, declared
 
 SUBSYSTEMS = ("pump", "lines", "joint", "sensors")
 RESERVED = ("subsystem", "same_as", "examples")
+
+
+def _used(functions: Iterable[Callable[..., float]]) -> set[str]:
+    """Return the names of all arguments."""
+    return {name for function in functions for name in inspect.signature(function).parameters}
 
 
 class Effect:
@@ -69,6 +74,12 @@ class Effect:
             raise UsageError(f"{where}: no term; write one static method named after a slot")
         if not cls.parameters:
             raise UsageError(f"{where}: no Parameter; an effect needs at least one")
+        for parameter in cls.parameters.values():
+            if parameter.each_test and (cls.subsystem != "lines" or parameter.name not in _used(cls.starts.values())):
+                raise UsageError(
+                    f"{where}: {parameter.name} is marked each_test, which is for what a state of the lines starts with; "
+                    "the lines' pressures tell it, nothing else"
+                )
 
     @classmethod
     def sentence(cls) -> str:

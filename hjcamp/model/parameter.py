@@ -17,7 +17,7 @@ class Parameter:
 
     ``shape`` marks a parameter that enters non-linearly (a length, a time constant): it is fitted from several starts.
     ``off`` is the value at which the effect that owns it vanishes, if there is one. ``each_test`` marks what a test begins
-    with and no rig repeats: every measured test then has a value of its own, and the parameter is their mean.
+    with and no rig repeats: every measured test then has a value of its own, told by its lines, and the parameter is their mean.
     """
 
     unit: str

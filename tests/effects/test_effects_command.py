@@ -49,6 +49,7 @@ MISTAKES = {
         '    z = State("m", 1e-9, 1e-3)\n\n    @staticmethod',
         "exactly one of d_z and next_z",
     ),
+    "own start of no line": ("0.5, (0.0, 50.0)", "0.5, (0.0, 50.0), each_test=True", "marked each_test, which is for"),
     "unknown subsystem": ('"joint"', '"elbow"', "unknown subsystem 'elbow'"),
     "no static method": ("    @staticmethod\n", "", "must be a static method"),
     "raises": ("class Mine", "1 / 0\n\n\nclass Mine", "ZeroDivisionError"),
