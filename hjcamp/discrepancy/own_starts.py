@@ -2,13 +2,64 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
+
+from hjcamp.discrepancy.candidate import Candidate
+from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Parameter
 
 Array = NDArray[np.float64]
 ROUNDS = 4
 # A share of the range over which a residual is linear enough.
 STEP = 0.1
+# What no pressure sensor tells (Pa).
+SILENT = 70.0
+
+
+@dataclass(frozen=True)
+class OwnStarts:
+    """The starts that the effects of a model leave to each test; ``line_errors`` gives the residuals (n, 2) of the line view."""
+
+    effects: Sequence[type[Effect]]
+    edges: NDArray[np.int64]
+    line_errors: Callable[[Candidate], Array]
+
+    def corrections(self, candidate: Candidate, left: Array) -> Array | float:
+        """Return what to add to the residuals ``left`` (n, 2) for the tests' own starts; 0 where a model leaves none."""
+        total: Array | float = 0.0
+        for effect, parameter in self._parameters(candidate):
+            response, moves = self._moves(candidate, effect, parameter, left + total)
+            total = total + response * np.repeat(moves, np.diff(self.edges))[:, None]
+        return total
+
+    def centred(self, candidate: Candidate) -> Candidate:
+        """Return the candidate with the mean of the tests for each of these parameters."""
+        for effect, parameter in self._parameters(candidate):
+            _, moves = self._moves(candidate, effect, parameter, self.line_errors(candidate))
+            given = {parameter.name: parameter.default, **candidate.effects[effect]}
+            given[parameter.name] += float(moves.mean())
+            candidate = candidate.with_effect(effect, given)
+        return candidate
+
+    def _parameters(self, candidate: Candidate) -> Iterator[tuple[str, Parameter]]:
+        for effect in self.effects:
+            if effect.name in candidate.effects:
+                yield from ((effect.name, one) for one in effect.parameters.values() if one.each_test)
+
+    def _moves(self, candidate: Candidate, effect: str, parameter: Parameter, left: Array) -> tuple[Array, Array]:
+        """Return the response (n, 2) of the line view to a parameter, and the move (tests,) of each test."""
+        given = {parameter.name: parameter.default, **candidate.effects[effect]}
+        value = given[parameter.name]
+        step = step_within(value, parameter.bounds)
+        shared = self.line_errors(candidate)
+        moved = self.line_errors(candidate.with_effect(effect, {**given, parameter.name: value + step}))
+        response = (moved - shared) / step
+        room = (parameter.bounds[0] - value, parameter.bounds[1] - value)
+        return response, own_moves(left, response, self.edges, SILENT, room)
 
 
 def step_within(value: float, bounds: tuple[float, float]) -> float:

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import PERIOD, Evidence
 from hjcamp.discrepancy.hardware import composition, simulator
-from hjcamp.discrepancy.own_starts import own_moves, step_within
+from hjcamp.discrepancy.own_starts import OwnStarts
 from hjcamp.discrepancy.recent import Recent
-from hjcamp.model.parameter import Parameter
 from hjcamp.model.simulator import Course, Simulator
 from hjcamp.model.structure import influences
 from hjcamp.plants.pump_joint import PumpJoint
@@ -31,8 +30,6 @@ SURPRISE = 0.1
 TOLERANCE = 10.0
 KEPT = 24
 LINES = slice(CHANNELS.index("line_sum"), CHANNELS.index("line_difference") + 1)
-# What no pressure sensor tells (Pa).
-SILENT = 70.0
 
 
 @functools.lru_cache(maxsize=512)
@@ -257,38 +254,16 @@ class Views:
         """
         joint, lines = self.readings(candidate)
         out = np.hstack([self.subtract(joint, lines), self.forces(candidate), self.home(candidate)])
-        for effect, parameter in self._own_starts(candidate):
-            response, moves = self._moves(candidate, effect, parameter, out[:, LINES])
-            out[:, LINES] += response * moves[self.evidence.of_test, None]
+        out[:, LINES] += self._own_starts.corrections(candidate, out[:, LINES])
         return out
 
     def centred(self, candidate: Candidate) -> Candidate:
         """Return the candidate with the mean of the tests for what each test begins with."""
-        for effect, parameter in self._own_starts(candidate):
-            _, moves = self._moves(candidate, effect, parameter, self._line_errors(candidate))
-            given = {parameter.name: parameter.default, **candidate.effects[effect]}
-            given[parameter.name] += float(moves.mean())
-            candidate = candidate.with_effect(effect, given)
-        return candidate
+        return self._own_starts.centred(candidate)
 
-    def _own_starts(self, candidate: Candidate) -> list[tuple[str, Parameter]]:
-        return [
-            (effect.name, parameter)
-            for effect in self.effects
-            if effect.name in candidate.effects
-            for parameter in effect.parameters.values()
-            if parameter.each_test
-        ]
-
-    def _moves(self, candidate: Candidate, effect: str, parameter: Parameter, left: Array) -> tuple[Array, Array]:
-        """Return the response (n, 2) of the line view to a parameter, and the move (tests,) of each test."""
-        given = {parameter.name: parameter.default, **candidate.effects[effect]}
-        value = given[parameter.name]
-        step = step_within(value, parameter.bounds)
-        moved = self._line_errors(candidate.with_effect(effect, {**given, parameter.name: value + step}))
-        response = (moved - left) / step
-        room = (parameter.bounds[0] - value, parameter.bounds[1] - value)
-        return response, own_moves(left, response, self.evidence.edges, SILENT, room)
+    @cached_property
+    def _own_starts(self) -> OwnStarts:
+        return OwnStarts(self.effects, self.evidence.edges, self._line_errors)
 
     def _line_errors(self, candidate: Candidate) -> Array:
         """Return the residuals (n, 2) of the line view alone, Pa: sum and difference."""

@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.own_starts import own_moves, step_within
+from hjcamp.discrepancy.candidate import Candidate
+from hjcamp.discrepancy.own_starts import OwnStarts, own_moves, step_within
+from hjcamp.discrepancy.unknowns import effect_unknowns
+from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Parameter, State
 
 TESTS, SAMPLES = 3, 400
 EDGES = np.arange(TESTS + 1) * SAMPLES
@@ -49,3 +53,47 @@ def test_a_loud_channel_does_not_drown_the_one_that_tells() -> None:
 @pytest.mark.parametrize(("value", "step"), [(1.0, -0.1), (0.0, 0.1), (0.95, -0.1), (0.5, 0.1)])
 def test_a_step_stays_within_the_bounds(value: float, step: float) -> None:
     assert step_within(value, (0.0, 1.0)) == pytest.approx(step)
+
+
+class Tube(Effect):
+    """A tube that forgets how it began."""
+
+    subsystem = "lines"
+    share = Parameter("1", 0.2, (0.0, 1.0), off=0.0)
+    begun = Parameter("1", 0.8, (0.0, 1.0), each_test=True)
+    volume = State("m^3", 1e-13, 1e-9)
+
+    @staticmethod
+    def start_volume(begun):
+        """Begin, m^3."""
+        return begun
+
+    @staticmethod
+    def d_volume(volume):
+        """Forget, m^3/s."""
+        return -volume
+
+    @staticmethod
+    def leak1(volume, share):
+        """Flow, m^3/s."""
+        return share * volume
+
+
+Tube.name = "tube"
+
+
+def test_the_shared_value_becomes_the_mean_and_each_test_keeps_its_own() -> None:
+    true = np.array([0.9, 0.6, 0.75])
+    size = 3000.0
+
+    def line_errors(candidate: Candidate) -> np.ndarray:
+        value = candidate.effects["tube"]["begun"]
+        return size * decay() * (value - np.repeat(true, SAMPLES))[:, None]
+
+    starts = OwnStarts([Tube], EDGES, line_errors)
+    candidate = Candidate({}, {"tube": {"share": 0.2, "begun": 0.8}})
+    left = line_errors(candidate)
+    assert np.abs(left + starts.corrections(candidate, left)).max() < 1e-6 * size
+    assert starts.centred(candidate).effects["tube"]["begun"] == pytest.approx(true.mean())
+    assert starts.corrections(Candidate({}), left) == 0.0
+    assert [one.name for one in effect_unknowns(Tube)] == ["share"]
