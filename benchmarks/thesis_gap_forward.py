@@ -81,7 +81,7 @@ def fresh_start() -> dict[str, float]:
 
 
 def one_step(study: Study, step: int, model: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the control and the best candidates: all searched shortly from two starts each, the best ones longer.
+    """Return the control and the best candidates: all searched shortly from two starts at least, the best ones longer.
 
     The start ``here`` is the model as it was fitted, ``fresh`` one that it has not seen: the loss has many valleys, and a
     candidate that needs the base elsewhere would never show from the fitted one alone.
@@ -93,10 +93,12 @@ def one_step(study: Study, step: int, model: dict[str, Any]) -> list[dict[str, A
         if name in names:
             continue
         more = [] if name == "control" else [name]
-        own = {} if name == "control" else begin_at(name)
-        begun = {"here": (places, HERE), "fresh": ({**fresh_start(), **joined, **own}, FRESH)}
-        for start, (begin, budget) in begun.items():
-            starts[start][name] = study.fitted(f"step {step} {start} {name}", names + more, begin, budget)
+        starts["here"][name] = study.fitted(f"step {step} here {name}", names + more, places, HERE)
+        fresh = []
+        for form, own in ({"": {}} if name == "control" else begin_at(name)).items():
+            begin = {**fresh_start(), **joined, **own}
+            fresh.append(study.fitted(f"step {step} fresh {name}{form}", names + more, begin, FRESH))
+        starts["fresh"][name] = min(fresh, key=penalised)
     control = min((found.pop("control") for found in starts.values()), key=penalised)
     refined = [longest(study, f"step {step} refined control", names, control["places"])]
     for start, found in starts.items():
@@ -113,7 +115,16 @@ def longest(study: Study, key: str, names: Sequence[str], places: dict[str, floa
     return dict(study.ledger.keep(key, lambda: min(tries, key=penalised)))
 
 
-def begin_at(name: str) -> dict[str, float]:
-    """Return the place at which a candidate's first quantity starts: well above what is printed or usual."""
-    first = candidate_quantities(name)[0]
-    return {first.name: first.start + FAR}
+def begin_at(name: str) -> dict[str, dict[str, float]]:
+    """Return the places at which a candidate's quantities start: its first one well above what is printed or usual.
+
+    A law whose form is open (a quantity that is neither amplitude nor shape) starts from its usual form and from the published one.
+    """
+    quantities = candidate_quantities(name)
+    first = {quantities[0].name: quantities[0].start + FAR}
+    starts = {"": first}
+    for one in quantities[1:]:
+        given, low = one.parameter, one.parameter.bounds[0]
+        if given.off is None and not given.shape and low == 0.0 and given.default > low:
+            starts[f", {one.name} {low:g}"] = {**first, one.name: one.forth(low)}
+    return starts
