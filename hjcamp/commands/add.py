@@ -80,7 +80,7 @@ def comment_of(model: str, found: Addition) -> list[str]:
     return [
         parts,
         f"Error on {len(found.fold.held_out)} tests not used for the fit ({model}, calibrated, this): {errors}.",
-        "SI units; 95 % intervals below, with tests as the unit of evidence.",
+        "SI units; 95 % intervals below, conditions left out one after the other.",
     ]
 
 
