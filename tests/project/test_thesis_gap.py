@@ -137,8 +137,8 @@ def test_the_page_is_what_the_committed_numbers_say() -> None:
     assert len(found["predicted"]["printed"]) == 50
     assert {label[2] for label in found["predicted"]["labels"]} == {"brass_8p5g"}
     assert "Written for another result" not in thesis_gap_facts.written(found, reading)
-    other = found | {"accepted": 1}
-    assert thesis_gap_facts.written(other, reading).startswith("**Written for another result; this run accepts loop.**")
+    other = found | {"accepted": 0}
+    assert thesis_gap_facts.written(other, reading).startswith("**Written for another result; this run accepts base.**")
     assert thesis_gap_facts.written(found, "<!-- x -->\n{fitted_loss_moonlight}").endswith("(not followed)")
 
 
