@@ -30,7 +30,7 @@ from hjcamp.discrepancy.search import (
     unknowns_of,
 )
 from hjcamp.discrepancy.twins import match_scatter
-from hjcamp.discrepancy.verdict import judge, law_of, matters, named_by, what_is_lacking
+from hjcamp.discrepancy.verdict import judge, law_of, matters, named_by, rivals_of, what_is_lacking
 from hjcamp.discrepancy.views import Views
 from hjcamp.model.effect import Effect
 
@@ -149,6 +149,7 @@ class _Search:
         if kept is not current:
             current = kept
             _, null = self._look(current, self.work.forward + 1, False)
+        current, taken, null = self._told(base, current, taken, null)
         self.report("weighing the answer", 0.95)
         floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
         found = judge(self.views, self.features, null, base, current, taken, self.effects)
@@ -265,6 +266,18 @@ class _Search:
             if without.loss - current.loss < max(self.least_gain, null.needed()):
                 current, taken = without, [other for other in taken if other is not step]
         return current, taken
+
+    def _told(self, base: Fit, current: Fit, taken: list[Step], null: Null) -> tuple[Fit, list[Step], Null]:
+        """Leave out a further effect that is one of several, where the certain one alone leaves no more than is allowed."""
+        if len(taken) > 1 and rivals_of(taken[-1], taken) and not rivals_of(taken[0], taken):
+            before, scatter = taken[-1].screening.about, self.scatter
+            certain = [step for step in taken[:-1] if step.best in before.candidate.effects]
+            _, own = self._look(before, self.work.forward + 2, False)
+            law = law_of(named_by(certain, self.effects))
+            if certain and np.all(own.excess(base.mean_square, before.mean_square, law) <= 1.0):
+                return before, certain, own
+            self.scatter = scatter
+        return current, taken, null
 
 
 def _at_most(screening: Screening, name: str) -> float:

@@ -81,14 +81,8 @@ def judge(
             return Verdict("outside_library", [], FOREIGN[driver], driver)
         return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
     for step in taken:
-        others = {other.best for other in taken if other is not step}
-        weights = {name: weight for name, weight in step.weights.items() if name not in others}
-        share = weights[step.best] / sum(weights.values())
-        rivals = sorted(
-            (name for name, weight in weights.items() if weight > 0.5 * (1 - POSTERIOR) * sum(weights.values())),
-            key=lambda name: -weights[name],
-        )
-        if share < POSTERIOR and len(rivals) > 1:
+        rivals = rivals_of(step, taken)
+        if rivals:
             return Verdict("one_of", rivals, "these tests fit them alike")
     return Verdict("effect", [step.best for step in taken], "the error falls to its floor")
 
@@ -114,6 +108,16 @@ def _better_shape(views: Views, features: Features, final: Fit, name: str, drive
     if outdone(features, force, law, bends(along, valid), sign, valid) > BENT:
         return "from one place on only"
     return ""
+
+
+def rivals_of(step: Step, taken: Sequence[Step]) -> list[str]:
+    """Return the effects that a step cannot tell apart, likeliest first; none where its best one is certain."""
+    others = {other.best for other in taken if other is not step}
+    weights = {name: weight for name, weight in step.weights.items() if name not in others}
+    total = sum(weights.values())
+    rivals = [name for name, weight in weights.items() if weight > 0.5 * (1 - POSTERIOR) * total]
+    certain = weights[step.best] >= POSTERIOR * total or len(rivals) < 2
+    return [] if certain else sorted(rivals, key=lambda name: -weights[name])
 
 
 def named_by(taken: Sequence[Step], effects: Sequence[type[Effect]]) -> list[type[Effect]]:
