@@ -40,6 +40,8 @@ LEVEL = 0.05
 LEAST_GAIN = 0.42
 SAME = 0.95
 PAIR = 2
+# A law that is off in form leaves gains of that many times what is asked.
+LITTLE = 2.0
 Report = Callable[[str, float], None]
 
 
@@ -268,8 +270,9 @@ class _Search:
         return current, taken
 
     def _told(self, base: Fit, current: Fit, taken: list[Step], null: Null) -> tuple[Fit, list[Step], Null]:
-        """Leave out a further effect that is one of several, where the certain one alone leaves no more than is allowed."""
-        if len(taken) > 1 and rivals_of(taken[-1], taken) and not rivals_of(taken[0], taken):
+        """Leave out a further effect that is one of several and gains little, where the certain one leaves what is allowed."""
+        doubtful = len(taken) > 1 and taken[-1].gain < LITTLE * self.least_gain and rivals_of(taken[-1], taken)
+        if doubtful and not rivals_of(taken[0], taken):
             before, scatter = taken[-1].screening.about, self.scatter
             certain = [step for step in taken[:-1] if step.best in before.candidate.effects]
             _, own = self._look(before, self.work.forward + 2, False)
