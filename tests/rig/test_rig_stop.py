@@ -5,12 +5,21 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from collections.abc import Iterator
 
 import pytest
 
 from hjcamp.backends.rig_stop import StopSignals, while_moving
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="os.kill")
+
+
+@pytest.fixture(autouse=True)
+def heard() -> Iterator[None]:
+    """Hear SIGHUP even where the tests were started to outlive their terminal (nohup)."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
 
 
 def send(number: int) -> None:
