@@ -74,8 +74,8 @@ code at commit {tag}, effort {effort}, on a machine with {cores} cores, each cas
 
 **What this does not show.** The truth plant (`tests/truth`) shares no code with the model: other integrator, other friction
 law, other noise, its own writer. But the same people wrote both, so what they did not think of is in neither. The rigs
-are new (seeds from {min(line["seed"] for line in lines)}; development used 1 - 391 and 1000 - 2029), the plant's effects and strengths
-are those that development looked at, and six laws of the library were widened or changed after seeing those of this plant
+have seeds from {min(line["seed"] for line in lines)} on; development has looked at 1 - 391 and 1000 - 2029. The plant's
+effects and strengths are those that development looked at, and six laws of the library were widened or changed after seeing those of this plant
 (docs/decisions/0010). Thresholds come from twins of each campaign, or were set by hand on development cases (0009)."""
 
 
@@ -103,8 +103,8 @@ def _elsewhere() -> list[Measure]:
     """Return what benchmarks/next_value.py measured, from its committed page."""
     path = ROOT / "docs" / "next_value.md"
     text = path.read_text(encoding="utf-8") if path.exists() else ""
-    found = re.search(r"([\d.]+) times fewer", text)
-    count = len(re.findall(r"\| \d+ \|", text))
+    found = re.search(r"([\d.]+) times fewer, over (\d+)", text)
+    count = int(found.group(2)) if found else 0
     title = "tests needed to separate two rivals, times fewer than random choice (see [next.md](next.md))"
     return [Measure(title, float(found.group(1)) if found else math.nan, count, at_least("not tried", 2, 3), unit="x")]
 

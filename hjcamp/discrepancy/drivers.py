@@ -170,21 +170,22 @@ def share_left(features: Features, fit: Fit, driver: str) -> float:
     return _gain(features, fit.features[:, index], features.valid[:, index], basis)
 
 
-def foreign_shares(features: Features, left: Array) -> dict[str, float]:
-    """Return by driver the share of the unexplained sliding force that depends on what no base parameter knows of.
+def foreign_shares(features: Features, residuals: Sequence[Array]) -> list[dict[str, float]]:
+    """Return for each residual, by driver, the share of the sliding force that depends on what no base parameter knows of.
 
-    ``left`` (blocks, channels) are features of residuals. The arm's angle, with and without the direction, and one frequency in time.
+    ``residuals`` are features (blocks, channels). The arm's angle, with and without the direction, and one frequency in time.
     """
     index = EXPLAINED["sliding"]
     valid, values = features.valid[:, index], driver_values(features)
+    bases = [_basis(values["arm_angle"], sign, count) for sign in (None, values["direction"]) for count in KNOTS]
     # friction that is off everywhere is no friction at an angle
     level = np.column_stack([np.ones(len(valid)), values["direction"]])
-    residual = left[:, index] - level @ np.linalg.lstsq(level[valid], left[valid, index], rcond=None)[0]
-    bases = [_basis(values["arm_angle"], sign, count) for sign in (None, values["direction"]) for count in KNOTS]
-    return {
-        "arm_angle": max(_gain(features, residual, valid, basis) for basis in bases),
-        "time": _rhythm(features, residual, valid, values["time"]),
-    }
+    found = []
+    for one in residuals:
+        left = one[:, index] - level @ np.linalg.lstsq(level[valid], one[valid, index], rcond=None)[0]
+        angle = max(_gain(features, left, valid, basis) for basis in bases)
+        found.append({"arm_angle": angle, "time": _rhythm(features, left, valid, values["time"])})
+    return found
 
 
 def bends(driver: Array, valid: NDArray[np.bool_]) -> list[Array]:

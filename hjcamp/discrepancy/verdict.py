@@ -89,8 +89,8 @@ def judge(
 
 def _foreign(features: Features, null: Null, final: Fit) -> str:
     """Return the driver that no base parameter knows of on which the error depends more than in any twin, or nothing."""
-    seen = foreign_shares(features, final.features)
-    twins = [foreign_shares(features, twin) for twin in null.residuals] if max(seen.values()) > SHARE else []
+    seen = foreign_shares(features, [final.features])[0]
+    twins = foreign_shares(features, null.residuals) if max(seen.values()) > SHARE else []
     over = {driver: share - max([SHARE, *(twin[driver] for twin in twins)]) for driver, share in seen.items()}
     driver = max(over, key=lambda name: over[name])
     return driver if over[driver] > 0 else ""
