@@ -75,7 +75,8 @@ code at commit {tag}, effort {effort}, on a machine with {cores} cores, each cas
 **What this does not show.** The truth plant (`tests/truth`) shares no code with the model: other integrator, other friction
 law, other noise, its own writer. But the same people wrote both, so what they did not think of is in neither. The rigs
 have seeds from {min(line["seed"] for line in lines)} on; development has looked at 1 - 391 and 1000 - 2029. The plant's
-effects and strengths are those that development looked at, and six laws of the library were widened or changed after seeing those of this plant
+effects and strengths are those that development looked at, and six laws of the library were widened or changed after
+seeing those of this plant
 (docs/decisions/0010). Thresholds come from twins of each campaign, or were set by hand on development cases (0009)."""
 
 
