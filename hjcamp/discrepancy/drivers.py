@@ -35,6 +35,8 @@ TAUTOLOGIES = {
 # Below 4 Hz a swing cannot be told from the motion's own harmonics.
 FREQUENCIES = np.arange(4.0, 24.0, 0.25)
 FEWEST_BLOCKS = 15
+# A test moves at a frequency itself where so much of its speed or direction swings with it.
+MOVES = 0.08
 BENDS = np.linspace(0.125, 0.875, 11)
 EXPLAINED = {"sliding": 4, "line_sum": 2, "line_difference": 3}
 
@@ -102,12 +104,15 @@ def _gain(features: Features, residual: Array, valid: NDArray[np.bool_], basis: 
     return 1.0 - after / before if before > 0 else 0.0
 
 
-def _rhythm(features: Features, residual: Array, valid: NDArray[np.bool_], time: Array) -> float:
+def _rhythm(features: Features, residual: Array, valid: NDArray[np.bool_], values: dict[str, Array]) -> float:
     """Return the share of the squared residual that swings with one frequency, found in the other conditions each time.
 
-    The median of the conditions: a harmonic of the motion swings in those of one speed. Phase and size are free in each
-    test, since nothing says that a test begins in step with what shakes it; what two free numbers explain of noise is taken off.
+    The median of the conditions; a frequency at which a test moves itself does not count there: what friction leaves swings
+    with the harmonics of the motion. Phase and size are free in each test, since nothing says that a test begins in step
+    with what shakes it; what two free numbers explain of noise is taken off.
     """
+    time, speed = values["time"], np.abs(values["arm_velocity"])
+    motion = [values["arm_velocity"], speed, values["pump_velocity"], values["direction"]]
     tests = list(range(len(features.counts)))
     whole, swing = np.zeros(len(tests)), np.zeros((len(tests), len(FREQUENCIES)))
     for test in tests:
@@ -119,11 +124,11 @@ def _rhythm(features: Features, residual: Array, valid: NDArray[np.bool_], time:
         angle = 2 * np.pi * FREQUENCIES[:, None] * time[inside][None]
         basis = np.stack([np.cos(angle), np.sin(angle)], axis=2)
         basis -= basis.mean(axis=1, keepdims=True)
-        cross = np.einsum("fnk,n->fk", basis, seen)
-        square = np.einsum("fnk,fnl->fkl", basis, basis) + 1e-6 * number * np.eye(2)
         whole[test] = float(seen @ seen)
-        explained = np.einsum("fk,fk->f", cross, np.linalg.solve(square, cross[:, :, None])[:, :, 0])
-        swing[test] = explained - 2.0 / number * whole[test]
+        swing[test] = _swing(basis, seen) - 2.0 / number * whole[test]
+        for column in motion:
+            own = column[inside] - column[inside].mean()
+            swing[test, _swing(basis, own) > MOVES * float(own @ own)] = 0.0
     shares = []
     for out in features.evidence.conditions.values():
         others = [test for test in tests if test not in out]
@@ -131,6 +136,13 @@ def _rhythm(features: Features, residual: Array, valid: NDArray[np.bool_], time:
             place = int(np.argmax(swing[others].sum(axis=0)))
             shares.append(float(swing[out][:, place].sum() / whole[out].sum()))
     return float(np.median(shares)) if shares else 0.0
+
+
+def _swing(basis: Array, seen: Array) -> Array:
+    """Return the sum of squares (frequencies,) of ``seen`` (n,) that each pair of columns (frequencies, n, 2) explains."""
+    cross = np.einsum("fnk,n->fk", basis, seen)
+    square = np.einsum("fnk,fnl->fkl", basis, basis) + 1e-6 * len(seen) * np.eye(2)
+    return np.asarray(np.einsum("fk,fk->f", cross, np.linalg.solve(square, cross[:, :, None])[:, :, 0]))
 
 
 def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, str, float]]:
@@ -155,7 +167,7 @@ def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, 
                 odd = max(_gain(features, residual, valid, _basis(column, sign, count)) for count in KNOTS)
                 best = max(best, 0.98 * odd)
             if driver == "time" and channel == "sliding":
-                best = max(best, 0.8 * _rhythm(features, residual, valid, column))
+                best = max(best, 0.8 * _rhythm(features, residual, valid, values))
             found.append((driver, channel, best * max(excess, 0.05)))
     return sorted(found, key=lambda row: -row[2])
 
@@ -184,7 +196,7 @@ def foreign_shares(features: Features, residuals: Sequence[Array]) -> list[dict[
     for one in residuals:
         left = one[:, index] - level @ np.linalg.lstsq(level[valid], one[valid, index], rcond=None)[0]
         angle = max(_gain(features, left, valid, basis) for basis in bases)
-        found.append({"arm_angle": angle, "time": _rhythm(features, left, valid, values["time"])})
+        found.append({"arm_angle": angle, "time": _rhythm(features, left, valid, values)})
     return found
 
 

@@ -68,6 +68,12 @@ def test_a_stop_sets_in_at_one_place_and_a_weight_does_not(features: Any, hidden
     assert found > 2.0 if stop else found < -2.0
 
 
+def moving(time: np.ndarray, frequency: float) -> dict[str, np.ndarray]:
+    """Return the drivers of an arm that goes to and fro with one frequency, Hz."""
+    speed = np.cos(2 * np.pi * frequency * time)
+    return {"time": time, "arm_velocity": speed, "pump_velocity": speed, "direction": np.sign(speed)}
+
+
 @pytest.mark.parametrize("shaken", [("a", "b", "c"), ("b",)])
 def test_a_swing_counts_where_all_conditions_have_it(features: Any, shaken: tuple[str, ...]) -> None:
     generator = np.random.default_rng(9)
@@ -77,6 +83,16 @@ def test_a_swing_counts_where_all_conditions_have_it(features: Any, shaken: tupl
         for test in features.evidence.conditions[name]:
             rows = features.of_test == test
             force[rows] += 1.5 * np.sin(2 * np.pi * 7.0 * time[rows] + test)
-    share = _rhythm(features, force, np.ones(len(time), dtype=bool), time)
+    share = _rhythm(features, force, np.ones(len(time), dtype=bool), moving(time, 1.0))
     # 1.5^2 / 2 beside a variance of 1
     assert share == pytest.approx(1.125 / 2.125, abs=0.08) if len(shaken) == 3 else abs(share) < 0.05
+
+
+def test_a_swing_in_step_with_the_motion_is_no_foreign_one(features: Any) -> None:
+    generator = np.random.default_rng(10)
+    time = np.tile(0.02 * np.arange(BLOCKS), TESTS)
+    drivers, every = moving(time, 2.0), np.ones(len(time), dtype=bool)
+    # what a model of friction leaves: the third harmonic of the motion
+    left = generator.standard_normal(len(time)) + 1.5 * np.sin(2 * np.pi * 6.0 * time)
+    assert _rhythm(features, left, every, moving(time, 0.3)) > 0.4
+    assert abs(_rhythm(features, left, every, drivers)) < 0.05
