@@ -10,6 +10,7 @@ from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
+from hjcamp.discrepancy.settle import settle
 from hjcamp.discrepancy.unknowns import base_unknowns, effect_unknowns
 from hjcamp.discrepancy.views import HOME, Views
 
@@ -54,10 +55,11 @@ def calibrate(
     least: Array | None = None,
     crew: Crew | None = None,
     start: Candidate | None = None,
+    sweeps: int = 0,
 ) -> tuple[Fit, Fitter]:
     """Return the base parameters fitted from several shapes of friction, and the fitter that weighs by their floor.
 
-    The effects that the model ``start`` has already are fitted with them.
+    The effects that the model ``start`` has already are fitted with them. ``sweeps`` of a pattern search settle the fit.
     """
     known = start or Candidate({})
     own = [unknown for effect in views.effects if effect.name in known.effects for unknown in effect_unknowns(effect)]
@@ -80,4 +82,4 @@ def calibrate(
     least = np.maximum(0.5 * features.floor(best.features), 0.3 * NOISE)
     least[HOME] = views.evidence.home_scatter
     fitter = Fitter(views, features, least, crew=crew)
-    return fitter.fit(best.candidate, unknowns, steps=8), fitter
+    return settle(fitter, fitter.fit(best.candidate, unknowns, steps=8), unknowns, sweeps), fitter

@@ -29,6 +29,7 @@ from hjcamp.discrepancy.search import (
     screen,
     unknowns_of,
 )
+from hjcamp.discrepancy.settle import settle
 from hjcamp.discrepancy.twins import match_scatter
 from hjcamp.discrepancy.verdict import judge, law_of, matters, named_by, rivals_of, what_is_lacking
 from hjcamp.discrepancy.views import Views
@@ -42,12 +43,15 @@ SAME = 0.95
 PAIR = 2
 # A law that is off in form leaves gains of that many times what is asked.
 LITTLE = 2.0
+# So far behind the best fit, slips alone may have held a fit back.
+BEHIND = 30.0
 Report = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How much work a diagnosis may do: twins, fitted survivors of a screening, Gauss-Newton steps, further effects.
+    """How much work a diagnosis may do: twins, fitted survivors of a screening, Gauss-Newton steps, further effects, and
+    sweeps of a pattern search that settles each fit.
 
     A ``hasty`` one looks for a further effect only where the model found so far leaves an error, and fits no survivor whose
     prediction is far behind.
@@ -57,10 +61,11 @@ class Effort:
     survivors: int
     steps: int
     forward: int
+    sweeps: int = 0
     hasty: bool = False
 
 
-EFFORTS = {"quick": Effort(24, 4, 4, 2, True), "standard": Effort(60, 6, 8, 2), "thorough": Effort(300, 10, 14, 3)}
+EFFORTS = {"quick": Effort(24, 4, 4, 2, hasty=True), "standard": Effort(60, 6, 8, 2, 6), "thorough": Effort(300, 10, 14, 3, 20)}
 
 
 @dataclass
@@ -124,7 +129,7 @@ class _Search:
 
     def run(self, start: Candidate | None, began: float) -> Diagnosis:
         self.report("calibrating the base parameters", 0.02)
-        base, self.fitter = calibrate(self.views, self.features, crew=self.crew, start=start)
+        base, self.fitter = calibrate(self.views, self.features, crew=self.crew, start=start, sweeps=self.work.sweeps)
         lacking = what_is_lacking(self.evidence)
         screening, null = self._look(base, 0, True)
         first, first_null = screening, null
@@ -133,7 +138,7 @@ class _Search:
             if number and self.work.hasty and not screening.probes:
                 law = law_of(named_by(taken, self.effects))
                 excess = null.excess(base.mean_square, current.mean_square, law)
-                if np.all(excess <= 1.0) and not self._others(taken[-1]):
+                if np.all(excess <= 1.0) and not self._others(taken[-1], current):
                     break
                 screening, null = self._look(current, number, True)
             step = self._step(screening, null, number)
@@ -185,7 +190,7 @@ class _Search:
         share = 0.1 + 0.8 * number / (self.work.forward + 1)
         if whole:
             self.report(f"screening {len(self.effects)} effects", share)
-        screening = screen(self.fitter, current, self.effects, whole)
+        screening = screen(self.fitter, current, self.effects, None if whole else ())
         if current is not self.twins_of:
             self.twins_of, self.twins = current, self._twins(current, number, share)
         return screening, null_of(self.fitter, screening, self.twins)
@@ -216,6 +221,7 @@ class _Search:
         self._fit(
             screening, [name for name in rivals if name in screening.best and name not in fits], fits, share + 0.1
         )
+        self._settle(screening, fits)
         best = min(fits, key=lambda name: fits[name].loss)
         here = unknowns_of(fits[best].candidate, self.effects)
         polished = self.fitter.fit(fits[best].candidate, here, steps=2 * self.work.steps, enough=0.05)
@@ -230,6 +236,18 @@ class _Search:
             null.gains,
         )
 
+    def _settle(self, screening: Screening, fits: dict[str, Fit]) -> None:
+        """Settle the fits that may still turn out best: near the best one, and with a prediction that matters."""
+        if self.work.sweeps < 1:
+            return
+        near = min(fit.loss for fit in fits.values()) + BEHIND
+        names = [
+            name for name, fit in fits.items() if fit.loss < near and _at_most(screening, name) > self.least_gain
+        ]
+        context = (self.fitter, [fits[name] for name in names], self.effects, self.work.sweeps)
+        for name, fit in zip(names, self.crew.each(_settle_one, context, range(len(names))), strict=True):
+            fits[name] = fit
+
     def _survivors(self, screening: Screening, names: list[str], share: float) -> dict[str, Fit]:
         """Return the fits of the most promising effects; a hasty search leaves out those that no gain can be hoped of."""
         fits: dict[str, Fit] = {}
@@ -242,13 +260,18 @@ class _Search:
             self._fit(screening, names[begin : begin + PAIR], fits, share)
         return fits
 
-    def _others(self, step: Step) -> bool:
-        """Whether another effect, too, gained much beside the model before the step."""
-        return any(
-            step.screening.about.loss - fit.loss > self.least_gain
+    def _others(self, step: Step, current: Fit) -> bool:
+        """Whether another effect that gained much beside the model before the step still promises to after it."""
+        others = [
+            name
             for name, fit in step.fits.items()
-            if name != step.best and name not in self._same_as(step.best)
-        )
+            if step.screening.about.loss - fit.loss > self.least_gain
+            and name not in (step.best, *self._same_as(step.best))
+        ]
+        if not others:
+            return False
+        screening = screen(self.fitter, current, self.effects, others)
+        return any(_at_most(screening, name) > self.least_gain for name in others)
 
     def _same_as(self, name: str) -> list[str]:
         """Return the effects that say they can be the same thing."""
@@ -265,6 +288,7 @@ class _Search:
         """Leave out again what is not needed any more once further effects are in the model."""
         for step in taken[:-1]:
             without = refit_without(self.fitter, current, step.best, self.effects, self.work.steps)
+            without = settle(self.fitter, without, unknowns_of(without.candidate, self.effects), self.work.sweeps)
             if without.loss - current.loss < max(self.least_gain, null.needed()):
                 current, taken = without, [other for other in taken if other is not step]
         return current, taken
@@ -286,6 +310,11 @@ class _Search:
 def _at_most(screening: Screening, name: str) -> float:
     """Return what a fit may gain: far more than its own linear prediction follows noise that the twins do not see."""
     return 2.0 * screening.gains[name] + 1.0
+
+
+def _settle_one(context: tuple[Fitter, list[Fit], tuple[type[Effect], ...], int], index: int) -> Fit:
+    fitter, fits, effects, sweeps = context
+    return settle(fitter, fits[index], unknowns_of(fits[index].candidate, effects), sweeps)
 
 
 def _fit_one(context: tuple[Fitter, Screening, tuple[type[Effect], ...], int], name: str) -> Fit:

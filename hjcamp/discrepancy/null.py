@@ -12,7 +12,7 @@ from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.gram import all_gains, project
 from hjcamp.discrepancy.repetition import RepetitionScatter
-from hjcamp.discrepancy.search import Screening, strongest
+from hjcamp.discrepancy.search import Screening, by_gain
 from hjcamp.discrepancy.twins import make_twin
 from hjcamp.discrepancy.views import Views
 
@@ -106,7 +106,7 @@ def _look_at(screening: Screening, residual: Array) -> tuple[float, Array]:
     gain = 0.0
     if screening.probes:
         _, found, coefficients = all_gains(screening.gram, residual, screening.known, screening.groups)
-        gain = max(row[2] for row in strongest(screening.probes, found, coefficients).values())
+        gain = max(rows[0][2] for rows in by_gain(screening.probes, found, coefficients).values())
     return gain, error_beside_known(screening, residual)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,12 +18,16 @@ from hjcamp.model.effect import Effect
 Array = NDArray[np.float64]
 FACTORS = (0.3, 1.0, 2.5)
 WORTH = 4.0
+SHAPES = 3
 Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
 class Screening:
-    """Gains of every effect about one fitted model, predicted from its finite responses."""
+    """Gains of every effect about one fitted model, predicted from its finite responses.
+
+    ``ranked`` holds the probes of each effect with their coefficients, the largest gain first.
+    """
 
     about: Fit
     floor: Array
@@ -32,7 +36,12 @@ class Screening:
     known: Array
     gains: dict[str, float]
     unknowns: list[Unknown]
-    best: dict[str, tuple[Probe, Array]] = field(default_factory=dict)
+    ranked: dict[str, list[tuple[Probe, Array]]] = field(default_factory=dict)
+
+    @property
+    def best(self) -> dict[str, tuple[Probe, Array]]:
+        """The probe of each effect that gains most, and its coefficients."""
+        return {name: found[0] for name, found in self.ranked.items()}
 
     @property
     def groups(self) -> list[tuple[tuple[int, ...], tuple[bool, ...]]]:
@@ -65,21 +74,22 @@ class Step:
         return self.screening.about.loss - self.fits[self.best].loss
 
 
-def strongest(
+def by_gain(
     probes: Sequence[Probe], gains: Array, coefficients: Sequence[Array]
-) -> dict[str, tuple[Probe, Array, float]]:
-    """Return for each effect its probe with the largest gain, the coefficients and the gain."""
-    found: dict[str, tuple[Probe, Array, float]] = {}
+) -> dict[str, list[tuple[Probe, Array, float]]]:
+    """Return for each effect its probes, their coefficients and gains, the largest gain first."""
+    found: dict[str, list[tuple[Probe, Array, float]]] = {}
     for probe, gain, coefficient in zip(probes, gains.sum(axis=1), coefficients, strict=True):
-        if probe.effect not in found or gain > found[probe.effect][2]:
-            found[probe.effect] = (probe, coefficient, float(gain))
-    return found
+        found.setdefault(probe.effect, []).append((probe, coefficient, float(gain)))
+    return {name: sorted(rows, key=lambda row: -row[2]) for name, rows in found.items()}
 
 
-def screen(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]], whole: bool = True) -> Screening:
+def screen(
+    fitter: Fitter, about: Fit, effects: Sequence[type[Effect]], names: Collection[str] | None = None
+) -> Screening:
     """Return the predicted gain of every effect beside the base parameters and the effects already in the model.
 
-    Unless ``whole``, only what is in the model already is looked at.
+    With ``names`` only these are looked at, with an empty collection only what is in the model already.
     """
     floor = fitter.features.floor(about.features)
     here = base_unknowns()
@@ -87,21 +97,22 @@ def screen(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]], whole: b
         if effect.name in about.candidate.effects:
             here += effect_unknowns(effect)
     known = np.array([unknown.spread for unknown in here]) ** -2.0
-    left = [effect for effect in effects if whole and effect.name not in about.candidate.effects]
+    wanted = {effect.name for effect in effects} if names is None else set(names)
+    left = [effect for effect in effects if effect.name in wanted - set(about.candidate.effects)]
     jacobian = fitter.jacobian(about, here)
     probes, columns = probe_all(fitter, about, floor, left, here, jacobian)
     gram = Gram.of(np.concatenate([jacobian, columns]), fitter.features, fitter.least)
     screening = Screening(about, floor, probes, gram, known, {}, here)
     _, gains, coefficients = all_gains(gram, about.features, known, screening.groups)
-    found = strongest(probes, gains, coefficients)
-    visible = {effect.name: found[effect.name][2] if effect.name in found else 0.0 for effect in left}
-    best = {name: (probe, coefficient) for name, (probe, coefficient, _) in found.items()}
-    return Screening(about, floor, probes, gram, known, visible, here, best)
+    found = by_gain(probes, gains, coefficients)
+    visible = {effect.name: found[effect.name][0][2] if effect.name in found else 0.0 for effect in left}
+    ranked = {name: [(probe, coefficient) for probe, coefficient, _ in rows] for name, rows in found.items()}
+    return Screening(about, floor, probes, gram, known, visible, here, ranked)
 
 
-def started(screening: Screening, effect: type[Effect], factor: float = 1.0) -> Candidate:
-    """Return the model with ``effect`` at ``factor`` times the amplitude that the screening predicts."""
-    probe, found = screening.best[effect.name]
+def started(screening: Screening, effect: type[Effect], factor: float = 1.0, rank: int = 0) -> Candidate:
+    """Return the model with ``effect`` at ``factor`` times the amplitude that the screening predicts for a probe."""
+    probe, found = screening.ranked[effect.name][rank]
     coefficients, move = found[len(screening.known) :], found[: len(screening.known)].copy()
     for coefficient, shift in zip(coefficients, probe.shifts, strict=True):
         move += float(coefficient) * np.array(shift)
@@ -134,8 +145,9 @@ def unknowns_of(candidate: Candidate, effects: Sequence[type[Effect]]) -> list[U
 def fit_effect(
     fitter: Fitter, screening: Screening, effect: type[Effect], effects: Sequence[type[Effect]], steps: int
 ) -> Fit:
-    """Return the joint fit of one more effect, from the screening's start."""
-    starts = [fitter.look(started(screening, effect, factor)) for factor in FACTORS]
+    """Return the joint fit of one more effect, from the best start that the screening's probes give."""
+    ranks = range(min(SHAPES, len(screening.ranked[effect.name])))
+    starts = [fitter.look(started(screening, effect, factor, rank)) for rank in ranks for factor in FACTORS]
     start = min(starts, key=lambda fit: fit.loss).candidate
     here = unknowns_of(start, effects)
     calm = fitter.smooth()
