@@ -56,17 +56,18 @@ def _fold(evidence: Evidence, out: set[int]) -> Fold:
 
 
 def judged_error(features: Features, mean_square: Array, floor: Array, tests: Sequence[int]) -> float:
-    """Return the error of some tests over the floor: root mean square over arm, pressures, line cut, sliding force and,
-    where one of them tells it, where they begin."""
+    """Return the error of some tests over the floor: root mean square over arm, pressures, line cut, sliding force (where
+    the arm slides in any test) and, where one of them tells it, where they begin."""
     rows = list(tests)
     counts = features.counts[rows]
     total = np.sqrt((mean_square[rows] * counts).sum(axis=0) / counts.sum(axis=0))
     over = total / np.maximum(floor, 1e-30)
+    judged = over[:JUDGED][floor[:JUDGED] > 0.0]
     begins = np.isfinite(features.evidence.homes[rows])
     if begins.any():
         over[HOME] = np.sqrt(mean_square[rows, HOME][begins].mean()) / max(floor[HOME], 1e-30)
-        return float(np.sqrt(np.mean(np.append(over[:JUDGED], over[HOME]) ** 2)))
-    return float(np.sqrt(np.mean(over[:JUDGED] ** 2)))
+        return float(np.sqrt(np.mean(np.append(judged, over[HOME]) ** 2)))
+    return float(np.sqrt(np.mean(judged**2)))
 
 
 @dataclass(frozen=True)

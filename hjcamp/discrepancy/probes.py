@@ -120,8 +120,9 @@ class Responses:
         return np.nan_to_num(seen.features - self.about.features), move
 
     def size(self, response: Array) -> float:
-        """Return the size of a response over the floor, in the channel where it is largest."""
-        return float(np.max(np.sqrt((response**2).sum(axis=0) / self.spoken) / self.floor))
+        """Return the size of a response over the floor, in the channel where it is largest; silent channels count nothing."""
+        size = np.sqrt((response**2).sum(axis=0) / self.spoken)
+        return float(np.max(np.divide(size, self.floor, out=np.zeros_like(size), where=self.floor > 0.0)))
 
     def probe(self, effect: type[Effect]) -> tuple[list[Probe], Array]:
         """Evaluate every shape of an effect: its probes and their response columns; invisible shapes are left out."""
