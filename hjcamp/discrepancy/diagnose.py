@@ -65,7 +65,11 @@ class Effort:
     hasty: bool = False
 
 
-EFFORTS = {"quick": Effort(24, 4, 4, 2, hasty=True), "standard": Effort(60, 6, 8, 2, 6), "thorough": Effort(300, 10, 14, 3, 20)}
+EFFORTS = {
+    "quick": Effort(24, 4, 4, 2, hasty=True),
+    "standard": Effort(60, 6, 8, 2, 6),
+    "thorough": Effort(300, 10, 14, 3, 20),
+}
 
 
 @dataclass
@@ -241,9 +245,7 @@ class _Search:
         if self.work.sweeps < 1:
             return
         near = min(fit.loss for fit in fits.values()) + BEHIND
-        names = [
-            name for name, fit in fits.items() if fit.loss < near and _at_most(screening, name) > self.least_gain
-        ]
+        names = [name for name, fit in fits.items() if fit.loss < near and _at_most(screening, name) > self.least_gain]
         context = (self.fitter, [fits[name] for name in names], self.effects, self.work.sweeps)
         for name, fit in zip(names, self.crew.each(_settle_one, context, range(len(names))), strict=True):
             fits[name] = fit
