@@ -67,8 +67,8 @@ class Effort:
 
 EFFORTS = {
     "quick": Effort(24, 4, 4, 2, hasty=True),
-    "standard": Effort(60, 6, 8, 2, 6),
-    "thorough": Effort(300, 10, 14, 3, 20),
+    "standard": Effort(60, 6, 4, 2, 6),
+    "thorough": Effort(300, 10, 8, 3, 20),
 }
 
 
@@ -219,7 +219,7 @@ class _Search:
         if not ranked:
             return None
         share = 0.25 + 0.8 * number / (self.work.forward + 1)
-        fits = self._survivors(screening, ranked[: self.work.survivors], share)
+        fits = self._survivors(screening, ranked[: self.work.survivors], share, null.needed())
         best = min(fits, key=lambda name: fits[name].loss)
         rivals = dict.fromkeys([*alike(screening, best, SAME), *self._same_as(best)])
         self._fit(
@@ -250,9 +250,17 @@ class _Search:
         for name, fit in zip(names, self.crew.each(_settle_one, context, range(len(names))), strict=True):
             fits[name] = fit
 
-    def _survivors(self, screening: Screening, names: list[str], share: float) -> dict[str, Fit]:
-        """Return the fits of the most promising effects; a hasty search leaves out those that no gain can be hoped of."""
+    def _survivors(self, screening: Screening, names: list[str], share: float, needed: float) -> dict[str, Fit]:
+        """Return the fits of the most promising effects, a pair at least, without those that no gain can be hoped of.
+
+        More than twice the prediction does not count (`_at_most`), so that what cannot reach ``needed`` is never taken. A
+        hasty search also leaves out what is behind the gain of another.
+        """
         fits: dict[str, Fit] = {}
+        if not self.work.hasty:
+            hopeful = [name for name in names if _at_most(screening, name) >= needed]
+            self._fit(screening, hopeful if len(hopeful) > PAIR else names[:PAIR], fits, share)
+            return fits
         # two by two, however many workers there are: the answer must not depend on them
         for begin in range(0, len(names), PAIR):
             gain = max((screening.about.loss - fit.loss for fit in fits.values()), default=-np.inf)

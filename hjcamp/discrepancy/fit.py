@@ -36,6 +36,7 @@ class Fitter:
     least: Array
     train: tuple[int, ...] = ()
     crew: Crew = field(default_factory=Crew)
+    windows: bool = True
 
     @property
     def rows(self) -> NDArray[np.int64]:
@@ -46,17 +47,20 @@ class Fitter:
         """Return a fitter that leaves the windows out: slips answer too wildly for the first steps."""
         least = self.least.copy()
         least[:2] = 1e12
-        return replace(self, least=least)
+        return replace(self, least=least, windows=False)
 
     def look(self, candidate: Candidate) -> Fit:
         """Return the loss of a candidate as it is."""
-        features = self.features.of(self.views.residuals(candidate))
+        features = self._seen(candidate)
         mean_square = self.features.mean_square(features)
         if not np.all(np.isfinite(mean_square)):
             mean_square = np.full_like(mean_square, 1e30)
         known = surprise(candidate, base_unknowns())
         loss = log_error(mean_square[self.rows], self.least) + float(known @ known)
         return Fit(candidate, loss, features, mean_square)
+
+    def _seen(self, candidate: Candidate) -> Array:
+        return self.features.of(self.views.residuals(candidate, self.windows))
 
     def jacobian(self, at: Fit, unknowns: Sequence[Unknown]) -> Array:
         """Return forward differences (unknowns, blocks, channels); a place at its bound is moved inwards."""
@@ -67,7 +71,7 @@ class Fitter:
             moved[index] += STEP
             if unknowns[index].back(moved[index]) >= unknowns[index].parameter.bounds[1]:
                 moved[index] -= 2 * STEP
-            features = self.features.of(self.views.residuals(written(at.candidate, unknowns, moved)))
+            features = self._seen(written(at.candidate, unknowns, moved))
             return (features - at.features) / (moved[index] - places[index])
 
         return np.nan_to_num(np.array(list(self.crew.together(column, range(len(unknowns))))))

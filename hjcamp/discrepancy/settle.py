@@ -28,7 +28,7 @@ def settle(fitter: Fitter, fit: Fit, unknowns: Sequence[Unknown], sweeps: int) -
     known = np.array([unknown.spread for unknown in unknowns]) ** -2.0
     squares = np.einsum("kbc,bc,kbc->k", jacobian, fitter.weights(fit.mean_square), jacobian)
     unit = np.minimum((squares + known + 0.5) ** -0.5, FARTHEST / FIRST)
-    size = np.full(len(unknowns), FIRST)
+    size, side = np.full(len(unknowns), FIRST), np.ones(len(unknowns))
     idle = 0
     for _ in range(sweeps):
         before = best.loss
@@ -36,15 +36,16 @@ def settle(fitter: Fitter, fit: Fit, unknowns: Sequence[Unknown], sweeps: int) -
             if size[index] <= LAST:
                 continue
             places = read(best.candidate, unknowns)
-
-            def trial(sign: float, index: int = int(index), places: np.ndarray = places, about: Fit = best) -> Fit:
+            for sign in (side[index], -side[index]):
                 moved = places.copy()
                 moved[index] += sign * size[index] * unit[index]
-                return fitter.look(written(about.candidate, unknowns, moved))
-
-            found = min(fitter.crew.together(trial, (1.0, -1.0)), key=lambda one: one.loss)
-            size[index] *= 1.3 if found.loss < best.loss else 0.5
-            best = min(best, found, key=lambda one: one.loss)
+                found = fitter.look(written(best.candidate, unknowns, moved))
+                if found.loss < best.loss:
+                    best, side[index] = found, sign
+                    size[index] *= 1.3
+                    break
+            else:
+                size[index] *= 0.5
         idle = idle + 1 if before - best.loss < WORTHLESS else 0
         if idle == 2 or np.all(size <= LAST):
             break

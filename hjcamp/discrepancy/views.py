@@ -245,15 +245,20 @@ class Views:
             out[event, 1] = most * np.tanh((abs(push[place]) - static[place]) / most)
         return out
 
-    def residuals(self, candidate: Candidate) -> Array:
+    def residuals(self, candidate: Candidate, windows: bool = True) -> Array:
         """Return the residuals (n, channels): arm (rad), pressure difference, line sum, line difference (Pa), forces (N)
         and where the test begins (rad).
 
         A constant of each test is taken out of the line view: it is the error of the initial pressures. What a test
         begins with and no rig repeats (`Parameter.each_test`) is set for each test on its own, as the lines tell it.
+        Without ``windows`` the joint is not simulated, and arm and pressure difference are 0.
         """
-        joint, lines = self.readings(candidate)
-        out = np.hstack([self.subtract(joint, lines), self.forces(candidate), self.home(candidate)])
+        if windows:
+            followed = self.subtract(*self.readings(candidate))
+        else:
+            followed = np.zeros((len(self._columns["time"]), WINDOWED))
+            followed[:, LINES] = self._line_errors(candidate)
+        out = np.hstack([followed, self.forces(candidate), self.home(candidate)])
         out[:, LINES] += self._own_starts.corrections(candidate, out[:, LINES])
         return out
 
