@@ -17,10 +17,14 @@ _inside = threading.local()
 
 
 class Crew:
-    """``workers`` threads (the kernels run without the interpreter's lock), and a dask cluster where one is named."""
+    """``workers`` threads (the kernels run without the interpreter's lock), and a dask cluster where one is named.
+
+    Linear algebra takes one thread in each: sums in another order round otherwise, and slips turn that into other answers.
+    """
 
     def __init__(self, workers: int = 1, cluster: str | None = None) -> None:
         self.workers = workers
+        _alone()
         self._pool: ThreadPoolExecutor | None = None
         self._client = _connected(cluster) if cluster else None
 
@@ -58,6 +62,14 @@ class Crew:
         if self._client is not None:
             self._client.close()
             self._client = None
+
+
+def _alone() -> None:
+    """Let the linear algebra of this process, loaded before, use one thread."""
+    import scipy.linalg  # noqa: F401
+    from threadpoolctl import threadpool_limits
+
+    threadpool_limits(1, user_api="blas")
 
 
 def available() -> int:

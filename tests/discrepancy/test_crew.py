@@ -68,3 +68,11 @@ def test_recent_serves_several_threads() -> None:
     for thread in threads:
         thread.join()
     assert sorted(found) == sorted(key % 4 for key in range(40))
+
+
+def test_linear_algebra_takes_one_thread() -> None:
+    from threadpoolctl import threadpool_info, threadpool_limits
+
+    with threadpool_limits(2, user_api="blas"):
+        Crew(2)
+        assert {row["num_threads"] for row in threadpool_info() if row["user_api"] == "blas"} == {1}
