@@ -22,6 +22,8 @@ def features(monkeypatch: pytest.MonkeyPatch) -> Any:
     speed = np.repeat(generator.uniform(1.5, 4.0, TESTS), BLOCKS)
     values = {
         "arm_angle": np.sin(speed * time),
+        "arm_velocity": speed * np.cos(speed * time),
+        "pump_velocity": speed * np.cos(speed * time),
         "direction": np.sign(np.cos(speed * time)),
         "time": time,
     }
