@@ -96,7 +96,7 @@ class Duel:
         self.start: dict[str, Candidate] = {}
         for effect in effects:
             if effect.name in names:
-                if effect.name in screening.best:
+                if effect.name in screening.ranked:
                     self.start[effect.name] = fit_effect(self.fitter, screening, effect, effects, STEPS).candidate
                 else:
                     self.start[effect.name] = self.base.with_effect(effect.name, effect.defaults())

@@ -84,7 +84,7 @@ def _in_order(fitter: Fitter, fit: Fit, names: Sequence[str], effects: Sequence[
     for name in names:
         effect = next(one for one in effects if one.name == name)
         screening = screen(fitter, fit, [one for one in effects if one.name in fit.candidate.effects or one is effect])
-        if name in screening.best:
+        if name in screening.ranked:
             fit = fit_effect(fitter, screening, effect, effects, steps)
         else:
             # These tests do not show it at all: it joins at its smallest amplitude and the fit decides.

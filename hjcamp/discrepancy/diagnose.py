@@ -214,7 +214,7 @@ class _Search:
     def _step(self, screening: Screening, null: Null, number: int) -> Step | None:
         """Return the fits of the most promising effects and of those that look the same as the best of them."""
         ranked = [
-            name for name in sorted(screening.gains, key=lambda name: -screening.gains[name]) if name in screening.best
+            name for name in sorted(screening.gains, key=lambda name: -screening.gains[name]) if name in screening.ranked
         ]
         if not ranked:
             return None
@@ -223,7 +223,7 @@ class _Search:
         best = min(fits, key=lambda name: fits[name].loss)
         rivals = dict.fromkeys([*alike(screening, best, SAME), *self._same_as(best)])
         self._fit(
-            screening, [name for name in rivals if name in screening.best and name not in fits], fits, share + 0.1
+            screening, [name for name in rivals if name in screening.ranked and name not in fits], fits, share + 0.1
         )
         self._settle(screening, fits)
         best = min(fits, key=lambda name: fits[name].loss)

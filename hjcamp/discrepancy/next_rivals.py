@@ -95,7 +95,7 @@ def _named(found: Diagnosis, library: Mapping[str, type[Effect]], name: str) -> 
         if name in step.fits:
             return _fitted(found, step, name)
     screening = found.steps[0].screening
-    if name not in screening.best:
+    if name not in screening.ranked:
         raise UsageError(f"{name} cannot be fitted to these tests: it is not visible in them")
     fit = fit_effect(found.fitter, screening, library[name], tuple(library.values()), STEPS)
     return Rival((name,), fit.candidate, LEAST_WEIGHT)
