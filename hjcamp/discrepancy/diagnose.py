@@ -214,7 +214,9 @@ class _Search:
     def _step(self, screening: Screening, null: Null, number: int) -> Step | None:
         """Return the fits of the most promising effects and of those that look the same as the best of them."""
         ranked = [
-            name for name in sorted(screening.gains, key=lambda name: -screening.gains[name]) if name in screening.ranked
+            name
+            for name in sorted(screening.gains, key=lambda name: -screening.gains[name])
+            if name in screening.ranked
         ]
         if not ranked:
             return None
