@@ -67,15 +67,14 @@ def calibrate(
     estimate = direct_estimate(views.evidence)
     crew = crew or Crew()
     fitter = Fitter(views, features, NOISE if least is None else least, crew=crew)
-    fits = []
+    starts = [known] if start is not None else []
     for ratio in RATIOS:
         base = dict(estimate)
         for name in ("positive", "negative"):
             if f"coulomb_{name}" in base:
                 base[f"static_{name}"] = ratio * base[f"coulomb_{name}"]
-        fits.append(fitter.fit(known.with_base(base), unknowns, steps=6))
-    if start is not None:
-        fits.append(fitter.fit(known, unknowns, steps=6))
+        starts.append(known.with_base(base))
+    fits = crew.together(lambda one: fitter.fit(one, unknowns, steps=6), starts)
     best = min(fits, key=lambda fit: fit.loss)
     if least is not None:
         return best, fitter

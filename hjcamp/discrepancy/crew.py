@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-import threading
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Any, TypeVar
 
@@ -13,7 +12,6 @@ from hjcamp.errors import HjcampError, UsageError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-_inside = threading.local()
 
 
 class Crew:
@@ -32,12 +30,16 @@ class Crew:
         return Crew, (1,)
 
     def together(self, function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
-        """Yield ``function(item)`` in the order of the items; what runs inside such a call runs one by one."""
-        if self.workers < 2 or getattr(_inside, "busy", False):
+        """Yield ``function(item)`` in the order of the items; inside such a call, too.
+
+        Who asks does what no thread has begun, so that nobody waits for a thread that waits itself.
+        """
+        items = list(items)
+        if self.workers < 2 or len(items) < 2:
             return map(function, items)
         if self._pool is None:
-            self._pool = ThreadPoolExecutor(self.workers, initializer=partial(setattr, _inside, "busy", True))
-        return self._pool.map(function, items)
+            self._pool = ThreadPoolExecutor(self.workers)
+        return _in_order(function, items, [self._pool.submit(function, item) for item in items])
 
     def each(self, task: Callable[[Any, Item], Result], context: Any, items: Iterable[Item]) -> Iterator[Result]:
         """Yield ``task(context, item)`` in the order of the items, on the cluster where there is one."""
@@ -62,6 +64,17 @@ class Crew:
         if self._client is not None:
             self._client.close()
             self._client = None
+
+
+def _in_order(
+    function: Callable[[Item], Result], items: Sequence[Item], futures: Sequence[Future[Result]]
+) -> Iterator[Result]:
+    try:
+        for item, future in zip(items, futures, strict=True):
+            yield function(item) if future.cancel() else future.result()
+    finally:
+        for future in futures:
+            future.cancel()
 
 
 def _alone() -> None:

@@ -125,7 +125,7 @@ class _Search:
         self.evidence, self.effects, self.work, self.seed, self.report = evidence, tuple(effects), work, seed, report
         self.crew = crew
         self.features = Features(evidence)
-        self.views = Views(evidence, self.effects)
+        self.views = Views(evidence, self.effects, crew)
         self.steps: list[Step] = []
         self.twins_of: Fit | None = None
         self.twins: list[Array] = []
@@ -218,7 +218,8 @@ class _Search:
             for name in sorted(screening.gains, key=lambda name: -screening.gains[name])
             if name in screening.ranked
         ]
-        if not ranked:
+        # The first step shows what comes nearest, even where none of it can count.
+        if not ranked or (number and not any(_at_most(screening, name) >= null.needed() for name in ranked)):
             return None
         share = 0.25 + 0.8 * number / (self.work.forward + 1)
         fits = self._survivors(screening, ranked[: self.work.survivors], share, null.needed())

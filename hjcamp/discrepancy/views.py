@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.candidate import Candidate
+from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.evidence import PERIOD, Evidence
+from hjcamp.discrepancy.following import follow
 from hjcamp.discrepancy.hardware import composition, simulator
 from hjcamp.discrepancy.own_starts import OwnStarts
 from hjcamp.discrepancy.recent import Recent
@@ -54,9 +56,10 @@ def _balances_itself(effect: Any) -> bool:
 class Views:
     """Residuals (model minus measurement) of a candidate on the evidence, from two compiled models with gated effects."""
 
-    def __init__(self, evidence: Evidence, effects: tuple[Any, ...]) -> None:
+    def __init__(self, evidence: Evidence, effects: tuple[Any, ...], crew: Crew | None = None) -> None:
         self.evidence = evidence
         self.effects = effects
+        self.crew = crew or Crew()
         self.names = tuple(effect.name for effect in effects)
         self._recent_lines: Recent[tuple[Array, Array, Array]] = Recent(KEPT)
         self._recent_balance: Recent[Array] = Recent(KEPT)
@@ -113,6 +116,10 @@ class Views:
         return model.vector(values)
 
     @cached_property
+    def _measured(self) -> Array:
+        return np.column_stack([self._columns["arm"], self._columns["pressure1"], self._columns["pressure2"]])
+
+    @cached_property
     def inverse(self) -> Simulator:
         """The joint's force balance with every measured state given."""
         return simulator(self.effects, "inverse")
@@ -162,16 +169,16 @@ class Views:
                 # What hangs between sliders and arm moves while the arm stands: only the joint's own motion tells.
                 course = self._course(part, pump, observed, True, None)
                 own = self.vector(self.joint, candidate, hardware)
-                seen = self.joint.follow(own, course, tolerance=TOLERANCE)
+                seen = follow(self.joint, own, course, self.crew, TOLERANCE)
             else:
                 course = self._course(part, np.hstack([pump, arm]), observed, False, None)
-                seen = self.lines.follow(p, course, tolerance=TOLERANCE)
+                seen = follow(self.lines, p, course, self.crew, TOLERANCE)
             shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
             error = shown - seen.ideal[:, 1:]
             observed = np.hstack([observed[:, :1], observed[:, 1:] - error])
             track = track - error[:, 2:]
         course = self._course(part, observed[:, [0, 3]], observed, False, None)
-        return observed, track, self.lines.follow(p, course, tolerance=TOLERANCE).readings
+        return observed, track, follow(self.lines, p, course, self.crew, TOLERANCE).readings
 
     def _shown_otherwise(self, candidate: Candidate) -> bool:
         return not self._misleading.isdisjoint(candidate.effects)
@@ -205,7 +212,7 @@ class Views:
             _, observed, _, lines[part] = self._line_view(candidate, index)
             course = self._course(part, observed[:, :1], observed, windows, scatter)
             p = self.vector(self.joint, candidate, hardware)
-            joint[part] = self.joint.follow(p, course, tolerance=TOLERANCE).readings
+            joint[part] = follow(self.joint, p, course, self.crew, TOLERANCE).readings
         return joint, lines
 
     def _balance(self, candidate: Candidate, index: int) -> Array:
@@ -219,7 +226,7 @@ class Views:
             driven = np.hstack([observed[:, :3], track])
             course = self._course(part, driven, driven, True, None)
             course = replace(course, restart=np.where(course.restart == 2, 2, 1))
-            return self.inverse.follow(p, course, tolerance=TOLERANCE).forces
+            return follow(self.inverse, p, course, self.crew, TOLERANCE).forces
 
         return self._recent_balance.get((own, key) if self._shown_otherwise(candidate) else own, compute)
 
@@ -291,22 +298,21 @@ class Views:
         part, hardware = slice(int(self.evidence.edges[0]), int(self.evidence.edges[0]) + 2), self._groups[0][1]
         course = self._course(part, np.zeros((2, 2)), np.zeros((2, 4)), False, None)
         p = self.vector(self.lines, candidate, hardware)
-        return float(self.lines.follow(p, course, tolerance=TOLERANCE).readings[0, 0])
+        return float(follow(self.lines, p, course, self.crew, TOLERANCE).readings[0, 0])
 
     def subtract(self, joint: Array, lines: Array, measured: Array | None = None) -> Array:
         """Return predicted readings minus ``measured`` (n, 3: arm, pressure 1 and 2; the logs' own by default)."""
-        columns = self._columns
         if measured is None:
-            measured = np.column_stack([columns["arm"], columns["pressure1"], columns["pressure2"]])
+            measured = self._measured
         out = np.empty((len(joint), WINDOWED))
         out[:, 0] = joint[:, 0] - measured[:, 0]
         error = joint[:, 1:3] - measured[:, 1:3]
         out[:, 1] = error[:, 0] - error[:, 1]
         error = lines[:, 1:3] - measured[:, 1:3]
+        lengths = np.diff(self.evidence.edges)
+        error -= np.repeat(np.add.reduceat(error, self.evidence.edges[:-1], axis=0) / lengths[:, None], lengths, axis=0)
         out[:, 2] = error[:, 0] + error[:, 1]
         out[:, 3] = error[:, 0] - error[:, 1]
-        for begin, end in zip(self.evidence.edges[:-1], self.evidence.edges[1:], strict=True):
-            out[begin:end, 2:] -= out[begin:end, 2:].mean(axis=0)
         return out
 
 

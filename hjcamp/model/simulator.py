@@ -142,6 +142,13 @@ class Simulator:
             self.kernel.begin(0.0, 0.0, z, self.inputs(), p)
         return z
 
+    def observed(self, course: Course) -> Array:
+        """Return the state vector with which a course begins, as measured; what is not observed is 0."""
+        z = np.zeros(len(self.states))
+        for name, value in zip(self.composition.plant.observed, course.observed[0], strict=True):
+            z[self.states.index(name)] = value
+        return z
+
     def propagators(self, z: Array, p: Array, period: float = PERIOD) -> Array:
         """Return the exact steps of the linear part in each regime, linearised about ``z``."""
         n = len(self.states)
@@ -188,11 +195,9 @@ class Simulator:
 
         ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
         """
-        states, channels = len(self.states), len(self.composition.plant.channels)
-        z = np.zeros(states)
+        channels = len(self.composition.plant.channels)
+        z = self.observed(course)
         if propagators is None:
-            for name, value in zip(self.composition.plant.observed, course.observed[0], strict=True):
-                z[self.states.index(name)] = value
             propagators = self.propagators(z, p, course.period)
         readings, ideal = np.empty((len(course.time), channels)), np.empty(course.observed.shape)
         forces = np.empty((len(course.time), len(self.composition.plant.balance)))

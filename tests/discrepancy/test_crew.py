@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import threading
+import time
 
 import pytest
 
@@ -32,6 +33,42 @@ def test_work_inside_work_runs_without_waiting_for_a_free_thread() -> None:
         assert list(sums) == [6 * outer for outer in range(8)]
     finally:
         crew.close()
+
+
+def test_a_failure_inside_work_is_told_and_the_rest_is_left() -> None:
+    crew = Crew(2)
+    done: list[int] = []
+
+    def work(item: int) -> int:
+        if item == 1:
+            raise UsageError("no such test")
+        time.sleep(1e-3)
+        done.append(item)
+        return item
+
+    try:
+        with pytest.raises(UsageError, match="no such test"):
+            list(crew.together(work, range(1000)))
+    finally:
+        crew.close()
+    assert len(done) < 999
+
+
+def test_what_is_inside_is_shared_out_too() -> None:
+    crew = Crew(2)
+    seen: set[int] = set()
+    both = threading.Barrier(2, timeout=20.0)
+
+    def inner(item: int) -> int:
+        both.wait()
+        seen.add(threading.get_ident())
+        return item
+
+    try:
+        assert list(crew.together(lambda outer: list(crew.together(inner, range(2))), [0])) == [[0, 1]]
+    finally:
+        crew.close()
+    assert len(seen) == 2
 
 
 def test_a_crew_in_another_process_is_one_worker() -> None:

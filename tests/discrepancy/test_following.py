@@ -1,0 +1,44 @@
+"""Tests followed in parts by several threads give the same numbers, digit by digit, as one after the other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hjcamp.commands._session import evidence_of
+from hjcamp.discrepancy.candidate import Candidate
+from hjcamp.discrepancy.crew import Crew
+from hjcamp.discrepancy.following import parts
+from hjcamp.discrepancy.saved import complete
+from hjcamp.discrepancy.views import Views
+from hjcamp.effects import load_effects
+
+
+def test_parts_begin_with_a_test_and_cover_all() -> None:
+    restart = np.zeros(100, dtype=np.int64)
+    restart[[0, 10, 60, 70]] = 2
+    restart[30] = 1
+    assert parts(restart, 1) == [0, 100]
+    assert parts(restart, 2) == [0, 60, 100]
+    assert parts(restart, 3) == [0, 10, 70, 100]
+    assert parts(restart[:10], 4) == [0, 10]
+
+
+@pytest.mark.parametrize("effect", ["leakage", "stribeck_friction"])
+def test_residuals_do_not_depend_on_the_number_of_workers(leak: Path, effect: str) -> None:
+    library = load_effects([])
+    effects = (library["leakage"], library["pressure_offset"], library["stribeck_friction"])
+    evidence = evidence_of([leak])
+    candidate = complete(Candidate({}, {effect: library[effect].defaults()}), evidence)
+    found = []
+    for workers in (1, 2, 5):
+        crew = Crew(workers)
+        try:
+            found.append(Views(evidence, effects, crew).residuals(candidate))
+        finally:
+            crew.close()
+    assert np.array_equal(found[0], found[1])
+    assert np.array_equal(found[0], found[2])
+    assert np.any(found[0] != 0.0)
