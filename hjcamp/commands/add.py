@@ -43,13 +43,18 @@ def add(
     with progress_of(console) as report:
         from hjcamp.discrepancy.add import add as fit_added
         from hjcamp.discrepancy.add import answer, check_effects
+        from hjcamp.discrepancy.crew import Crew, available
         from hjcamp.discrepancy.views import Views
 
         start = saved_model(model)
         check_effects(names, library, start, model)
         evidence = evidence_of(paths)
         report(f"fitting {', '.join(names)}", 0.2)
-        found = fit_added(Views(evidence, tuple(library.values())), start, names)
+        crew = Crew(available())
+        try:
+            found = fit_added(Views(evidence, tuple(library.values()), crew), start, names)
+        finally:
+            crew.close()
         content = answer(found, name, names, str(path))
         command = f"hjcamp add {' '.join(names)} {joined(paths)} --model {model} --as {name}"
         check_new_name(name)

@@ -16,11 +16,13 @@ from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.heldout import Fold, Local, folds, judged_error, parameter_rows
 from hjcamp.discrepancy.saved import complete
 from hjcamp.discrepancy.search import fit_effect, screen, unknowns_of
+from hjcamp.discrepancy.settle import settle
 from hjcamp.discrepancy.views import Views
 from hjcamp.errors import UsageError
 from hjcamp.model.effect import Effect
 
 SCHEMA = "hjcamp.addition/1"
+SWEEPS = 6
 
 
 @dataclass(frozen=True)
@@ -50,26 +52,28 @@ def check_effects(names: Sequence[str], library: Mapping[str, type[Effect]], sta
             raise UsageError(f"effect {name} is in model {model} already")
 
 
-def add(views: Views, start: Candidate, names: Sequence[str], steps: int = 8) -> Addition:
+def add(views: Views, start: Candidate, names: Sequence[str], steps: int = 8, sweeps: int = SWEEPS) -> Addition:
     """Return ``start`` with the effects ``names``, fitted with the base on all repetitions but the last of each condition.
 
     The effects of ``start`` stay and are fitted again too. Effects are tried in every order (up to three of them) and
-    the best fit is kept.
+    the best fit is kept. A pattern search of ``sweeps`` settles it, and what it is compared with.
     """
     evidence = views.evidence
     features = Features(evidence)
     parts = folds(evidence, 1)
     fold = parts[0] if parts else Fold(tuple(range(len(evidence.tests))), tuple(range(len(evidence.tests))))
-    base, whole = calibrate(views, features)
-    fitter = Fitter(views, features, whole.least, fold.train)
+    base, whole = calibrate(views, features, crew=views.crew)
+    fitter = Fitter(views, features, whole.least, fold.train, crew=views.crew)
     begin = complete(start, evidence)
     unknowns = unknowns_of(start, views.effects)
     starts = [begin, Candidate(base.candidate.base, start.effects)]
     before = min((fitter.fit(one, unknowns, steps=steps) for one in starts), key=lambda fit: fit.loss)
+    before = settle(fitter, before, unknowns, sweeps)
     orders = list(itertools.permutations(names)) if len(names) <= 3 else [tuple(names)]
     best = min((_in_order(fitter, before, order, views.effects, steps) for order in orders), key=lambda fit: fit.loss)
-    floor = np.minimum(features.floor(best.features), features.floor(before.features))
     unknowns = unknowns_of(best.candidate, views.effects)
+    best = settle(fitter, best, unknowns, sweeps)
+    floor = np.minimum(features.floor(best.features), features.floor(before.features))
     found = Local(fitter, best, unknowns).intervals()
     errors = [
         judged_error(features, fit.mean_square, floor, fold.held_out) for fit in (fitter.look(begin), before, best)
