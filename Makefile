@@ -45,8 +45,9 @@ lint: $(INSTALLED)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# one process for each of up to four cores; a file's tests stay together, since they share kernels and logs
 test: $(INSTALLED) lint
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 
 bench: $(WARM)
 	$(BIN)/python benchmarks/bench.py
