@@ -5,13 +5,11 @@ from __future__ import annotations
 import ast
 import inspect
 import math
+import re
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-
-import numpy as np
-from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.effect import Effect
@@ -23,6 +21,8 @@ MATHEMATICS = [
     "acos", "asin", "atan", "atan2", "ceil", "copysign", "cos", "cosh", "erf", "exp", "expm1", "floor", "fmod",
     "hypot", "log", "log10", "log1p", "pi", "pow", "sin", "sinh", "sqrt", "tan", "tanh",
 ]  # fmt: skip
+GATES = "gates"
+MOST_GATED = 52
 BUILTINS = ("abs", "min", "max", "float", "int")
 
 
@@ -30,7 +30,8 @@ BUILTINS = ("abs", "min", "max", "float", "int")
 class Composition:
     """A plant with effects, some of its states driven by measurements (``cut``): names and their positions.
 
-    With ``gated`` every effect has a parameter ``gate.<effect>``; at 0 the effect is absent.
+    With ``gated`` every effect has a parameter ``gate.<effect>``; at 0 the effect is absent. The source tests a bit of
+    their sum: one test for a whole slot is much faster than a comparison for each effect.
     """
 
     plant: type[Plant]
@@ -41,6 +42,10 @@ class Composition:
     def __post_init__(self) -> None:
         for effect in self.effects:
             check_effect(effect, self.plant)
+        if self.gated and len(self.effects) > MOST_GATED:
+            raise UsageError(
+                f"{len(self.effects)} effects in the library; at most {MOST_GATED} can be compared at once"
+            )
 
     @cached_property
     def vocabulary(self) -> Vocabulary:
@@ -63,6 +68,7 @@ class Composition:
             found.update({f"{effect.name}.{name}": parameter for name, parameter in effect.parameters.items()})
         if self.gated:
             found.update({f"gate.{effect.name}": Parameter("1", 0.0) for effect in self.effects})
+            found[GATES] = Parameter("1", 0.0, text="sum of 2^k over the open gates k, set by the simulator")
         return found
 
     @cached_property
@@ -79,61 +85,11 @@ class Composition:
 
     def rates_source(self) -> str:
         """Return the source of ``rates(time, direction, z, u, p, f)``."""
-        lines = [f"f[{index}] = {self.rate(name)}" for index, name in enumerate(self.states)]
-        return _function("rates(time, direction, z, u, p, f)", self.body(lines))
-
-    def predict_source(self, pattern: NDArray[np.bool_], curved: NDArray[np.bool_], everything: bool = False) -> str:
-        """Return the source of ``predict``: rates into ``before`` and the state after one step into ``a``.
-
-        Equations and sparse product stand in one function so that everything stays in registers. ``before[N:]`` holds
-        the slope of the nonlinear part of the ``curved`` rates, in ``predict_all`` of every rate, which is carried on.
-        """
-        n = len(self.states)
-        curved = curved | everything
         lines = []
         for index, name in enumerate(self.states):
-            lines += [f"f{index} = {self.rate(name)}", f"before[{index}] = f{index}"]
-            if curved[index]:
-                lines.append(f"b{index} = before[{n + index}] * span")
-        for i, row in enumerate(pattern):
-            carried = _product("p2", i, row & curved, "b")
-            lines.append(f"a[{i}] = z[{i}] + ({_product('p1', i, row, 'f')})" + (f" + ({carried})" if carried else ""))
-        name = "predict_all" if everything else "predict"
-        return _function(f"{name}(time, span, direction, z, u, p, p1, p2, a, before)", self.body(lines))
-
-    def correct_source(self, pattern: NDArray[np.bool_], curved: NDArray[np.bool_], everything: bool = False) -> str:
-        """Return the source of ``correct``: add the correction to ``a`` and return its size.
-
-        Only the ``curved`` rates are corrected, in ``correct_all`` every rate; ``before[2 * N:]`` receives the slope of
-        their nonlinear part over this step.
-        """
-        n = len(self.states)
-        curved = curved | everything
-        lines = [f"b{index} = before[{index}]" for index in range(n)]
-        lines += [f"s{index} = before[{n + index}]" for index in range(n) if curved[index]]
-        for index, state in enumerate(self.states):
-            if not curved[index]:
-                continue
-            row = pattern[index]
-            carried = _product("p1", index, row & curved, "s")
-            lines.append(f"g{index} = {self.rate(state)} - ({_product('e', index, row, 'b')}) - ({carried})")
-            lines.append(f"before[{2 * n + index}] = s{index} + g{index} / span")
-        lines.append("worst = 0.0")
-        for index, row in enumerate(pattern):
-            correction = _product("p2", index, row & curved, "g")
-            if not correction:
-                continue
-            lines += [
-                f"c = weight * ({correction})",
-                f"a[{index}] += c",
-                f"size = abs(c) * {1.0 / list(self.states.values())[index].resolution!r}",
-                "if not size <= worst:",
-                "    worst = size",
-            ]
-        lines.append("return worst")
-        name = "correct_all" if everything else "correct"
-        lines = [line.replace(" = z[", " = a[") for line in self.body(lines)]
-        return _function(f"{name}(time, span, direction, a, u, p, e, p1, p2, before, weight)", lines)
+            gate = self.gate(name)
+            lines.append(f"f[{index}] = {self.rate(name)}" + (f" if {gate} else 0.0" if gate else ""))
+        return function_source("rates(time, direction, z, u, p, f)", self.body(lines))
 
     def contact_source(self) -> str:
         """Return the source of ``contact(time, direction, z, u, p)``: push, limit, locks, and 1 if a limiter acts."""
@@ -141,37 +97,46 @@ class Composition:
         tests = [f"not ({low} <= {value} <= {high})" for value, low, high in self.vocabulary.limits]
         lines = [f"limits = 1.0 if {' or '.join(tests) or 'False'} else 0.0"]
         lines.append(f"return {contact.push}, {contact.limit}, {contact.locks}, limits")
-        return _function("contact(time, direction, z, u, p)", self.body(lines))
+        return function_source("contact(time, direction, z, u, p)", self.body(lines))
 
     def readings_source(self) -> str:
         """Return the source of ``readings(time, direction, z, u, p, out)``: what the sensors see, in channel order."""
         lines = [f"out[{index}] = {channel.signal}" for index, channel in enumerate(self.plant.channels)]
-        return _function("readings(time, direction, z, u, p, out)", self.body(lines))
+        return function_source("readings(time, direction, z, u, p, out)", self.body(lines))
 
     def balance_source(self) -> str:
         """Return the source of ``balance(time, direction, z, u, p, out)``: the plant's force balance."""
         lines = [f"out[{index}] = {name}" for index, name in enumerate(self.plant.balance)]
-        return _function("balance(time, direction, z, u, p, out)", self.body(lines))
+        return function_source("balance(time, direction, z, u, p, out)", self.body(lines))
 
     def signals_source(self) -> str:
         """Return the source of ``signals(time, direction, z, u, p, out)``: every slot and signal, in order."""
         lines = [f"out[{index}] = {name}" for index, name in enumerate(self.vocabulary.signals)]
-        return _function("signals(time, direction, z, u, p, out)", self.body(lines))
+        return function_source("signals(time, direction, z, u, p, out)", self.body(lines))
 
     def memory_source(self) -> str:
         """Return the source of ``begin`` and ``renew`` (starts of all own states, of those known from the observed ones)
         and ``remember`` (their once-per-sample updates)."""
-        starts, known, updates, stored = [], [], [], []
+        kinds: dict[str, dict[int, str]] = {"begin": {}, "renew": {}, "remember": {}}
         for index, name in enumerate(self.states):
             start, update = self.start(name), self.update(name)
             if start:
-                starts.append(f"z[{index}] = {start}")
-                known += starts[-1:] if self.states[name].known else []
+                kinds["begin"][index] = start
+            if start and self.states[name].known:
+                kinds["renew"][index] = start
             if update:
-                updates.append(f"next_{index} = {update}")
-                stored.append(f"z[{index}] = next_{index}")
-        bodies = {"begin": starts, "renew": known, "remember": updates + stored}
-        return "".join(_function(f"{name}(time, direction, z, u, p)", self.body(last)) for name, last in bodies.items())
+                kinds["remember"][index] = update
+        parts = []
+        for name, found in kinds.items():
+            # all are computed before any is stored, since they may use each other
+            lines = [f"next_{index} = {value}" for index, value in found.items()]
+            lines += [f"z[{index}] = next_{index}" for index in found]
+            parts.append(function_source(f"{name}(time, direction, z, u, p)", self.body(lines)))
+        return "".join(parts)
+
+    def gate(self, state: str) -> str:
+        """Return the test in the source of the gate that a state is behind; empty where there is none."""
+        return self._gate(self._owner(state)[0]) if self.gated and "." in state else ""
 
     def start(self, state: str) -> str:
         """Return the expression that an effect's state starts with; empty for a state of the plant."""
@@ -204,14 +169,22 @@ class Composition:
 
     def body(self, last: Sequence[str]) -> list[str]:
         """Return the statements that ``last`` needs, in order, then ``last``."""
-        return [*live(self._statements, "\n".join(last)), *last]
+        lines = live(self._statements, "\n".join(last))
+        return [*_grouped(self._behind_gates(lines)), *self._behind_gates(last)] if self.gated else [*lines, *last]
+
+    def _behind_gates(self, lines: Sequence[str]) -> list[str]:
+        """Return the statements with what belongs to an effect read where it is used: behind its gate."""
+        places = {f"s_{_local(name)}": f"z[{index}]" for index, name in enumerate(self.states) if "." in name}
+        places |= {f"p_{_local(name)}": f"p[{index}]" for index, name in enumerate(self.parameters) if "." in name}
+        kept = [line for line in lines if line.partition(" = ")[0] not in places]
+        return [re.sub(r"\b[sp]_\w+\b", lambda found: places.get(found[0], found[0]), line) for line in kept]
 
     @cached_property
     def _statements(self) -> list[str]:
         lines = [f"s_{_local(name)} = z[{index}]" for index, name in enumerate(self.states)]
         lines += [f"p_{_local(name)} = p[{index}]" for index, name in enumerate(self.parameters)]
         lines += [f"u_{name} = u[{index}]" for index, name in enumerate(self.inputs)]
-        lines += ["u_time = time", "u_direction = direction"]
+        lines += [f"{GATES} = int(p_{GATES})", "u_time = time", "u_direction = direction"]
         lines += [f"s_{state} = u_slope_{driven}" for state, driven in self.cut.slopes.items()]
         for line in self.vocabulary.statements:
             target = f"d_{line.target}" if line.mark == "rate" else line.target
@@ -227,17 +200,18 @@ class Composition:
                 continue
             function = effect.terms[line.target]
             call = self._call(effect, line.target, function)
+            gate = f"if {self._gate(effect)}: " if self.gated else ""
             if line.target in inspect.signature(function).parameters:
-                changing += self._gate(effect, f"{line.target} = {call}")
+                changing.append(f"{gate}{line.target} = {call}")
             else:
-                adding += self._gate(effect, f"{line.target} = {line.target} + {call}")
+                adding.append(f"{gate}{line.target} = {line.target} + {call}")
         return adding + changing
 
-    def _gate(self, effect: type[Effect], line: str) -> list[str]:
-        return [f"if p_gate_{effect.name} != 0.0: {line}"] if self.gated else [line]
+    def _gate(self, effect: type[Effect]) -> str:
+        return f"{GATES} & {1 << self.effects.index(effect)}"
 
     def rate(self, name: str) -> str:
-        """Return the expression of a state's rate, 0 where it is driven or frozen."""
+        """Return the expression of a state's rate with its gate open, 0 where it is driven or frozen."""
         if name in self.cut.driven:
             return f"u_slope_{name}"
         if name in self.cut.slopes or name in self.cut.frozen:
@@ -247,8 +221,7 @@ class Composition:
         effect, own = self._owner(name)
         if own not in effect.rates:
             return "0.0"
-        call = self._call(effect, f"d_{own}", effect.rates[own])
-        return f"({call} if p_gate_{effect.name} != 0.0 else 0.0)" if self.gated else call
+        return self._call(effect, f"d_{own}", effect.rates[own])
 
     def _call(self, effect: type[Effect], term: str, function: Callable[..., float]) -> str:
         names = [self._resolve(effect, argument) for argument in inspect.signature(function).parameters]
@@ -319,6 +292,23 @@ def live(statements: Sequence[str], last: str) -> list[str]:
     return kept[::-1]
 
 
+def _grouped(lines: Sequence[str]) -> list[str]:
+    """Return the statements with neighbours behind gates under one test: most slots have no effect most of the time."""
+    found: list[str] = []
+    gated: list[tuple[int, str]] = []
+    for line in [*lines, ""]:
+        mask = re.match(rf"if {GATES} & (\d+): ", line)
+        if mask:
+            gated.append((int(mask[1]), line))
+            continue
+        if len(gated) > 1:
+            found.append(f"if {GATES} & {sum({bit for bit, _ in gated})}:")
+        found += [f"    {one}" if len(gated) > 1 else one for _, one in gated]
+        gated = []
+        found += [line] if line else []
+    return found
+
+
 def _names(tree: ast.AST) -> set[str]:
     return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
 
@@ -335,13 +325,10 @@ def _copied(name: str, function: Callable[..., float]) -> str:
     return "@inlined\n" + ast.unparse(definition) + "\n\n"
 
 
-def _function(signature: str, lines: Sequence[str]) -> str:
+def function_source(signature: str, lines: Sequence[str]) -> str:
+    """Return the source of a compiled function; those of every step are inlined."""
     mark = "inlined" if signature.split("(")[0] in ("predict", "contact", "readings") else "hot"
     return f"@{mark}\ndef {signature}:\n" + "".join(f"    {line}\n" for line in lines or ["pass"]) + "\n\n"
-
-
-def _product(matrix: str, i: int, row: NDArray[np.bool_], vector: str) -> str:
-    return " + ".join(f"{matrix}[{i}, {j}] * {vector}{j}" for j in range(len(row)) if row[j])
 
 
 def _local(name: str) -> str:

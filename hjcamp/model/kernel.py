@@ -22,11 +22,21 @@ from hjcamp.errors import HjcampError
 from hjcamp.model import integrator
 from hjcamp.model.compose import MATHEMATICS, Composition
 from hjcamp.model.marks import limited
+from hjcamp.model.step_source import correct_source, predict_source
 from hjcamp.model.structure import couplings, nonlinear_rates
 
 LEVELS = 10
 TEMPORARY = "hjcamp_kernels_"
-INTEGRATOR: tuple[str, ...] = ("linearise", "propagators", "prepare", "turned", "attempt", "accept", "straighten", "forget")
+INTEGRATOR: tuple[str, ...] = (
+    "linearise",
+    "propagators",
+    "prepare",
+    "turned",
+    "attempt",
+    "accept",
+    "straighten",
+    "forget",
+)
 INTEGRATOR += ("regime_after", "advance", "trial", "move")
 INLINED: tuple[str, ...] = ("turned", "attempt", "accept", "straighten", "forget", "trial", "move", "measure")
 PLAIN: tuple[str, ...] = ("regime_after", "advance", "closed_loop", "follow")
@@ -120,8 +130,8 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
     rest = composition.contact_source() + composition.readings_source() + composition.memory_source()
     rest += composition.signals_source() + composition.balance_source()
     for everything in (False, True):
-        rest += composition.predict_source(pattern, curved, everything)
-        rest += composition.correct_source(pattern, curved, everything)
+        rest += predict_source(composition, pattern, curved, everything)
+        rest += correct_source(composition, pattern, curved, everything)
     return header + equations + rest + copied(integrator, INTEGRATOR) + extra
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError, unknown
 from hjcamp.model import driving
-from hjcamp.model.compose import Composition
+from hjcamp.model.compose import GATES, Composition
 from hjcamp.model.kernel import LEVELS, copied, kernel_source, load_kernel
 from hjcamp.model.law import Law, law_source
 
@@ -126,7 +126,11 @@ class Simulator:
         for name in values:
             if name not in known:
                 raise unknown("parameter", name, known, f"the model of {self.composition.plant.name}")
-        return np.array([float(values.get(name, parameter.default)) for name, parameter in known.items()])
+        found = {name: float(values.get(name, parameter.default)) for name, parameter in known.items()}
+        if self.composition.gated:
+            opened = [found[f"gate.{effect.name}"] != 0.0 for effect in self.composition.effects]
+            found[GATES] = float(sum(1 << place for place, one in enumerate(opened) if one))
+        return np.array(list(found.values()))
 
     def inputs(self) -> Array:
         """Return the input vector at its defaults."""

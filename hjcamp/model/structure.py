@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.compose import Composition
+from hjcamp.model.compose import GATES, Composition
 from hjcamp.model.effect import Effect
 
 
@@ -22,6 +22,9 @@ def _draws(composition: Composition, generator: np.random.Generator) -> tuple[ND
     u = u + generator.uniform(-1, 1, len(u)) * 1e-6
     p = []
     for name, parameter in composition.parameters.items():
+        if name == GATES:
+            p.append(float((1 << len(composition.effects)) - 1))
+            continue
         value = 1.0 if name.startswith("gate.") else parameter.default
         p.append(value * generator.uniform(0.95, 1.05) if np.isfinite(value) and value > 0 else value)
     return z, u, np.array(p)
