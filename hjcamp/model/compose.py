@@ -170,7 +170,9 @@ class Composition:
     def body(self, last: Sequence[str]) -> list[str]:
         """Return the statements that ``last`` needs, in order, then ``last``."""
         lines = live(self._statements, "\n".join(last))
-        return [*_grouped(self._behind_gates(lines)), *self._behind_gates(last)] if self.gated else [*lines, *last]
+        return (
+            [*behind_one_test(self._behind_gates(lines)), *self._behind_gates(last)] if self.gated else [*lines, *last]
+        )
 
     def _behind_gates(self, lines: Sequence[str]) -> list[str]:
         """Return the statements with what belongs to an effect read where it is used: behind its gate."""
@@ -292,7 +294,7 @@ def live(statements: Sequence[str], last: str) -> list[str]:
     return kept[::-1]
 
 
-def _grouped(lines: Sequence[str]) -> list[str]:
+def behind_one_test(lines: Sequence[str]) -> list[str]:
     """Return the statements with neighbours behind gates under one test: most slots have no effect most of the time."""
     found: list[str] = []
     gated: list[tuple[int, str]] = []

@@ -1,0 +1,88 @@
+"""A model in which every effect is behind a gate: what is absent costs nothing and changes nothing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hjcamp.effects import load_effects
+from hjcamp.errors import UsageError
+from hjcamp.model.compose import MOST_GATED, Composition, behind_one_test
+from hjcamp.model.effect import Effect
+from hjcamp.model.kernel import kernel_source
+from hjcamp.model.simulator import Simulator
+from hjcamp.plants.pump_joint import PumpJoint
+
+NAMES = ("leakage", "line_inertance", "presliding", "pump_backlash", "string_elasticity", "tubing_creep")
+LIBRARY = tuple(load_effects([])[name] for name in NAMES)
+CUT = PumpJoint.cut("pump")
+SPAN = 1e-3
+
+
+class Plain:
+    """A kernel as plain Python, and what it needs for one step."""
+
+    def __init__(self, effects: tuple[type[Effect], ...], gated: bool) -> None:
+        self.simulator = Simulator(Composition(PumpJoint, effects, CUT, gated=gated))
+        text = kernel_source(self.simulator.composition)
+        self.functions: dict[str, Any] = {}
+        exec(text.replace("{decorator}", "compiled = hot = inlined = lambda function: function"), self.functions)
+
+    def step(
+        self, direction: float, values: dict[str, float], state: dict[str, float], gate: str = ""
+    ) -> dict[str, float]:
+        """Return the state after one step with correction, by name."""
+        names = self.simulator.states
+        p = self.simulator.vector(values | ({f"gate.{gate}": 1.0} if gate else {}))
+        z, u = np.array([state.get(name, 0.0) for name in names]), self.simulator.inputs()
+        out = np.empty((3, 11, 3, len(names), len(names)))
+        self.functions["prepare"](z, u, p, SPAN, out)
+        e, p1, p2 = out[0 if direction == 0.0 else 1, 0]
+        a, before = np.zeros(len(names)), np.zeros(3 * len(names))
+        for kind in ("", "_all"):
+            before[len(names) : 2 * len(names)] = 0.0
+            self.functions[f"predict{kind}"](0.1, SPAN, direction, z, u, p, p1, p2, a, before)
+            self.functions[f"correct{kind}"](0.1 + SPAN, SPAN, direction, a, u, p, e, p1, p2, before, 1.0)
+        return dict(zip(names, a, strict=True))
+
+
+@pytest.fixture(scope="module")
+def gated() -> Plain:
+    return Plain(LIBRARY, True)
+
+
+@pytest.mark.parametrize("direction", [0.0, 1.0])
+@pytest.mark.parametrize("effect", LIBRARY, ids=NAMES)
+def test_with_one_gate_open_a_step_is_that_of_the_effect_alone(
+    gated: Plain, effect: type[Effect], direction: float
+) -> None:
+    alone = Plain((effect,), False)
+    generator = np.random.default_rng(7)
+    states = gated.simulator.composition.states
+    start = {name: one.typical * float(generator.uniform(-1.0, 1.0)) for name, one in states.items()}
+    start["slider_velocity"] = direction * 2e-3
+    values = {f"{effect.name}.{key}": value for key, value in effect.defaults().items()}
+    found, wanted = gated.step(direction, values, start, effect.name), alone.step(direction, values, start)
+    assert [found[name] for name in wanted] == pytest.approx(list(wanted.values()), rel=1e-9)
+    absent = [name for name in found if name not in wanted]
+    assert absent
+    assert all(found[name] == start[name] for name in absent)
+
+
+def test_effects_on_one_slot_stand_behind_one_test() -> None:
+    lines = ["gates = int(p_gates)", "a = 1.0", "if gates & 1: a = a + 2.0", "if gates & 8: a = a * 3.0"]
+    lines += ["b = a", "if gates & 4: b = b + 1.0", "c = b"]
+    text = "\n".join(behind_one_test(lines))
+    assert "if gates & 9:\n    if gates & 1: a = a + 2.0\n    if gates & 8: a = a * 3.0\nb = a\nif gates & 4: b" in text
+    for opened, wanted in ((0, 1.0), (1, 3.0), (8, 3.0), (9, 9.0), (13, 10.0)):
+        scope = {"p_gates": float(opened)}
+        exec(text, scope)
+        assert scope["c"] == wanted
+
+
+def test_a_library_too_large_to_be_compared_at_once_is_refused() -> None:
+    many = LIBRARY[:1] * (MOST_GATED + 1)
+    with pytest.raises(UsageError, match=rf"{MOST_GATED + 1} effects .* at most {MOST_GATED}"):
+        Composition(PumpJoint, many, CUT, gated=True)
