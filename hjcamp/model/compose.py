@@ -170,9 +170,9 @@ class Composition:
     def body(self, last: Sequence[str]) -> list[str]:
         """Return the statements that ``last`` needs, in order, then ``last``."""
         lines = live(self._statements, "\n".join(last))
-        return (
-            [*behind_one_test(self._behind_gates(lines)), *self._behind_gates(last)] if self.gated else [*lines, *last]
-        )
+        if not self.gated:
+            return [*lines, *last]
+        return [*behind_one_test(self._behind_gates(lines)), *self._behind_gates(last)]
 
     def _behind_gates(self, lines: Sequence[str]) -> list[str]:
         """Return the statements with what belongs to an effect read where it is used: behind its gate."""
