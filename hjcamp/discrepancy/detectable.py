@@ -22,7 +22,7 @@ def detectable_amplitudes(
     """Return for each effect the amplitude whose predicted gain would have been ``needed``: (parameter, value, unit)."""
     found: dict[str, tuple[str, float, str]] = {}
     by_name = {effect.name: effect for effect in effects}
-    base = len(screening.known)
+    base = len(screening.unknowns)
     beside = _Beside(screening)
     for probe in screening.probes:
         for name, column, height in zip(probe.lifted, probe.columns, probe.heights, strict=True):
@@ -42,7 +42,7 @@ def confounded(screening: Screening) -> list[dict[str, object]]:
     that keeps less than a fiftieth of its response beside the base parameters counts as invisible.
     """
     beside = _Beside(screening)
-    base = len(screening.known)
+    base = len(screening.unknowns)
     groups = {name: [base + column for column in probe.columns] for name, (probe, _) in screening.best.items()}
     found: list[dict[str, object]] = []
     names = sorted(groups)
@@ -60,7 +60,7 @@ def confounded(screening: Screening) -> list[dict[str, object]]:
 
 def alike(screening: Screening, name: str, least: float) -> list[str]:
     """Return the effects whose response has a cosine of at least ``least`` with that of ``name``, beside the base."""
-    beside, base = _Beside(screening), len(screening.known)
+    beside, base = _Beside(screening), len(screening.unknowns)
     groups = {one: [base + column for column in probe.columns] for one, (probe, _) in screening.best.items()}
     return [one for one in groups if one != name and beside.cosine(groups[name], groups[one]) >= least]
 
@@ -72,8 +72,8 @@ class _Beside:
         gram = screening.gram
         square = gram.features.mean_square(screening.about.features) + gram.least**2
         self.total = (gram.products / square[:, :, None, None]).sum(axis=(0, 1))
-        own = np.arange(len(screening.known))
-        held = self.total[np.ix_(own, own)] + np.diag(screening.known)
+        own = np.arange(len(screening.unknowns))
+        held = self.total[np.ix_(own, own)] + np.diag(screening.known.stiff)
         held += 1e-9 * np.trace(held) / max(len(own), 1) * np.eye(len(own))
         self.left = self.total - self.total[:, own] @ np.linalg.solve(held, self.total[own])
 

@@ -45,13 +45,22 @@ class Gram:
 
 @njit(cache=True)
 def project(
-    products: Any, cross: Any, square: Any, least: Any, columns: Any, positive: Any, stiff: Any, train: Any, rounds: int
+    products: Any,
+    cross: Any,
+    square: Any,
+    least: Any,
+    columns: Any,
+    positive: Any,
+    stiff: Any,
+    pull: Any,
+    train: Any,
+    rounds: int,
 ) -> Any:
     """Return loss (tests,), coefficients (k,) and error (tests, channels) after a fit on the tests in ``train``.
 
     Iteratively reweighted least squares on the logarithm of each test's error; a coefficient that must be positive and
-    is not is left at zero. ``stiff`` (k,): one over the squared spread with which a coefficient is known. ``rounds``
-    reweightings.
+    is not is left at zero. What is known beforehand of the coefficients x adds x' ``stiff`` x + 2 x' ``pull`` (k, k and k).
+    ``rounds`` reweightings.
     """
     tests, channels = square.shape
     k = len(columns)
@@ -64,7 +73,7 @@ def project(
             for c in range(channels):
                 weight[t, c] = train[t] / (error[t, c] + least[c] ** 2)
         a = np.zeros((k, k))
-        b = np.zeros(k)
+        b = -pull
         for t in range(tests):
             if train[t] == 0.0:
                 continue
@@ -79,7 +88,8 @@ def project(
                 a[j, i] = a[i, j]
         for i in range(k):
             a[i, i] *= 1.0 + 1e-6
-            a[i, i] += 1e-12 + stiff[i]
+            a[i, i] += 1e-12
+        a += stiff
         for i in range(k):
             active[i] = True
         for _again in range(3):
@@ -115,29 +125,56 @@ def project(
     return loss, move, error
 
 
-def all_gains(
-    gram: Gram,
-    residual: Array,
-    base: Array,
-    groups: Sequence[tuple[tuple[int, ...], tuple[bool, ...]]],
-    rounds: int = 3,
-) -> tuple[Array, Array, list[Array]]:
-    """Return the loss (tests,) with the base columns alone, the gains (groups, tests) of each group, its coefficients.
+@dataclass(frozen=True)
+class Known:
+    """What is known beforehand of unknowns (n,): one over the squared spread, and how far they are from that already."""
 
-    The first columns are the base parameters, each known beforehand as ``base`` says (one over its squared spread); a
-    group is (columns, signed).
+    stiff: Array
+    away: Array
+
+    def surplus(self, moves: Array) -> tuple[Array, Array]:
+        """Return the matrix (k, k) and the pull (k,) of coefficients that move the unknowns by ``moves`` (k, n) each."""
+        return (moves * self.stiff) @ moves.T, moves @ (self.stiff * self.away)
+
+    def squared(self, move: Array) -> float:
+        """Return the squared standard deviations from what is known after a move (n,)."""
+        return float(self.stiff @ (self.away + move) ** 2)
+
+
+@dataclass(frozen=True)
+class Group:
+    """The columns of one probe, whether each may be negative, and the moves (columns, base) of the base that go with them."""
+
+    columns: tuple[int, ...]
+    signed: tuple[bool, ...]
+    shifts: Array
+
+
+def all_gains(
+    gram: Gram, residual: Array, known: Known, groups: Sequence[Group], rounds: int = 3
+) -> tuple[Array, list[Array]]:
+    """Return the gains (groups,) of each group of columns over the base columns alone, and its coefficients.
+
+    The first columns are the base parameters. What lets a parameter go back to where it was known to be gains by that, too.
     """
     cross, square = gram.with_residual(residual)
-    train = np.ones(len(square))
-    own = np.arange(len(base))
-    free = np.zeros(len(base), dtype=np.bool_)
-    loss, _, _ = project(gram.products, cross, square, gram.least, own, free, base, train, rounds)
-    gains, coefficients = np.empty((len(groups), len(square))), []
-    for index, (columns, signed) in enumerate(groups):
-        chosen = np.concatenate([own, np.array(columns)])
-        positive = np.concatenate([free, ~np.array(signed, dtype=np.bool_)])
-        stiff = np.concatenate([base, np.zeros(len(columns))])
-        after, move, _ = project(gram.products, cross, square, gram.least, chosen, positive, stiff, train, rounds)
-        gains[index] = loss - after
-        coefficients.append(move)
-    return loss, gains, coefficients
+    train, count = np.ones(len(square)), len(known.stiff)
+    own = np.eye(count)
+
+    def fitted(columns: NDArray[np.int64], positive: NDArray[np.bool_], moves: Array) -> tuple[float, Array]:
+        stiff, pull = known.surplus(moves)
+        loss, found, _ = project(
+            gram.products, cross, square, gram.least, columns, positive, stiff, pull, train, rounds
+        )
+        return float(loss.sum()) + known.squared(found @ moves), found
+
+    free = np.zeros(count, dtype=np.bool_)
+    alone, _ = fitted(np.arange(count), free, own)
+    gains, coefficients = np.empty(len(groups)), []
+    for index, group in enumerate(groups):
+        columns = np.concatenate([np.arange(count), np.array(group.columns, dtype=np.int64)])
+        positive = np.concatenate([free, ~np.array(group.signed, dtype=np.bool_)])
+        after, found = fitted(columns, positive, np.concatenate([own, group.shifts]))
+        gains[index] = alone - after
+        coefficients.append(found)
+    return gains, coefficients

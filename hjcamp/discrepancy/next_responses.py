@@ -50,7 +50,11 @@ class Products:
         own = np.arange(len(self.stiff))
         free = np.zeros(len(own), dtype=np.bool_)
         products, cross = np.ascontiguousarray(self.products), np.ascontiguousarray(self.cross)
-        return np.asarray(project(products, cross, self.square, least, own, free, self.stiff, weight, ROUNDS)[0])
+        return np.asarray(
+            project(
+                products, cross, self.square, least, own, free, np.diag(self.stiff), 0.0 * self.stiff, weight, ROUNDS
+            )[0]
+        )
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.gram import all_gains, project
+from hjcamp.discrepancy.gram import Known, all_gains, project
 from hjcamp.discrepancy.repetition import RepetitionScatter
 from hjcamp.discrepancy.search import Screening, by_gain
 from hjcamp.discrepancy.twins import make_twin
@@ -87,8 +87,11 @@ def simulate_twins(
 
 
 def null_of(fitter: Fitter, screening: Screening, residuals: list[Array]) -> Null:
-    """Return what a screening finds in the residuals of twins in which nothing is missing."""
-    found = list(fitter.crew.each(_look_at, screening, residuals))
+    """Return what a screening finds in the residuals of twins in which nothing is missing.
+
+    What is known beforehand of a rig is off by its spread in each twin, as it is from rig to rig.
+    """
+    found = list(fitter.crew.each(_look_at, screening, list(enumerate(residuals))))
     features = fitter.features
     says = np.add.reduceat(features.valid, features.edges[:-1], axis=0) > 0
     logarithms = np.array([np.log(errors + fitter.least**2) for _, errors in found])
@@ -101,20 +104,25 @@ def _one_twin(context: tuple[Views, Fit, RepetitionScatter], seed: int) -> Array
     return Features(twin).of(Views(twin, views.effects).residuals(fit.candidate))
 
 
-def _look_at(screening: Screening, residual: Array) -> tuple[float, Array]:
+def _look_at(screening: Screening, twin: tuple[int, Array]) -> tuple[float, Array]:
     """Return the largest gain in one twin, and its mean square error (tests, channels) beside what is fitted already."""
     gain = 0.0
+    number, residual = twin
     if screening.probes:
-        _, found, coefficients = all_gains(screening.gram, residual, screening.known, screening.groups)
+        stiff = screening.known.stiff
+        spread = np.divide(1.0, np.sqrt(stiff), out=np.zeros_like(stiff), where=stiff > 0.0)
+        known = Known(stiff, spread * np.random.default_rng(number).standard_normal(len(stiff)))
+        found, coefficients = all_gains(screening.gram, residual, known, screening.groups)
         gain = max(rows[0][2] for rows in by_gain(screening.probes, found, coefficients).values())
     return gain, error_beside_known(screening, residual)
 
 
 def error_beside_known(screening: Screening, residual: Array) -> Array:
     """Return the mean square (tests, channels) that the unknowns already in the model cannot take up."""
-    gram, count = screening.gram, len(screening.known)
+    gram, count = screening.gram, len(screening.unknowns)
     cross, square = gram.with_residual(residual)
     free, every = np.zeros(count, dtype=np.bool_), np.ones(len(square))
+    stiff, pull = np.diag(screening.known.stiff), np.zeros(count)
     return np.asarray(
-        project(gram.products, cross, square, gram.least, np.arange(count), free, screening.known, every, 3)[2]
+        project(gram.products, cross, square, gram.least, np.arange(count), free, stiff, pull, every, 3)[2]
     )

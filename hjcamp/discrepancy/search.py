@@ -10,9 +10,17 @@ from numpy.typing import NDArray
 
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.gram import Gram, all_gains
+from hjcamp.discrepancy.gram import Gram, Group, Known, all_gains
 from hjcamp.discrepancy.probes import Probe, probe_all
-from hjcamp.discrepancy.unknowns import Unknown, base_unknowns, effect_unknowns, read, surprise, written
+from hjcamp.discrepancy.unknowns import (
+    Unknown,
+    base_unknowns,
+    beside_known,
+    effect_unknowns,
+    read,
+    surprise,
+    written,
+)
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]
@@ -33,7 +41,7 @@ class Screening:
     floor: Array
     probes: list[Probe]
     gram: Gram
-    known: Array
+    known: Known
     gains: dict[str, float]
     unknowns: list[Unknown]
     ranked: dict[str, list[tuple[Probe, Array]]] = field(default_factory=dict)
@@ -44,10 +52,13 @@ class Screening:
         return {name: found[0] for name, found in self.ranked.items()}
 
     @property
-    def groups(self) -> list[tuple[tuple[int, ...], tuple[bool, ...]]]:
-        """The columns of each probe behind those of the base parameters."""
-        base = len(self.known)
-        return [(tuple(base + column for column in probe.columns), probe.signed) for probe in self.probes]
+    def groups(self) -> list[Group]:
+        """The columns of each probe behind those of the unknowns in the model."""
+        base = len(self.unknowns)
+        return [
+            Group(tuple(base + column for column in one.columns), one.signed, np.array(one.shifts).reshape(-1, base))
+            for one in self.probes
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +90,7 @@ def by_gain(
 ) -> dict[str, list[tuple[Probe, Array, float]]]:
     """Return for each effect its probes, their coefficients and gains, the largest gain first."""
     found: dict[str, list[tuple[Probe, Array, float]]] = {}
-    for probe, gain, coefficient in zip(probes, gains.sum(axis=1), coefficients, strict=True):
+    for probe, gain, coefficient in zip(probes, gains, coefficients, strict=True):
         found.setdefault(probe.effect, []).append((probe, coefficient, float(gain)))
     return {name: sorted(rows, key=lambda row: -row[2]) for name, rows in found.items()}
 
@@ -96,14 +107,14 @@ def screen(
     for effect in effects:
         if effect.name in about.candidate.effects:
             here += effect_unknowns(effect)
-    known = np.array([unknown.spread for unknown in here]) ** -2.0
+    known = Known(np.array([unknown.spread for unknown in here]) ** -2.0, beside_known(about.candidate, here))
     wanted = {effect.name for effect in effects} if names is None else set(names)
     left = [effect for effect in effects if effect.name in wanted - set(about.candidate.effects)]
     jacobian = fitter.jacobian(about, here)
     probes, columns = probe_all(fitter, about, floor, left, here, jacobian)
     gram = Gram.of(np.concatenate([jacobian, columns]), fitter.features, fitter.least)
     screening = Screening(about, floor, probes, gram, known, {}, here)
-    _, gains, coefficients = all_gains(gram, about.features, known, screening.groups)
+    gains, coefficients = all_gains(gram, about.features, known, screening.groups)
     found = by_gain(probes, gains, coefficients)
     visible = {effect.name: found[effect.name][0][2] if effect.name in found else 0.0 for effect in left}
     ranked = {name: [(probe, coefficient) for probe, coefficient, _ in rows] for name, rows in found.items()}
@@ -113,7 +124,7 @@ def screen(
 def started(screening: Screening, effect: type[Effect], factor: float = 1.0, rank: int = 0) -> Candidate:
     """Return the model with ``effect`` at ``factor`` times the amplitude that the screening predicts for a probe."""
     probe, found = screening.ranked[effect.name][rank]
-    coefficients, move = found[len(screening.known) :], found[: len(screening.known)].copy()
+    coefficients, move = found[len(screening.unknowns) :], found[: len(screening.unknowns)].copy()
     for coefficient, shift in zip(coefficients, probe.shifts, strict=True):
         move += float(coefficient) * np.array(shift)
     parameters = {**effect.defaults(), **probe.parameters}

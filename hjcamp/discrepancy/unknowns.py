@@ -73,6 +73,12 @@ def surprise(candidate: Candidate, unknowns: Sequence[Unknown]) -> Array:
     return np.asarray((read(candidate, unknowns) - known) / np.array([unknown.spread for unknown in unknowns]))
 
 
+def beside_known(candidate: Candidate, unknowns: Sequence[Unknown]) -> Array:
+    """Return how far each unknown is from what was known beforehand, on the fitted scale (0 where nothing was)."""
+    spread = np.array([unknown.spread for unknown in unknowns])
+    return np.asarray(surprise(candidate, unknowns) * np.where(np.isfinite(spread), spread, 0.0))
+
+
 def effect_unknowns(effect: type[Effect]) -> list[Unknown]:
     """Return the parameters of one effect that all tests share."""
     return [

@@ -53,6 +53,13 @@ def _balances_itself(effect: Any) -> bool:
     return any("slider_acceleration" in inspect.signature(function).parameters for function in functions)
 
 
+def _slope(shown: Array, true: Array) -> float:
+    """Return the slope of the line through what is shown over what is; 1 where it does not move."""
+    true = true - true.mean()
+    power = float(true @ true)
+    return float(shown @ true) / power if power > 0.0 else 1.0
+
+
 class Views:
     """Residuals (model minus measurement) of a candidate on the evidence, from two compiled models with gated effects."""
 
@@ -174,9 +181,11 @@ class Views:
                 course = self._course(part, np.hstack([pump, arm]), observed, False, None)
                 seen = follow(self.lines, p, course, self.crew, TOLERANCE)
             shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
-            error = shown - seen.ideal[:, 1:]
-            observed = np.hstack([observed[:, :1], observed[:, 1:] - error])
-            track = track - error[:, 2:]
+            ideal = seen.ideal[:, 1:]
+            # A sensor with a scale is inverted where it was read, not where the model would have it.
+            stretch = np.array([_slope(shown[:, 0], ideal[:, 0]), _slope(shown[:, 1], ideal[:, 1]), 1.0])
+            track = track - (shown - ideal)[:, 2:]
+            observed = np.hstack([observed[:, :1], ideal + (observed[:, 1:] - shown) / stretch])
         course = self._course(part, observed[:, [0, 3]], observed, False, None)
         return observed, track, follow(self.lines, p, course, self.crew, TOLERANCE).readings
 
@@ -235,13 +244,16 @@ class Views:
 
         Sliding: push - friction - mass times acceleration. Breakaway: the largest push of the 16 ms before the arm
         moves, less the static friction there, positive where the joint holds more than the model says; a difference
-        beyond a tenth of the static friction counts little more, since the contact of a hunting joint is fresh.
+        beyond a tenth of the static friction counts little more, since the contact of a hunting joint is fresh. Forces are
+        read in the sensors' own units: a scale of both sensors, with all forces scaled alike, must explain nothing.
         """
         columns, evidence = self._columns, self.evidence
         out = np.zeros((len(columns["time"]), 2))
         balance = np.empty((len(columns["time"]), 4))
+        scale = np.ones((len(balance), 1))
         for index, (part, _) in enumerate(self._groups):
             balance[part] = self._balance(candidate, index)
+            scale[part] = self._sensor_scale(candidate, index)
         push, friction, static, mass = balance.T
         slides = evidence.sliding
         out[slides, 0] = (push - friction - mass * columns["acceleration"])[slides]
@@ -250,7 +262,16 @@ class Views:
             place = event - LOOK_BACK + int(np.argmax(np.abs(push[before])))
             most = SURPRISE * static[place]
             out[event, 1] = most * np.tanh((abs(push[place]) - static[place]) / most)
-        return out
+        return scale * out
+
+    def _sensor_scale(self, candidate: Candidate, index: int) -> float:
+        """Return the slope of the pressure difference that the sensors of a candidate show over the true one."""
+        if not self._shown_otherwise(candidate):
+            return 1.0
+        part = self._groups[index][0]
+        observed = self._line_view(candidate, index)[1]
+        shown = self._columns["pressure1"][part] - self._columns["pressure2"][part]
+        return _slope(shown, observed[:, 1] - observed[:, 2])
 
     def residuals(self, candidate: Candidate, windows: bool = True) -> Array:
         """Return the residuals (n, channels): arm (rad), pressure difference, line sum, line difference (Pa), forces (N)
