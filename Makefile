@@ -9,7 +9,7 @@ WARM := $(VENV)/.warm
 .PHONY: help setup demo test lint bench benchmark next_value thesis_gap tour_data fidelity validation faults kills damage recovery clean
 
 help:
-	@echo "make setup   .venv with hjcamp and all it needs, kernels compiled (about 3 minutes the first time)"
+	@echo "make setup   .venv with hjcamp and all it needs, kernels compiled (about 4 minutes the first time)"
 	@echo "make demo    hjcamp run campaign=robustness_vertical: 56 tests, tables, report.html"
 	@echo "make test    lint, types, layers, tests"
 	@echo "make lint    lint, types, layers"
