@@ -62,8 +62,8 @@ def add(views: Views, start: Candidate, names: Sequence[str], steps: int = 8, sw
     features = Features(evidence)
     parts = folds(evidence, 1)
     fold = parts[0] if parts else Fold(tuple(range(len(evidence.tests))), tuple(range(len(evidence.tests))))
-    base, whole = calibrate(views, features, crew=views.crew)
-    fitter = Fitter(views, features, whole.least, fold.train, crew=views.crew)
+    base, whole = calibrate(views, features)
+    fitter = Fitter(views, features, whole.least, fold.train)
     begin = complete(start, evidence)
     unknowns = unknowns_of(start, views.effects)
     starts = [begin, Candidate(base.candidate.base, start.effects)]

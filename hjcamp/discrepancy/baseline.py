@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.candidate import Candidate
-from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
@@ -53,7 +52,6 @@ def calibrate(
     views: Views,
     features: Features,
     least: Array | None = None,
-    crew: Crew | None = None,
     start: Candidate | None = None,
     sweeps: int = 0,
 ) -> tuple[Fit, Fitter]:
@@ -65,8 +63,7 @@ def calibrate(
     own = [unknown for effect in views.effects if effect.name in known.effects for unknown in effect_unknowns(effect)]
     unknowns = base_unknowns() + own
     estimate = direct_estimate(views.evidence)
-    crew = crew or Crew()
-    fitter = Fitter(views, features, NOISE if least is None else least, crew=crew)
+    fitter = Fitter(views, features, NOISE if least is None else least)
     starts = [known] if start is not None else []
     for ratio in RATIOS:
         base = dict(estimate)
@@ -74,11 +71,11 @@ def calibrate(
             if f"coulomb_{name}" in base:
                 base[f"static_{name}"] = ratio * base[f"coulomb_{name}"]
         starts.append(known.with_base(base))
-    fits = crew.together(lambda one: fitter.fit(one, unknowns, steps=6), starts)
+    fits = views.crew.together(lambda one: fitter.fit(one, unknowns, steps=6), starts)
     best = min(fits, key=lambda fit: fit.loss)
     if least is not None:
         return best, fitter
     least = np.maximum(0.5 * features.floor(best.features), 0.3 * NOISE)
     least[HOME] = views.evidence.home_scatter
-    fitter = Fitter(views, features, least, crew=crew)
+    fitter = Fitter(views, features, least)
     return settle(fitter, fitter.fit(best.candidate, unknowns, steps=8), unknowns, sweeps), fitter

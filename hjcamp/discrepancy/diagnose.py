@@ -133,7 +133,7 @@ class _Search:
 
     def run(self, start: Candidate | None, began: float) -> Diagnosis:
         self.report("calibrating the base parameters", 0.02)
-        base, self.fitter = calibrate(self.views, self.features, crew=self.crew, start=start, sweeps=self.work.sweeps)
+        base, self.fitter = calibrate(self.views, self.features, start=start, sweeps=self.work.sweeps)
         lacking = what_is_lacking(self.evidence)
         screening, null = self._look(base, 0, True)
         first, first_null = screening, null

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +35,12 @@ class Fitter:
     features: Features
     least: Array
     train: tuple[int, ...] = ()
-    crew: Crew = field(default_factory=Crew)
     windows: bool = True
+
+    @property
+    def crew(self) -> Crew:
+        """Who does the work."""
+        return self.views.crew
 
     @property
     def rows(self) -> NDArray[np.int64]:

@@ -93,9 +93,9 @@ def propose(
     kept = [k for k in range(len(trials)) if all(tests_of[k] is not None for tests_of in simulated)]
     if not kept:
         raise UsageError("no test of the menu stays within the limits of this rig; see `limits` of its configuration")
-    views = [_views(tests_of, kept, bench) for tests_of in simulated]
+    views = [_views(tests_of, kept, bench, crew) for tests_of in simulated]
     least = measured.least if measured is not None else _least(views[0], rivals[0])
-    fitters = [Fitter(one, Features(one.evidence), least, crew=crew) for one in views]
+    fitters = [Fitter(one, Features(one.evidence), least) for one in views]
     if len(fitters) > 1:
         contests = every_contest(
             rivals, models, fitters, bench.effects, old, lambda: tick("setting rivals against each other")
@@ -123,8 +123,8 @@ def _simulate(
     return list(crew.together(one, range(len(trials))))
 
 
-def _views(tests_of: Sequence[list[TestEvidence] | None], kept: Sequence[int], bench: Bench) -> Views:
-    return Views(Evidence(tuple(test for place in kept for test in tests_of[place] or ())), bench.effects)
+def _views(tests_of: Sequence[list[TestEvidence] | None], kept: Sequence[int], bench: Bench, crew: Crew) -> Views:
+    return Views(Evidence(tuple(test for place in kept for test in tests_of[place] or ())), bench.effects, crew)
 
 
 def _least(views: Views, truth: Rival) -> Array:

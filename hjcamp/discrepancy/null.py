@@ -101,7 +101,7 @@ def null_of(fitter: Fitter, screening: Screening, residuals: list[Array]) -> Nul
 def _one_twin(context: tuple[Views, Fit, RepetitionScatter], seed: int) -> Array:
     views, fit, scatter = context
     twin = make_twin(views, fit.candidate, scatter, seed)
-    return Features(twin).of(Views(twin, views.effects).residuals(fit.candidate))
+    return Features(twin).of(Views(twin, views.effects, views.crew).residuals(fit.candidate))
 
 
 def _look_at(screening: Screening, twin: tuple[int, Array]) -> tuple[float, Array]:

@@ -54,7 +54,7 @@ def match_scatter(views: Views, fit: Fit, scatter: RepetitionScatter, rounds: in
     for number in range(rounds):
         twin = make_twin(views, fit.candidate, scatter, 10_000 + number)
         own = Features(twin)
-        found = own.floor_by_condition(own.of(Views(twin, views.effects).residuals(fit.candidate)))
+        found = own.floor_by_condition(own.of(Views(twin, views.effects, views.crew).residuals(fit.candidate)))
         with np.errstate(all="ignore"):
             ratios = np.log(floor / found)
         seen = ratios[:, [DIFFERENCE, SLIDING]]
