@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.hardware import simulator
+from hjcamp.discrepancy.next_menu import Choice, menu
+from hjcamp.discrepancy.next_trials import Bench
 from hjcamp.effects import load_effects
-from hjcamp.model.simulator import Course, Simulator
+from hjcamp.model.simulator import Course
 from hjcamp.plants.pump_joint import PumpJoint
 
 SAMPLES = 20
@@ -23,27 +26,65 @@ CONDITIONS: tuple[Sequence[str], ...] = (
     ("controller=pid", "payload=brass_8p5g", "orientation=vertical"),
     ("controller=ffwd_pid", "payload=brass_8p5g", "orientation=vertical"),
 )
+Task = tuple[str, Callable[..., None], tuple[object, ...]]
 
 
 def warm() -> Iterator[tuple[str, float]]:
-    """Compile and run every kernel of the demo and of a diagnosis; yield what was made ready, and the seconds."""
+    """Compile and run every kernel of the demo, a diagnosis and `hjcamp next`, side by side on the processors there are.
+
+    Yields what was made ready, and the seconds that it took.
+    """
+    from joblib import Parallel, cpu_count, delayed
+
+    work = tasks()
+    yield from Parallel(n_jobs=min(cpu_count(), len(work)), return_as="generator_unordered", batch_size=1)(
+        delayed(timed)(*task) for task in work
+    )
+
+
+def tasks() -> list[Task]:
+    """Return what there is to compile, the longest first: what it is in words, and the call that compiles it."""
+    many = len(load_effects())
+    cuts = [cut.name for cut in PumpJoint.cuts if cut.driven]
+    found: list[Task] = [
+        (f"next, {many} effects under {controller}", try_test, (choice,)) for controller, choice in menu_tests().items()
+    ]
+    found += [(f"diagnose, {many} effects driven at {cut}", follow_nothing, (cut,)) for cut in cuts]
+    return found + [("run " + " ".join(overrides), run_once, (overrides,)) for overrides in CONDITIONS]
+
+
+def timed(subject: str, call: Callable[..., None], given: Sequence[object]) -> tuple[str, float]:
+    """Make the call; return ``subject`` and the seconds."""
+    begin = time.perf_counter()
+    call(*given)
+    return subject, time.perf_counter() - begin
+
+
+def run_once(overrides: Sequence[str]) -> None:
+    """Simulate one test of a configuration."""
     composer = Composer()
-    for overrides in CONDITIONS:
-        begin = time.perf_counter()
-        config = composer.compose(overrides).config
-        # The plan of a run adds the model that the controller calculates with.
-        config["controller_model"] = composer.model(str(config["controller"].get("model")))
-        run_test(config, 1)
-        yield "run " + " ".join(overrides), time.perf_counter() - begin
-    library = tuple(load_effects().values())
-    for cut in [cut.name for cut in PumpJoint.cuts if cut.driven]:
-        begin = time.perf_counter()
-        follow_nothing(simulator(library, cut))
-        yield f"diagnose, {len(library)} effects driven at {cut}", time.perf_counter() - begin
+    config = composer.compose(overrides).config
+    # The plan of a run adds the model that the controller calculates with.
+    config["controller_model"] = composer.model(str(config["controller"].get("model")))
+    run_test(config, 1)
 
 
-def follow_nothing(model: Simulator) -> None:
-    """Drive ``model`` along a few samples in which nothing moves: what is compiled here is what a diagnosis runs."""
+def menu_tests() -> dict[str, Choice]:
+    """Return a test of the menu of `hjcamp next` for each controller: every effect is in one kernel."""
+    return {str(choice.settings["controller"]): choice for choice in menu()}
+
+
+def try_test(choice: Choice) -> None:
+    """Simulate one test as `hjcamp next` does, with every effect of the library in the model and none of them present."""
+    bench = Bench(tuple(load_effects().values()))
+    trial = bench.trial(choice)
+    if trial is not None:
+        bench.columns(trial, Candidate({}), 1)
+
+
+def follow_nothing(cut: str) -> None:
+    """Drive the model of a cut along a few samples in which nothing moves: that compiles what a diagnosis runs."""
+    model = simulator(tuple(load_effects().values()), cut)
     composition = model.composition
     start = np.zeros(SAMPLES)
     course = Course(

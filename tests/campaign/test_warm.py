@@ -1,12 +1,14 @@
-"""What ``hjcamp doctor --warm`` compiles is what the demo needs."""
+"""What ``hjcamp doctor --warm`` compiles is what the demo, a diagnosis and ``hjcamp next`` need."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from hjcamp.campaign.planning import make_plan
-from hjcamp.campaign.warm import CONDITIONS
+from hjcamp.campaign.warm import CONDITIONS, follow_nothing, menu_tests, tasks, timed, try_test
 from hjcamp.configuration.composer import Composer
+from hjcamp.discrepancy.next_menu import menu
+from hjcamp.plants.pump_joint import PumpJoint
 
 
 def kernel_of(config: dict) -> tuple[str, tuple[str, ...]]:
@@ -19,3 +21,18 @@ def test_every_kernel_of_the_demo_is_warmed(composer: Composer, empty_folder: Pa
     demo = make_plan(composer.compose(lines).config, "robustness_vertical", lines, composer)
     warmed = {kernel_of(composer.compose(overrides).config) for overrides in CONDITIONS}
     assert {kernel_of(condition.config) for condition in demo.conditions} <= warmed
+
+
+def test_every_kernel_of_a_diagnosis_and_of_next_is_warmed() -> None:
+    work = tasks()
+    followed = {given[0] for _, call, given in work if call is follow_nothing}
+    assert followed == {cut.name for cut in PumpJoint.cuts if cut.driven}
+    tried = {given[0].settings["controller"] for _, call, given in work if call is try_test}
+    assert tried == {choice.settings["controller"] for choice in menu()} == set(menu_tests())
+
+
+def test_what_was_made_ready_is_named_with_its_seconds() -> None:
+    called: list[object] = []
+    subject, seconds = timed("a kernel", lambda *given: called.extend(given), ("one", "two"))
+    assert (subject, called) == ("a kernel", ["one", "two"])
+    assert seconds >= 0.0
