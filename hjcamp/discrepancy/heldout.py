@@ -147,7 +147,7 @@ class Local:
         than five conditions the test is the unit. The form of a law adds 3 % (7.5 % for an effect) of the value, since no
         number of tests shows that another rig's friction has another shape.
         """
-        from scipy.stats import t as student
+        from scipy.special import stdtrit
 
         units = self._units()
         count = len(units)
@@ -165,7 +165,7 @@ class Local:
             [1.0 if one.logarithmic else abs(at) for one, at in zip(self.unknowns, places, strict=True)]
         )
         deviation = np.hypot(deviation, form)
-        wide = float(student.ppf(0.975, max(count - 1, 1))) * deviation
+        wide = float(stdtrit(max(count - 1, 1), 0.975)) * deviation
         return {
             (one.effect, one.name): (one.back(place), one.back(place - half), one.back(place + half))
             for one, place, half in zip(self.unknowns, places.tolist(), wide.tolist(), strict=True)

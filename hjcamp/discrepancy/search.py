@@ -198,7 +198,7 @@ def rival_weights(fits: dict[str, Fit], least: Array, effects: Sequence[type[Eff
     deviate for models that fit alike (Vuong 1989, Econometrica 57(2), 307-333). A few clear tests among many silent ones
     scatter much, so that the likelihood ratio counts where it is smaller: as if each test were one sample in each channel.
     """
-    from scipy.stats import norm
+    from scipy.special import ndtr
 
     losses = {name: np.log(fit.mean_square + least**2).sum(axis=1) for name, fit in fits.items()}
     asked = {name: asks(fit.candidate, effects) for name, fit in fits.items()}
@@ -208,7 +208,7 @@ def rival_weights(fits: dict[str, Fit], least: Array, effects: Sequence[type[Eff
         difference = loss - losses[best]
         error = np.std(difference, ddof=1) * np.sqrt(len(difference)) if len(difference) > 1 else 1.0
         behind = max(float(difference.sum()), 0.0)
-        weights[name] = min(float(2.0 * norm.sf(behind / max(error, 0.7))), np.exp(-0.5 * behind))
+        weights[name] = min(float(2.0 * ndtr(-behind / max(error, 0.7))), np.exp(-0.5 * behind))
         weights[name] *= np.exp(-0.5 * (asked[name] - asked[best]))
     total = sum(weights.values())
     return {name: weight / total for name, weight in weights.items()}
