@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.parameter import Parameter, State
 
 
 class LineResistance(Effect):
     r"""Flow costs pressure between the pump's end of a line and the joint's.
 
     .. math:: p_{sensor} = p + f R Q, \quad p_{joint} = p - (1 - f) R Q, \quad
-              Q = f A_1 \dot x + (1 - f) A_2 \dot y, \quad R = \frac{128 \mu L}{\pi d_i^4}
+              \tau \dot Q = f A_1 \dot x + (1 - f) A_2 \dot y - Q, \quad \tau = f (1 - f) R / K, \quad
+              R = \frac{128 \mu L}{\pi d_i^4}
 
-    laminar; f is the share of the line's compliance on the joint's side of the resistance, p the mean pressure, and the
-    sensors stand at the pump. A smooth tube has f = 1/2, a fitting at the pump 1, one at the joint 0.
+    laminar, between two vessels that share the compliance of the line, K its stiffness; f is the share on the joint's side
+    of the resistance, p the mean pressure, and the sensors stand at the pump. A smooth tube has f = 1/2, a fitting at the
+    pump 1, one at the joint 0.
     Seen as: a pressure error in step with pump speed, and viscous friction (1 - f)^2 R A2^2 that both directions share.
     The published tubing has 2.3e8 Pa s/m^3: negligible; fittings and kinks have more.
     Not for: friction at the sliders; with f = 0 nothing tells it from that.
@@ -23,23 +25,35 @@ class LineResistance(Effect):
     subsystem = "lines"
     resistance = Parameter("Pa*s/m^3", 2e10, (0.0, 2e12), text="pressure drop for each m^3/s in one line", off=0.0)
     far_share = Parameter("1", 0.5, (0.0, 1.0), text="share of the compliance on the joint's side of it")
+    tube_flow = State("m^3/s", 1e-10, 1e-6, text="flow past the resistance")
 
     @staticmethod
-    def joint_pressure1(pump_flow, slider_flow, resistance, far_share):
+    def start_tube_flow(pump_flow, slider_flow, far_share):
+        """Start with a steady flow, m^3/s."""
+        return far_share * pump_flow + (1.0 - far_share) * slider_flow
+
+    @staticmethod
+    def d_tube_flow(pump_flow, slider_flow, tube_flow, resistance, far_share, line_stiffness):
+        """Rate of the flow past the resistance, m^3/s^2; a lag below 0.1 ms is not resolved."""
+        lag = max(resistance * far_share * (1.0 - far_share) / line_stiffness, 1e-4)
+        return (far_share * pump_flow + (1.0 - far_share) * slider_flow - tube_flow) / lag
+
+    @staticmethod
+    def joint_pressure1(tube_flow, resistance, far_share):
         """Pressure that joint cylinder 1 lacks, Pa."""
-        return -(1.0 - far_share) * resistance * (far_share * pump_flow + (1.0 - far_share) * slider_flow)
+        return -(1.0 - far_share) * resistance * tube_flow
 
     @staticmethod
-    def joint_pressure2(pump_flow, slider_flow, resistance, far_share):
+    def joint_pressure2(tube_flow, resistance, far_share):
         """Pressure that joint cylinder 2 has in addition, Pa."""
-        return (1.0 - far_share) * resistance * (far_share * pump_flow + (1.0 - far_share) * slider_flow)
+        return (1.0 - far_share) * resistance * tube_flow
 
     @staticmethod
-    def pressure1_reading(pump_flow, slider_flow, resistance, far_share):
+    def pressure1_reading(tube_flow, resistance, far_share):
         """Pressure that sensor 1 sees in addition, Pa."""
-        return far_share * resistance * (far_share * pump_flow + (1.0 - far_share) * slider_flow)
+        return far_share * resistance * tube_flow
 
     @staticmethod
-    def pressure2_reading(pump_flow, slider_flow, resistance, far_share):
+    def pressure2_reading(tube_flow, resistance, far_share):
         """Pressure that sensor 2 sees less, Pa."""
-        return -far_share * resistance * (far_share * pump_flow + (1.0 - far_share) * slider_flow)
+        return -far_share * resistance * tube_flow

@@ -90,12 +90,35 @@ def test_line_resistance_drops_along_the_tube_and_a_steady_flow_drops_all_of_it(
     lifted = seen.readings[:, P1] - seen.ideal[:, 1]
     left = (seen.ideal[:, 1] - seen.ideal[:, 2]) * AREA - seen.forces[:, 0]
     steady = np.abs(np.gradient(to_joint, course.period)) < 2e-5
-    expected = resistance * (from_pump + to_joint) / 4
+    steady[-3:] = False
+    lag = 0.25 * resistance / STIFFNESS
+    flow = from_pump + to_joint
+    expected = 0.25 * resistance * (flow - lag * np.gradient(flow, course.period))
     assert np.max(np.abs(lifted - expected)[steady]) < 200.0
-    assert np.max(np.abs(left - 2 * AREA * resistance * (from_pump + to_joint) / 4)[steady]) < 0.01
+    assert np.max(np.abs(left - 2 * AREA * expected)[steady]) < 0.01
     whole = lifted + left / (2 * AREA)
-    assert np.max(np.abs(whole - 0.5 * resistance * (from_pump + to_joint))[steady]) < 500.0
+    assert np.max(np.abs(whole - 2.0 * expected)[steady]) < 500.0
     assert np.max(np.abs(lifted)) > 5e3
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.8])
+def test_a_resistance_between_two_compliances_lets_the_far_one_lag(simulator: Simulator, share: float) -> None:
+    resistance = 2e11
+    held = {"static_positive": 60.0, "static_negative": 60.0}
+    course = motion([0.05, 0.06, 0.1], [0.0, 2e-4, 2e-4])
+    law = {"line_resistance__resistance": resistance, "line_resistance__far_share": share}
+    seen = run(simulator, course, **law, **held).readings
+    # two vessels of compliance (1 - f) / K and f / K: rates of their pressures, from both pressures and the pump's flow
+    near, far = STIFFNESS / (1.0 - share), STIFFNESS / share
+    rates = np.array([[-near, near], [far, -far]]) / resistance
+    time = np.arange(0.0, 0.1, 1e-5)
+    flow = np.where((time >= 0.05) & (time < 0.06), PUMP_AREA * 2e-4 / 0.01, 0.0)
+    _, pressures, _ = lsim((rates, [[near], [0.0]], np.eye(2), np.zeros((2, 1))), flow, time)
+    expected = 0.5e6 + pressures[::100, 0]
+    height = np.ptp(expected)
+    assert height > 4e4
+    assert np.max(np.abs(seen[:, P1] - expected)) < 0.04 * height
+    assert np.max(np.abs(seen[:, P2] - (1e6 - expected))) < 0.04 * height
 
 
 def test_inertance_lifts_the_sensor_by_what_both_ends_accelerate(simulator: Simulator) -> None:
