@@ -13,6 +13,8 @@ from hjcamp.discrepancy.views import HOME, WINDOWED
 
 Array = NDArray[np.float64]
 BLOCK = 5
+# Fewer blocks in which the arm mostly slides are no sliding: a sample of it at an onset would count as a whole test.
+LEAST_SLIDING = 5
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class Features:
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
-        """Which features say something (blocks, channels): forces only where the arm slides or breaks away."""
+        """Which features say something (blocks, channels): forces only where the arm mostly slides, or breaks away."""
         always = np.ones((len(self._shares), WINDOWED), dtype=bool)
         return np.hstack([always, self._shares > 0])
 
@@ -52,7 +54,11 @@ class Features:
         marks[:, 0] = self.evidence.sliding
         marks[self.evidence.breakaways, 1] = 1.0
         marks[self.evidence.edges[:-1], 2] = np.isfinite(self.evidence.homes)
-        return self._sums(marks)
+        shares = self._sums(marks)
+        slides = shares[:, 0] > 0.5 * BLOCK
+        enough = np.add.reduceat(slides.astype(int), self.edges[:-1]) >= LEAST_SLIDING
+        shares[:, 0] *= slides & enough[self.of_test]
+        return shares
 
     @cached_property
     def _members(self) -> Array:
@@ -71,7 +77,16 @@ class Features:
 
     def of(self, residuals: Array) -> Array:
         """Return the block means (blocks, channels) of residuals (n, channels); 0 where a feature says nothing."""
-        return np.asarray(self._sums(residuals) / self._members)
+        return np.where(self.valid, self._sums(residuals) / self._members, 0.0)
+
+    def shared(self, other: Features, values: Array) -> Array:
+        """Return features (blocks, channels) of ``other`` evidence of these tests where both say something.
+
+        In each test and channel they are as large as if all that say something here did there.
+        """
+        both = self.valid & other.valid
+        number = np.add.reduceat(both.astype(float), self.edges[:-1], axis=0)
+        return np.where(both, values * np.sqrt(self.counts / np.maximum(number, 1.0))[self.of_test], 0.0)
 
     def mean_square(self, features: Array) -> Array:
         """Return the mean square (tests, channels)."""

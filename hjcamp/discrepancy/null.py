@@ -95,13 +95,20 @@ def null_of(fitter: Fitter, screening: Screening, residuals: list[Array]) -> Nul
     features = fitter.features
     says = np.add.reduceat(features.valid, features.edges[:-1], axis=0) > 0
     logarithms = np.array([np.log(errors + fitter.least**2) for _, errors in found])
+    # A twin that slides at other times says nothing of a test: it counts as the mean of those that do.
+    tells = np.array([features.mean_square(residual) > 0.0 for residual in residuals])
+    number = np.maximum(tells.sum(axis=0), 1)
+    logarithms = np.where(tells, logarithms, np.where(tells, logarithms, 0.0).sum(axis=0) / number)
+    says &= tells.any(axis=0)
     return Null(np.array([gain for gain, _ in found]), logarithms, says, fitter.least, residuals)
 
 
 def _one_twin(context: tuple[Views, Fit, RepetitionScatter], seed: int) -> Array:
     views, fit, scatter = context
     twin = make_twin(views, fit.candidate, scatter, seed)
-    return Features(twin).of(Views(twin, views.effects, views.crew).residuals(fit.candidate))
+    own = Features(twin)
+    found = own.of(Views(twin, views.effects, views.crew).residuals(fit.candidate))
+    return Features(views.evidence).shared(own, found)
 
 
 def _look_at(screening: Screening, twin: tuple[int, Array]) -> tuple[float, Array]:
