@@ -95,12 +95,15 @@ def null_of(fitter: Fitter, screening: Screening, residuals: list[Array]) -> Nul
     features = fitter.features
     says = np.add.reduceat(features.valid, features.edges[:-1], axis=0) > 0
     logarithms = np.array([np.log(errors + fitter.least**2) for _, errors in found])
-    # A twin that slides at other times says nothing of a test: it counts as the mean of those that do.
     tells = np.array([features.mean_square(residual) > 0.0 for residual in residuals])
+    gains = np.array([gain for gain, _ in found])
+    return Null(gains, of_those_that_tell(logarithms, tells), says & tells.any(axis=0), fitter.least, residuals)
+
+
+def of_those_that_tell(logarithms: Array, tells: NDArray[np.bool_]) -> Array:
+    """Return the logarithms (twins, tests, channels), the mean of the others where a twin does not tell, as it rests there."""
     number = np.maximum(tells.sum(axis=0), 1)
-    logarithms = np.where(tells, logarithms, np.where(tells, logarithms, 0.0).sum(axis=0) / number)
-    says &= tells.any(axis=0)
-    return Null(np.array([gain for gain, _ in found]), logarithms, says, fitter.least, residuals)
+    return np.where(tells, logarithms, np.where(tells, logarithms, 0.0).sum(axis=0) / number)
 
 
 def _one_twin(context: tuple[Views, Fit, RepetitionScatter], seed: int) -> Array:
