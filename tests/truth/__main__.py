@@ -6,7 +6,7 @@ from pathlib import Path
 
 import yaml
 
-from truth.case import write_case
+from truth.case import CONTACTS, write_case
 from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS
 from truth.menu import MENUS, Condition, asked
 
@@ -27,6 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--menu", choices=list(MENUS), default="standard")
     parser.add_argument("--repetitions", type=int)
+    parser.add_argument("--contact", choices=CONTACTS, default="asperities", help="the law of dry friction")
     parser.add_argument("--payload", choices=["none", "brass_8p5g"], default="none")
     parser.add_argument("--orientation", choices=["horizontal", "vertical"], default="horizontal")
     parser.add_argument("--phases", choices=["command", "all"], default="command")
@@ -47,6 +48,7 @@ def main(arguments: list[str] | None = None) -> int:
         orientation=options.orientation,
         phases=options.phases,
         conditions=read_campaign(options.campaign) if options.campaign else (),
+        contact=options.contact,
     )
     print(f"logs in {options.folder}, sealed answer in {answer}")
     return 0

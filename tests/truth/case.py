@@ -19,6 +19,7 @@ from truth.simulate import COLUMNS, run
 # Samples that the phases before and after the command may take at most.
 OTHER_PHASES = 1600
 BRASS_MASS, BRASS_WEIGHT = 0.292, 0.49
+CONTACTS = ("asperities", "bristles", "smooth")
 
 
 @dataclass(frozen=True)
@@ -45,17 +46,21 @@ def build_case(
     payload: str = "none",
     orientation: str = "horizontal",
     conditions: Sequence[Condition] = (),
+    contact: str = "asperities",
 ) -> Case:
     """Draw a rig and a campaign from the seed and hide the named effects in it; no effect gives a null.
 
-    ``conditions`` are tests that somebody asked for on the same rig later, in place of the menu.
+    ``conditions`` are tests that somebody asked for on the same rig later, in place of the menu; ``contact`` is one of
+    CONTACTS.
     """
     unknown = [name for name in effects if name not in EFFECTS]
     if unknown:
         raise ValueError(f"effect {unknown[0]!r}: known are {', '.join(EFFECTS)}")
     if menu not in MENUS:
         raise ValueError(f"menu {menu!r}: known are {', '.join(MENUS)}")
-    plant = draw_rig(seed)
+    if contact not in CONTACTS:
+        raise ValueError(f"contact {contact!r}: known are {', '.join(CONTACTS)}")
+    plant = draw_rig(seed)._replace(contact_law=float(CONTACTS.index(contact)))
     changes = {}
     for name in effects:
         effect = EFFECTS[name]
@@ -115,11 +120,12 @@ def write_case(
     orientation: str = "horizontal",
     phases: str = "command",
     conditions: Sequence[Condition] = (),
+    contact: str = "asperities",
 ) -> Path:
     """Write a case's logs `<condition>_r<k>.mcap` into `folder`; return the answer file, `<folder>.answer.json`."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    case = build_case(effects, strength, seed, menu, repetitions, payload, orientation, conditions)
+    case = build_case(effects, strength, seed, menu, repetitions, payload, orientation, conditions, contact)
     for index, condition in enumerate(case.conditions):
         for repetition in range(case.repetitions):
             rows = simulate_test(case, index, repetition, phases)

@@ -1,4 +1,7 @@
-"""Dry friction of the joint: elastic-plastic asperities whose strength weakens with slip and heals at rest."""
+"""Dry friction of the joint: elastic-plastic asperities whose strength weakens with slip and heals at rest.
+
+Two other contacts can take their place, so that no answer hangs on one law: LuGre's bristles, and a force smooth in speed.
+"""
 
 import math
 
@@ -10,6 +13,8 @@ from truth.plant import Plant
 # Four asperity groups of equal strength that yield at growing travel (relative to `bristle_travel`).
 YIELD_TRAVEL = np.array([0.25, 0.5, 1.0, 1.5])
 HEALING_TIME = 3e-3
+SMOOTH_SPEED = 0.1e-3
+BRISTLE_DAMPING_SPEED = 0.5e-3
 AGEING_SLIP = 20e-6
 AGEING_START = 0.1
 
@@ -40,6 +45,34 @@ def asperity_step(
         stretch[group] = trial
         force += stiffness[group] * trial
     return force, abs(yielded) == count
+
+
+@njit
+def bristle_step(bend: float, speed: float, strength: float, stiffness: float, step: float) -> float:
+    """Return the bend of the bristles (m) after a step: z' = v - k |v| z / F (Canudas de Wit et al. 1995).
+
+    doi:10.1109/9.376053; implicit in the bend. Their friction falls with any motion, and their rest creeps.
+    """
+    return (bend + step * speed) / (1 + step * stiffness * abs(speed) / strength)
+
+
+@njit
+def smooth_speed(
+    speed: float, push: float, upper: float, lower: float, viscous: float, mass: float, step: float
+) -> float:
+    """Return the speed after a step under a friction F tanh(v/v_0), which never sticks: v_0 = `SMOOTH_SPEED`.
+
+    Backward Euler; what it solves grows with the speed, so that halving an interval finds it.
+    """
+    low, high = speed - 10.0, speed + 10.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        wall = (upper if middle > 0 else lower) * math.tanh(middle / SMOOTH_SPEED)
+        if middle - speed - step / mass * (push - wall - viscous * middle) > 0:
+            high = middle
+        else:
+            low = middle
+    return 0.5 * (low + high)
 
 
 @njit

@@ -6,7 +6,18 @@ import numpy as np
 from numba import njit
 
 from truth.arm import arm_load
-from truth.friction import YIELD_TRAVEL, added_force, asperity_step, contact_step, dry_strength, surface_level
+from truth.friction import (
+    BRISTLE_DAMPING_SPEED,
+    SMOOTH_SPEED,
+    YIELD_TRAVEL,
+    added_force,
+    asperity_step,
+    bristle_step,
+    contact_step,
+    dry_strength,
+    smooth_speed,
+    surface_level,
+)
 from truth.hydraulics import JOINT_PRESSURE
 from truth.plant import JOINT_AREA, PULLEY_RADIUS, Plant
 
@@ -79,10 +90,20 @@ def joint_step(
     elastic = plant.string_stiffness > 0.0
     share = 1 - plant.string_friction_share if elastic else 1.0
     mass = plant.slider_mass if elastic else plant.slider_mass + plant.arm_mass + plant.load_mass
-    friction, sliding = asperity_step(stretch[0], speed * step, share * upper, share * lower, bristles[0])
     damping = viscous
-    if not sliding:
-        damping += 2 * MICRO_DAMPING * math.sqrt(bristles[0, -1] * mass)
+    micro = 2 * MICRO_DAMPING * math.sqrt(bristles[0, -1] * mass)
+    if plant.contact_law == 1.0:
+        stretch[0, 0] = bristle_step(
+            stretch[0, 0], speed, share * (upper if speed > 0 else lower), bristles[0, -1], step
+        )
+        friction, sliding = bristles[0, -1] * stretch[0, 0], True
+        damping += micro * math.exp(-abs(speed) / BRISTLE_DAMPING_SPEED)
+    elif plant.contact_law == 2.0:
+        friction, sliding = 0.0, True
+    else:
+        friction, sliding = asperity_step(stretch[0], speed * step, share * upper, share * lower, bristles[0])
+        if not sliding:
+            damping += micro
     force = drive - friction
     if elastic:
         arm_mass = plant.arm_mass + plant.load_mass
@@ -99,7 +120,11 @@ def joint_step(
         arm_travel += step * arm_speed
     else:
         force += load
-    speed = (speed + step / mass * force) / (1 + step * damping / mass)
+    if plant.contact_law == 2.0:
+        speed = smooth_speed(speed, force, share * upper, share * lower, damping, mass, step)
+        friction = share * (upper if speed > 0 else lower) * math.tanh(speed / SMOOTH_SPEED)
+    else:
+        speed = (speed + step / mass * force) / (1 + step * damping / mass)
     travel += step * speed
     slip_speed = abs(speed) if sliding else 0.0
     body[4], body[5] = contact_step(body[4], body[5], slip_speed, plant, step)

@@ -42,6 +42,8 @@ class Plant(NamedTuple):
     kink_resistance: float = 0.0
     kink_angle: float = 0.35
     stiffness_decay: float = 0.0
+    # what holds the contact: 0 asperities, 1 bristles, 2 a force smooth in speed (friction.py)
+    contact_law: float = 0.0
     # friction: positive then negative direction
     static_positive: float = 7.20
     coulomb_positive: float = 5.27

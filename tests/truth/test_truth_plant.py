@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 
 from truth.__main__ import main
 from truth.arm import disc_reading
-from truth.case import Case, build_case, sealed_answer, simulate_test, write_case
+from truth.case import CONTACTS, Case, build_case, sealed_answer, simulate_test, write_case
 from truth.friction import asperity_step, contact_step
 from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES
 from truth.lines import line_pressure, line_volume, outside_leak
@@ -50,10 +50,11 @@ def test_the_arm_breaks_away_at_static_friction(sign: float, direction: str) -> 
     assert (sign * driving_force(rows))[:moved].max() == pytest.approx(getattr(plant, f"static_{direction}"), rel=0.02)
 
 
+@pytest.mark.parametrize("contact", range(len(CONTACTS)))
 @pytest.mark.parametrize(("sign", "direction"), [(1.0, "positive"), (-1.0, "negative")])
-def test_the_arm_slides_at_coulomb_and_viscous_friction(sign: float, direction: str) -> None:
+def test_the_arm_slides_at_coulomb_and_viscous_friction(sign: float, direction: str, contact: int) -> None:
     # with little static excess, which at this speed would make the arm stick and slip
-    plant = draw_rig(11)
+    plant = draw_rig(11)._replace(contact_law=float(contact))
     coulomb = getattr(plant, f"coulomb_{direction}")
     rows = one_test(plant._replace(**{f"static_{direction}": 1.01 * coulomb}), ramp(sign))
     arm = sign * column(rows, "arm_deg")
@@ -62,6 +63,21 @@ def test_the_arm_slides_at_coulomb_and_viscous_friction(sign: float, direction: 
     slope = np.polyfit(column(rows, "time_s")[2000:], arm[2000:], 1)[0]
     ratio = 8.5 / 360 * PUMP_AREA / JOINT_AREA * SIXTEEN_POINT_EIGHT
     assert slope == pytest.approx(36.0 * ratio, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("contact", "share", "creeps"), [("asperities", 1.0, False), ("bristles", 0.9, False), ("smooth", 0.5, True)]
+)
+def test_only_a_smooth_law_creeps_at_half_the_static_friction(contact: str, share: float, creeps: bool) -> None:
+    plant = draw_rig(11)._replace(contact_law=float(CONTACTS.index(contact)))
+    slow = Condition("ramp", "ramp", lambda: points((0, 0), (0.4, 0.07), (3, 0.07)), 100.0, 0.5)
+    rows = one_test(plant, slow)
+    pushed = driving_force(rows)[500:]
+    assert 0.3 * plant.static_positive < pushed.max() < 0.8 * plant.static_positive
+    assert (pushed[0] - pushed[-1] > 0.1 * pushed[0]) == creeps
+    moved = one_test(plant, ramp(1.0))
+    before = int(np.argmax(column(moved, "arm_deg") > 0.8))
+    assert driving_force(moved)[:before].max() > 0.97 * share * plant.static_positive
 
 
 def test_blocked_joint_gives_the_line_stiffness_back() -> None:
