@@ -25,6 +25,7 @@ from hidden_effects_tables import (
 )
 
 ROOT = Path(__file__).parents[1]
+SEEN = 60_000
 READING = Path(__file__).with_name("hidden_effects_reading.md")
 
 
@@ -64,6 +65,7 @@ def _origin(lines: Sequence[Line], planned: int, effort: str, tag: str, command:
     kinds = {kind: sum(line["kind"] == kind for line in lines) for kind in FIRST_SEED}
     broken = sum(verdict_of(line) == "failed" for line in lines)
     part = "" if len(lines) >= planned else f" **Only {len(lines)} of {planned} planned cases are finished.**"
+    seeds = [line["seed"] for line in lines]
     return f"""Written by `{command}`,
 code at commit {tag}, effort {effort}, on a machine with {cores} cores, each case in one process with one thread.{part}
 
@@ -74,9 +76,8 @@ code at commit {tag}, effort {effort}, on a machine with {cores} cores, each cas
 
 **What this does not show.** The truth plant (`tests/truth`) shares no code with the model: other integrator, other friction
 law, other noise, its own writer. But the same people wrote both, so what they did not think of is in neither. The rigs
-have seeds from {min(line["seed"] for line in lines)} on; development has looked at 1 - 391 and 1000 - 2029. The plant's
-effects and strengths are those that development looked at, and six laws of the library were widened or changed after
-seeing those of this plant
+have seeds {min(seeds)} to {max(seeds)}; development has looked at many below {SEEN}. The plant's effects and strengths are
+those that development looked at, and seven laws of the library were widened or changed after seeing those of this plant
 (docs/decisions/0010). Thresholds come from twins of each campaign, or were set by hand on development cases (0009)."""
 
 
