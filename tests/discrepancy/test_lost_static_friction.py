@@ -27,7 +27,7 @@ def test_static_friction_comes_back_in_the_direction_that_has_lost_it() -> None:
 
 def screened(loss: float, gains: dict[str, float]) -> Any:
     about = SimpleNamespace(candidate=LOST if loss == 100.0 else with_static_friction(LOST), loss=loss)
-    return Screening(about, None, [], None, None, gains, [], dict.fromkeys(gains, []))  # type: ignore[arg-type]
+    return Screening(about, None, [], None, None, gains, [], {name: [] for name in gains})  # type: ignore[arg-type]
 
 
 def test_an_effect_is_taken_from_the_shape_beside_which_it_promises_more(monkeypatch: pytest.MonkeyPatch) -> None:
