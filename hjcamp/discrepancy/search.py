@@ -220,10 +220,15 @@ def refit_without(fitter: Fitter, fit: Fit, name: str, effects: Sequence[type[Ef
 
 
 def asks(candidate: Candidate, effects: Sequence[type[Effect]]) -> float:
-    """Return what a model asks: the surprise of its base parameters, and 2 for each amplitude and shape of its effects."""
-    named = [effect for effect in effects if effect.name in candidate.effects]
-    number = sum(one.shape or one.off is not None for effect in named for one in effect.parameters.values())
-    return float(np.sum(surprise(candidate, base_unknowns()) ** 2)) + 2.0 * number
+    """Return what a model asks: the surprise of its base parameters and of the sizes of its effects, where something is
+    known of them, and 2 for each amplitude and shape.
+    """
+    named = [
+        (effect.parameters, candidate.effects[effect.name]) for effect in effects if effect.name in candidate.effects
+    ]
+    number = sum(one.shape or one.off is not None for known, _ in named for one in known.values())
+    unusual = sum(known[name].unusual(value) ** 2 for known, given in named for name, value in given.items())
+    return float(np.sum(surprise(candidate, base_unknowns()) ** 2)) + 2.0 * number + unusual
 
 
 def rival_weights(fits: dict[str, Fit], least: Array, effects: Sequence[type[Effect]]) -> dict[str, float]:

@@ -17,7 +17,7 @@ class PayloadInertia(Effect):
     """
 
     subsystem = "joint"
-    load_mass = Parameter("kg", 8.5e-3, (0.0, 0.5), text="mass of the payload", off=0.0)
+    load_mass = Parameter("kg", 8.5e-3, (0.0, 0.5), "log-normal", "mass of the payload", off=0.0)
     radius = Parameter("m", 0.02, (1e-3, 0.2), text="distance of the payload from the axis")
 
     @staticmethod

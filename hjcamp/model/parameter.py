@@ -8,13 +8,17 @@ from typing import Any
 
 from hjcamp.errors import UsageError
 
-PRIORS = ("uniform", "log-uniform", "normal")
+PRIORS = ("uniform", "log-uniform", "normal", "log-normal")
+# Two thirds of what a log-normal prior expects lie within this factor of the default.
+USUAL_FACTOR = 3.0
 
 
 @dataclass(frozen=True)
 class Parameter:
     """A constant of the model: unit (SI), default, bounds and, for fitting, the prior over the bounds.
 
+    A log-normal prior says that the size is known to within a factor of three (what a payload weighs, what the water of a
+    tube weighs), so that effects that fit alike are told apart by it; it takes no part in the fit itself.
     ``shape`` marks a parameter that enters non-linearly (a length, a time constant): it is fitted from several starts.
     ``off`` is the value at which the effect that owns it vanishes, if there is one. ``each_test`` marks what a test begins
     with and no rig repeats: every measured test then has a value of its own, told by its lines, and the parameter is their mean.
@@ -42,6 +46,14 @@ class Parameter:
             raise UsageError(f"{where}: unknown prior '{self.prior}'; allowed: {', '.join(PRIORS)}")
         if self.prior == "log-uniform" and low <= 0:
             raise UsageError(f"{where}: a log-uniform prior needs a lower bound above zero, not {low:g}")
+        if self.prior == "log-normal" and self.default <= 0:
+            raise UsageError(f"{where}: a log-normal prior needs a default above zero, not {self.default:g}")
+
+    def unusual(self, value: float) -> float:
+        """Return by how many standard deviations the size of ``value`` differs from what is expected; 0 where nothing is."""
+        if self.prior != "log-normal":
+            return 0.0
+        return math.log(max(value, 1e-3 * self.default) / self.default) / math.log(USUAL_FACTOR)
 
     @property
     def cyclic(self) -> bool:
