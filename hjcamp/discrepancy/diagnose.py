@@ -233,15 +233,10 @@ class _Search:
         here = unknowns_of(fits[best].candidate, self.effects)
         polished = self.fitter.fit(fits[best].candidate, here, steps=2 * self.work.steps, enough=0.05)
         fits[best] = min(fits[best], polished, key=lambda fit: fit.loss)
-        gain = screening.about.loss - fits[best].loss
-        predicted = _at_most(screening, best)
-        return Step(
-            screening,
-            fits,
-            rival_weights(fits, self.fitter.least, self.effects),
-            null.p_value(min(gain, predicted)),
-            null.gains,
-        )
+        weights = rival_weights(fits, self.fitter.least, self.effects)
+        best = max(weights, key=lambda name: weights[name])
+        gain = min(screening.about.loss - fits[best].loss, _at_most(screening, best))
+        return Step(screening, fits, weights, null.p_value(gain), null.gains)
 
     def _settle(self, screening: Screening, fits: dict[str, Fit]) -> None:
         """Settle the fits that may still turn out best: near the best one, and with a prediction that matters."""

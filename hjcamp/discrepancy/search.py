@@ -82,8 +82,8 @@ class Step:
 
     @property
     def best(self) -> str:
-        """The effect that fits best."""
-        return min(self.fits, key=lambda name: self.fits[name].loss)
+        """The effect of the largest weight: of two that fit alike the one that asks less."""
+        return max(self.weights, key=lambda name: self.weights[name])
 
     @property
     def gain(self) -> float:
