@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
 from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
 from hjcamp.discrepancy.candidate import Candidate
+from hjcamp.discrepancy.gram import Gram, Group, Known, all_gains
 from hjcamp.discrepancy.hardware import simulator
 from hjcamp.discrepancy.next_menu import Choice, menu
 from hjcamp.discrepancy.next_trials import Bench
@@ -50,6 +53,7 @@ def tasks() -> list[Task]:
         (f"next, {many} effects under {controller}", try_test, (choice,)) for controller, choice in menu_tests().items()
     ]
     found += [(f"diagnose, {many} effects driven at {cut}", follow_nothing, (cut,)) for cut in cuts]
+    found += [("diagnose, weighing responses", weigh_nothing, ())]
     return found + [("run " + " ".join(overrides), run_once, (overrides,)) for overrides in CONDITIONS]
 
 
@@ -98,3 +102,13 @@ def follow_nothing(cut: str) -> None:
         scatter=np.ones(SAMPLES),
     )
     model.follow(model.vector({}), course)
+
+
+def weigh_nothing() -> None:
+    """Weigh one response that fits nothing: that compiles what a screening projects with."""
+    features: Any = SimpleNamespace(
+        counts=np.ones((1, 1)), edges=np.array([0, 2]), mean_square=lambda residual: np.mean(residual**2, axis=0)[None]
+    )
+    gram = Gram.of(np.ones((2, 2, 1)), features, np.ones(1))
+    group = Group((1,), (True,), np.zeros((1, 1)))
+    all_gains(gram, np.zeros((2, 1)), Known(np.ones(1), np.zeros(1)), [group])

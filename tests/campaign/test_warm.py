@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from hjcamp.campaign.planning import make_plan
-from hjcamp.campaign.warm import CONDITIONS, follow_nothing, menu_tests, tasks, timed, try_test
+from hjcamp.campaign.warm import CONDITIONS, follow_nothing, menu_tests, tasks, timed, try_test, weigh_nothing
 from hjcamp.configuration.composer import Composer
+from hjcamp.discrepancy.gram import project
 from hjcamp.discrepancy.next_menu import menu
 from hjcamp.plants.pump_joint import PumpJoint
 
@@ -36,3 +39,14 @@ def test_what_was_made_ready_is_named_with_its_seconds() -> None:
     subject, seconds = timed("a kernel", lambda *given: called.extend(given), ("one", "two"))
     assert (subject, called) == ("a kernel", ["one", "two"])
     assert seconds >= 0.0
+
+
+def test_weighing_is_compiled_for_what_a_screening_gives_it() -> None:
+    weigh_nothing()
+    compiled = len(project.signatures)
+    answer = project(
+        np.ones((2, 3, 4, 4)), np.ones((2, 3, 4)), np.ones((2, 3)), np.ones(3), np.arange(4), np.zeros(4, dtype=np.bool_),
+        np.eye(4), np.zeros(4), np.ones(2), 3,
+    )  # fmt: skip
+    assert len(project.signatures) == compiled
+    assert np.all(np.isfinite(answer[0]))
