@@ -54,10 +54,10 @@ bench: $(WARM)
 	$(BIN)/python benchmarks/loop_timing.py
 
 benchmark: $(WARM)
-	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 60000 --page docs/benchmark.md
+	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 70000 --page docs/benchmark.md
 
 next_value: $(WARM)
-	$(BIN)/python benchmarks/next_value.py > docs/next_value.md.part && mv docs/next_value.md.part docs/next_value.md
+	$(BIN)/python benchmarks/next_value.py --page docs/next_value.md
 
 thesis_gap: $(WARM)
 	$(BIN)/python benchmarks/thesis_gap.py

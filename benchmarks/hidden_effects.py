@@ -2,8 +2,9 @@
 
     python benchmarks/hidden_effects.py [--size small|fresh|full] [--effort quick|standard] [--workers N] [--shift N] [--page FILE]
 
-The truth plant (tests/truth) shares no code with the model. Finished cases are kept in OUT/results.jsonl, so that the same
-command goes on after an interruption; --score only writes the page anew. The page goes to OUT/benchmark.md, or to FILE.
+The truth plant (tests/truth) shares no code with the model. Finished cases are kept in a ledger, one line each, which is
+committed: the same command goes on from it as long as the code it runs is the same, and --score writes the page from it alone.
+Cases are run in random order, so that a part of the plan is a fair sample. The page of a part goes beside the ledger.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import os
+import random
 import signal
-import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -21,13 +22,13 @@ from pathlib import Path
 from typing import Any
 
 from hidden_effects_cases import SIZES, HiddenCase, plan
-from hidden_effects_ledger import Ledger
+from hidden_effects_ledger import Ledger, code_version
 from hidden_effects_page import page
 from hidden_effects_run import alone, run_case
 
 ROOT = Path(__file__).parents[1]
+LEDGER = ROOT / "benchmarks" / "results" / "hidden_effects.jsonl"
 EFFORTS = ("quick", "standard", "thorough")
-CODE = ("hjcamp", "conf", "tests/truth")
 STOPPED = 130
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -36,9 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the cases that are not finished, then write the page; return the exit code."""
     given = parsed(arguments)
     cases = plan(given.size, given.nulls, given.shift)
-    ledger = Ledger(given.out / "results.jsonl")
+    ledger = Ledger(given.ledger)
     done = ledger.finished(given.tag, given.effort)
-    left = [] if given.score else [case for case in cases if case.name not in done]
+    left = [] if given.score else [case for case in shuffled(cases) if case.name not in done]
     whole = not left or run_all(left, given, ledger)
     lines = ledger.lines(given.tag)
     if not lines:
@@ -52,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     text = page(lines, cases, given.effort, given.tag, command, len(os.sched_getaffinity(0)))
     complete = {case.name for case in cases} <= set(ledger.finished(given.tag, given.effort))
     # a committed page is never replaced by one of half the cases
-    target = given.page if given.page is not None and (complete or given.score) else given.out / "benchmark.md"
+    target = given.page if given.page is not None and (complete or given.score) else given.ledger.with_suffix(".md")
     replaced(target, text)
     print(f"page    {target}")
     return 0 if whole else STOPPED
@@ -66,8 +67,12 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--workers", type=int, default=1, help="processes, each with one thread")
     parser.add_argument("--nulls", type=int, help="rigs with nothing hidden; by default as the size says")
     parser.add_argument("--shift", type=int, default=0, metavar="N", help="added to every seed: the plan on other rigs")
-    parser.add_argument("--out", type=Path, default=Path("build/benchmark"), metavar="FOLDER")
-    parser.add_argument("--tag", default=commit(), help="version of the code; the git commit by default")
+    parser.add_argument(
+        "--ledger", type=Path, default=LEDGER, metavar="FILE", help="one JSON line for each finished case"
+    )
+    parser.add_argument(
+        "--tag", default=code_version(), help="version of the code; the last commit that changed it by default"
+    )
     parser.add_argument("--page", type=Path, metavar="FILE", help="where the page goes once every case is finished")
     parser.add_argument("--score", action="store_true", help="run nothing, write the page of what is finished")
     given = parser.parse_args(arguments)
@@ -80,18 +85,9 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
     return given
 
 
-def commit() -> str:
-    """Return the git commit of the checkout, with a mark where the code differs from it."""
-
-    def git(*arguments: str) -> str:
-        call = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
-        return call.stdout.strip() if call.returncode == 0 else ""
-
-    try:
-        name = git("rev-parse", "--short", "HEAD") or "unknown"
-        return name + ("+changes" if git("status", "--porcelain", "--", *CODE) else "")
-    except FileNotFoundError:
-        return "unknown"
+def shuffled(cases: Sequence[HiddenCase]) -> list[HiddenCase]:
+    """Return the cases in an order that chance has made, always the same one for a plan."""
+    return random.Random(len(cases)).sample(cases, len(cases))
 
 
 def run_all(left: Sequence[HiddenCase], given: argparse.Namespace, ledger: Ledger) -> bool:

@@ -1,14 +1,32 @@
-"""The ledger of the hidden-effect benchmark: one JSON line for each finished case, kept over interruptions."""
+"""The ledger of a benchmark: one JSON line for each finished case, kept over interruptions and committed."""
 
 from __future__ import annotations
 
 import json
 import os
+import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from hidden_effects_cases import PLAN
+
+ROOT = Path(__file__).parents[1]
+CODE = ("hjcamp", "conf", "tests/truth")
+
+
+def code_version() -> str:
+    """Return the last git commit that changed the code a case runs, with a mark where the code differs from it."""
+
+    def git(*arguments: str) -> str:
+        call = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
+        return call.stdout.strip() if call.returncode == 0 else ""
+
+    try:
+        name = git("log", "-1", "--format=%h", "--", *CODE) or "unknown"
+        return name + ("+changes" if git("status", "--porcelain", "--", *CODE) else "")
+    except FileNotFoundError:
+        return "unknown"
 
 
 @dataclass(frozen=True)
@@ -16,6 +34,7 @@ class Ledger:
     """The finished cases in one file, of any version of the code and any effort."""
 
     path: Path
+    plan: int | str = PLAN
 
     def all_lines(self) -> list[dict[str, Any]]:
         """Return every whole line of this plan; one that an interruption cut short is left out."""
@@ -27,7 +46,7 @@ class Ledger:
                 line = json.loads(text)
             except json.JSONDecodeError:
                 continue
-            if isinstance(line, dict) and line.get("plan") == PLAN:
+            if isinstance(line, dict) and line.get("plan") == self.plan:
                 found.append(line)
         return found
 

@@ -25,7 +25,7 @@ from hidden_effects_tables import (
 )
 
 ROOT = Path(__file__).parents[1]
-SEEN = 60_000
+SEEN = 70_000
 READING = Path(__file__).with_name("hidden_effects_reading.md")
 
 
@@ -68,6 +68,7 @@ def _origin(lines: Sequence[Line], planned: int, effort: str, tag: str, command:
     seeds = [line["seed"] for line in lines]
     return f"""Written by `{command}`,
 code at commit {tag}, effort {effort}, on a machine with {cores} cores, each case in one process with one thread.{part}
+The cases were run in random order; they stand in `benchmarks/results/hidden_effects.jsonl`.
 
 {len(lines)} cases, each on a rig of its own with 8 conditions of 3 repetitions:
 {kinds["single"]} with one effect of the library, {kinds["null"]} with nothing hidden, {kinds["pair"]} with two effects,

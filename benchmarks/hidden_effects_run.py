@@ -17,6 +17,10 @@ from hidden_effects_cases import PLAN, HiddenCase
 from hidden_effects_detectable import visibility
 from truth.case import write_case
 
+# Parts of an answer that no measure reads; the ledger is committed.
+UNSCORED = ("where", "minimum_detectable")
+DIGITS = 6
+
 
 def alone() -> None:
     """Leave Ctrl-C to the process that hands out the cases; when it says so, end and take the logs away."""
@@ -60,6 +64,8 @@ def diagnosed(folder: Path, without: tuple[str, ...], effort: str) -> dict[str, 
     found = diagnose(evidence, effects, effort=effort, seed=1, crew=Crew(1))
     content = answer(found, effects, effort, 0.0)
     content["seconds"] = round(time.perf_counter() - began, 3)
+    for name in UNSCORED:
+        content.pop(name, None)
     spent = {"seconds": content["seconds"], "processor_seconds": round(time.process_time() - used, 3)}
     return {"answer": content, **spent, "behind": behind(found)}
 
@@ -80,7 +86,6 @@ def behind(found: Any) -> dict[str, Any]:
                     "weights": dict(step.weights),
                     "screened": dict(step.screening.gains),
                     "gains": {name: step.screening.about.loss - fit.loss for name, fit in step.fits.items()},
-                    "null_gains": [float(gain) for gain in step.null_gains],
                     "taken": step in found.taken,
                 }
                 for step in found.steps
@@ -91,13 +96,13 @@ def behind(found: Any) -> dict[str, Any]:
 
 
 def cleaned(value: Any) -> Any:
-    """Return plain values that JSON can hold: numbers that are not finite become null."""
+    """Return plain values that JSON can hold, of six digits: numbers that are not finite become null."""
     if isinstance(value, dict):
         return {str(name): cleaned(one) for name, one in value.items()}
     if isinstance(value, (list, tuple)):
         return [cleaned(one) for one in value]
     if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
+        return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None
     if hasattr(value, "item"):
         return cleaned(value.item())
     return value

@@ -1,25 +1,35 @@
 """How many tests set two rivals apart: in the order that `hjcamp next` proposes, and in random order.
 
-    python benchmarks/next_value.py [--random 4] [--pairs 14] [--rigs 2] [--workers 2] > docs/next_value.md
+    python benchmarks/next_value.py [--random 4] [--pairs 14] [--rigs 2] [--workers 2] [--page docs/next_value.md]
 
 For each pair the truth plant of the tests, which shares no code with the model, hides the first effect in rigs of their
 own, at medium and at weak strength. The first tests are one condition with three repetitions. Both rivals are fitted to
 them; then one test after the other (one repetition each) is run on the truth plant, both rivals are refitted on all tests,
 and weighed as a diagnosis weighs them. They are apart when the true one has 95 % of the weight. Proposals are made anew
 after every two tests. Pairs that the first tests set apart, and pairs that no order sets apart (a pressure offset is a
-friction asymmetry to every test), say nothing of the order and are left out of the means.
+friction asymmetry to every test), say nothing of the order and are left out of the means. Finished duels are kept in a
+ledger, from which the same command goes on as long as the code it runs is the same.
 """
 
 from __future__ import annotations
 
 import argparse
 import multiprocessing
-import time
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+import os
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from hidden_effects import THREADS, replaced, stop
+from hidden_effects_ledger import Ledger, code_version
+from hidden_effects_run import alone
 from next_value_duel import APART, MOST, Duel
+from next_value_page import LEDGER, Question, page
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from hjcamp.discrepancy.next_menu import menu
 from hjcamp.effects import load_effects
@@ -42,80 +52,82 @@ PAIRS = (
 )
 STRENGTHS = ("medium", "weak")
 FIRST_SEED = 40300
+SEEDS_OF_A_STRENGTH = 500
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """Row of the table, and how many tests were needed in the proposed order and in each random one; none: says nothing."""
+def questions(pairs: int, rigs: int, orders: int) -> list[Question]:
+    """Return the duels of the study; more rigs or fewer pairs leave the seeds of the others as they are."""
+    found = []
+    for strength, first in zip(STRENGTHS, (0, SEEDS_OF_A_STRENGTH), strict=True):
+        for place, names in enumerate(PAIRS[:pairs]):
+            found += [Question(first + place + len(PAIRS) * rig, strength, names, orders) for rig in range(rigs)]
+    return found
 
-    row: str
-    ours: int | None = None
-    theirs: tuple[int, ...] = ()
 
-
-def outcome(number: int, strength: str, names: tuple[str, str], orders: int) -> Outcome:
-    """Return how the duel of two rivals on one rig ends."""
+def outcome(asked: Question) -> dict[str, Any]:
+    """Return how a duel on one rig ends: tests needed in the proposed order and in each random one; None: apart before."""
     effects = tuple(load_effects().values())
     choices = [one for one in menu() if not {"payload", "orientation"} & set(one.settings)]
-    duel = Duel(names, strength, FIRST_SEED + number, effects, choices)
+    duel = Duel(asked.names, asked.strength, FIRST_SEED + asked.number, effects, choices)
     _, weight = duel.refit(duel.first, dict(duel.start))
-    row = f"| {names[0]} | {strength} | {names[1]} |"
+    line: dict[str, Any] = {"name": asked.name, "ours": None, "theirs": []}
     if weight > APART:
-        return Outcome(f"{row} apart from the start | |")
-    mine = duel.needed([])
-    random = np.random.default_rng([7, number])
-    tried = [random.permutation(len(choices))[:MOST] for _ in range(orders)]
-    others = tuple(duel.needed([choices[k] for k in order]) for order in tried)
-    row += f" {mine} | {', '.join(map(str, others))} |"
-    return Outcome(row, mine, others) if min(mine, *others) <= MOST else Outcome(row)
+        return line
+    line["ours"] = duel.needed([])
+    random = np.random.default_rng([7, asked.number])
+    tried = [random.permutation(len(choices))[:MOST] for _ in range(asked.orders)]
+    line["theirs"] = [duel.needed([choices[k] for k in order]) for order in tried]
+    return line
 
 
-def main() -> None:
-    """Print the table."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Fight the duels that the ledger does not have, then write the table; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--random", type=int, default=4, help="random orders for each rig")
     parser.add_argument("--pairs", type=int, default=len(PAIRS))
     parser.add_argument("--rigs", type=int, default=2, help="rigs for each pair and strength")
     parser.add_argument("--workers", type=int, default=2, help="processes")
-    options = parser.parse_args()
-    began = time.perf_counter()
-    duels = [
-        (strength, names) for strength in STRENGTHS for names in PAIRS[: options.pairs] for _ in range(options.rigs)
-    ]
-    print("# Tests needed to set two rivals apart\n")
-    print("Made by `python benchmarks/next_value.py`; its head says how. A test is one repetition of one condition;")
-    print(f"at most {MOST} are run, {MOST + 1} means not apart by then.\n")
-    print("| truth | strength | rival | proposed order | random order (each) |\n|---|---|---|---|---|", flush=True)
-    ours, ratios, theirs = list[int](), list[float](), list[int]()
-    with ProcessPoolExecutor(options.workers, multiprocessing.get_context("spawn")) as pool:
-        begun = [pool.submit(outcome, k, *duel, options.random) for k, duel in enumerate(duels)]
-        for one in begun:
-            found = one.result()
-            print(found.row, flush=True)
-            if found.ours is not None:
-                ours.append(found.ours)
-                theirs += found.theirs
-                ratios.append(float(np.mean(found.theirs)) / found.ours)
-    if not ours:
-        print("\nNo duel says anything of the order.")
-        return
-    times = float(np.mean(theirs) / np.mean(ours))
-    fewer = sum(ratio > 1.0 for ratio in ratios)
-    print(f"\nMedian: {np.median(ours):g} proposed, {np.median(theirs):g} random;", end=" ")
-    print(f"mean {np.mean(ours):.2f} and {np.mean(theirs):.2f},")
-    print(f"{times:.1f} times fewer, over {len(ours)} duels of {len(duels)} ({resampled(ours, ratios)}).")
-    print(f"Fewer than the mean of the random orders in {fewer}. {time.perf_counter() - began:.0f} s.")
+    parser.add_argument("--ledger", type=Path, default=LEDGER, metavar="FILE", help="one JSON line for each duel")
+    parser.add_argument("--page", type=Path, metavar="FILE", help="where the page goes; by default it is printed")
+    parser.add_argument("--tag", default=code_version(), help="version of the code")
+    options = parser.parse_args(arguments)
+    ledger = Ledger(options.ledger, "next_value")
+    asked = questions(options.pairs, options.rigs, options.random)
+    done = ledger.finished(options.tag, "")
+    try:
+        fight([one for one in asked if one.name not in done], options.workers, ledger, options.tag)
+    except KeyboardInterrupt:
+        print("stopped; the same command goes on from here", file=sys.stderr)
+        return 130
+    known = {line["name"]: line for line in ledger.lines(options.tag)}
+    text = page([(one, known[one.name]) for one in asked], options.tag)
+    if options.page is None:
+        print(text, end="")
+    else:
+        replaced(options.page, text)
+    return 0
 
 
-def resampled(ours: list[int], ratios: list[float]) -> str:
-    """Return the 90 % interval of the ratio of means, duels drawn anew."""
-    random = np.random.default_rng(8)
-    mine = np.array(ours, dtype=np.float64)
-    others = mine * np.array(ratios)
-    drawn = random.integers(len(mine), size=(2000, len(mine)))
-    low, high = np.quantile(others[drawn].sum(axis=1) / mine[drawn].sum(axis=1), [0.05, 0.95])
-    return f"90 % interval {low:.1f} to {high:.1f}"
+def fight(left: Sequence[Question], workers: int, ledger: Ledger, tag: str) -> None:
+    """Fight duels in processes of their own and keep each as it ends."""
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(
+        *columns, TimeRemainingColumn(), speed_estimate_period=3600, console=Console(stderr=True)
+    ) as progress:
+        task = progress.add_task("duels", total=len(left))
+        with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=alone) as pool:
+            try:
+                for ended in as_completed([pool.submit(outcome, one) for one in left]):
+                    line = ended.result()
+                    ledger.add({"plan": ledger.plan, "tag": tag, "effort": "", **line})
+                    progress.update(task, advance=1, description=line["name"][:44])
+                    if not progress.console.is_terminal:
+                        progress.console.print(f"{line['name']}: {line['ours']}", markup=False, highlight=False)
+            except KeyboardInterrupt:
+                stop(pool)
+                raise
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

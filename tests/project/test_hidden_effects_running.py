@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from test_hidden_effects_benchmark import made_up  # puts the benchmarks on the path
 
 import hidden_effects  # isort: skip
 from hidden_effects_cases import HiddenCase, plan  # isort: skip
-from hidden_effects_ledger import Ledger  # isort: skip
+import hidden_effects_ledger  # isort: skip
+from hidden_effects_ledger import Ledger, code_version  # isort: skip
+from hidden_effects_run import cleaned  # isort: skip
 from truth.hidden import LIBRARY_NAMES  # isort: skip
 
 
@@ -39,6 +43,13 @@ def test_a_shifted_plan_is_the_same_on_other_rigs() -> None:
     assert all(case.name.endswith(f"-{case.seed}") for case in moved)
 
 
+def test_a_part_of_the_plan_is_a_fair_sample_and_always_the_same() -> None:
+    order = hidden_effects.shuffled(plan("full"))
+    assert order == hidden_effects.shuffled(plan("full")) and sorted(order, key=str) == sorted(plan("full"), key=str)
+    kinds = [case.kind for case in order[:60]]
+    assert 25 <= kinds.count("single") <= 45 and 3 <= kinds.count("null") <= 14 and 4 <= kinds.count("outside") <= 18
+
+
 def test_what_is_taken_out_goes_with_what_is_the_same_thing() -> None:
     taken = {case.effects[0]: case.without for case in plan("full") if case.kind == "taken_out"}
     assert taken["payload_inertia"] == ("line_inertance", "payload_inertia")
@@ -54,6 +65,25 @@ def test_a_ledger_survives_a_line_that_was_cut_short(tmp_path: Path) -> None:
     assert ledger.finished("made-up", "standard") == {"first"}
     assert ledger.finished("made-up", "quick") == set()
     assert set(ledger.visibilities()) == {"first", "second"}
+
+
+def test_the_version_of_the_code_is_the_last_commit_that_changed_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[list[str]] = []
+
+    def answered(command: list[str], **given: Any) -> Any:
+        calls.append(command)
+        return SimpleNamespace(returncode=0, stdout="1a2b3c4\n" if "log" in command else " M hjcamp/x.py\n")
+
+    monkeypatch.setattr(hidden_effects_ledger.subprocess, "run", answered)
+    assert code_version() == "1a2b3c4+changes"
+    assert all(call[call.index("--") + 1 :] == ["hjcamp", "conf", "tests/truth"] for call in calls)
+
+
+def test_a_line_of_the_ledger_has_plain_numbers_of_six_digits() -> None:
+    assert cleaned({"a": [0.123456789, float("nan"), np.float64(3e9)], "b": (1, "x", True)}) == {
+        "a": [0.123457, None, 3e9],
+        "b": [1, "x", True],
+    }
 
 
 def test_only_what_is_left_is_run_and_the_page_is_kept_until_all_is_done(
@@ -72,10 +102,11 @@ def test_only_what_is_left_is_run_and_the_page_is_kept_until_all_is_done(
 
     monkeypatch.setattr(hidden_effects, "plan", lambda *given: cases)
     monkeypatch.setattr(hidden_effects, "results", stopped)
-    options = ["--out", str(tmp_path), "--tag", "made-up", "--page", str(tmp_path / "docs.md")]
+    options = ["--ledger", str(tmp_path / "cases.jsonl"), "--tag", "made-up", "--page", str(tmp_path / "docs.md")]
     assert hidden_effects.main(options) == 130
-    assert not (tmp_path / "docs.md").exists() and "Only 2 of 3" in (tmp_path / "benchmark.md").read_text()
+    assert not (tmp_path / "docs.md").exists() and "Only 2 of 3" in (tmp_path / "cases.md").read_text()
     assert hidden_effects.main(options) == 0
-    assert asked == ["null-1", "null-2", "stop", "null-3"]
+    ran = [name for name in asked if name != "stop"]
+    assert asked[2] == "stop" and sorted(ran) == ["null-1", "null-2", "null-3"]
     assert "Only" not in (tmp_path / "docs.md").read_text()
     assert not list(tmp_path.glob("*.part")) and os.fspath(tmp_path) in capsys.readouterr().out

@@ -1,0 +1,73 @@
+"""The page of the study of `hjcamp next`: a row for each duel, and what they amount to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from hidden_effects_ledger import ROOT
+from next_value_duel import MOST
+
+LEDGER = ROOT / "benchmarks" / "results" / "next_value.jsonl"
+
+
+@dataclass(frozen=True)
+class Question:
+    """A duel to be fought: a number that seeds it, the strength of the true effect, true effect and rival, random orders."""
+
+    number: int
+    strength: str
+    names: tuple[str, str]
+    orders: int
+
+    @property
+    def name(self) -> str:
+        """What the ledger calls it."""
+        return f"{self.names[0]}-{self.strength}-{self.names[1]}-{self.number}-{self.orders}"
+
+
+def page(duels: Sequence[tuple[Question, dict[str, Any]]], tag: str) -> str:
+    """Return the page: a row for each duel, the means of those that say anything, and what they amount to."""
+    lines = [
+        "# Tests needed to set two rivals apart",
+        "",
+        f"Made by `python benchmarks/next_value.py`, code at commit {tag}; its head says how. A test is one repetition of one",
+        f"condition; at most {MOST} are run, {MOST + 1} means not apart by then. The duels stand in `{LEDGER.relative_to(ROOT)}`.",
+        "",
+        "| truth | strength | rival | proposed order | random order (each) |",
+        "|---|---|---|---|---|",
+    ]
+    for one, line in duels:
+        ended = "apart from the start | |"
+        if line["ours"] is not None:
+            ended = f"{line['ours']} | {', '.join(map(str, line['theirs']))} |"
+        lines.append(f"| {one.names[0]} | {one.strength} | {one.names[1]} | {ended}")
+    telling = [line for _, line in duels if line["ours"] is not None and min(line["ours"], *line["theirs"]) <= MOST]
+    if not telling:
+        return "\n".join([*lines, "", "No duel says anything of the order.", ""])
+    ours = [line["ours"] for line in telling]
+    theirs = [number for line in telling for number in line["theirs"]]
+    ratios = [float(np.mean(line["theirs"])) / line["ours"] for line in telling]
+    times = float(np.mean(theirs) / np.mean(ours))
+    return "\n".join(
+        [
+            *lines,
+            "",
+            f"Median: {np.median(ours):g} proposed, {np.median(theirs):g} random; mean {np.mean(ours):.2f} and {np.mean(theirs):.2f},",
+            f"{times:.1f} times fewer, over {len(ours)} duels of {len(duels)} ({resampled(ours, ratios)}).",
+            f"Fewer than the mean of the random orders in {sum(ratio > 1.0 for ratio in ratios)}.",
+            "",
+        ]
+    )
+
+
+def resampled(ours: list[int], ratios: list[float]) -> str:
+    """Return the 90 % interval of the ratio of means, duels drawn anew."""
+    random = np.random.default_rng(8)
+    mine = np.array(ours, dtype=np.float64)
+    others = mine * np.array(ratios)
+    drawn = random.integers(len(mine), size=(2000, len(mine)))
+    low, high = np.quantile(others[drawn].sum(axis=1) / mine[drawn].sum(axis=1), [0.05, 0.95])
+    return f"90 % interval {low:.1f} to {high:.1f}"
