@@ -95,7 +95,7 @@ AMPLITUDES = {
         lambda fitted: fitted["load_mass"] * GRAVITY * fitted["radius"] / PULLEY_RADIUS,
     ),
     "string_elasticity": Amplitude(
-        "compliance of the string (ours has no friction on the pulley)",
+        "compliance of the string (ours: Coulomb friction alone on the pulley)",
         "m/N",
         lambda hidden, base: 1 / hidden["string_stiffness"],
         lambda fitted: fitted["compliance"],

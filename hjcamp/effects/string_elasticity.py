@@ -14,11 +14,12 @@ class StringElasticity(Effect):
     .. math:: (1 - a)\,m\,\dot v = F - (1 - b) f + F_{st} - a F_l, \quad
               a\,m\,(\dot v + \ddot s) = a F_l - F_{st} - F_b, \quad F_{st} = s / c + d\,\dot s,
 
-    .. math:: F_b = b F_c\, q / q_0 + d_b\,\dot q, \quad \dot q = v_a - |v_a|\, q / q_0, \quad v_a = v + \dot s
+    .. math:: F_b = k_b\, q + d_b\,\dot q, \quad \dot q = v_a - |v_a|\,\frac{k_b\, q}{b F_c}, \quad
+              k_b = b \bar F_c / q_0, \quad v_a = v + \dot s
 
     with s the lead of the arm over the sliders, a the share of mass and load on the arm (published: 5.3 of 18.5 g), b that
-    of the dry friction on the arm's side; d gives the arm without payload a damping ratio of 0.1. The arm's friction
-    builds up over q0, one count of the encoder.
+    of the dry friction on the arm's side; d gives the arm without payload a damping ratio of 0.1. The arm's friction is
+    that of the direction in which the arm itself moves, and builds up over q0, one count of the encoder.
     Seen as: the arm stays behind after each reversal, and rings after a breakaway, while the pressures show little of it.
     Not for: slow elasticity of the lines (line_stiffness, tubing_creep). A payload makes it far easier to see.
     Source: two masses on a spring, e.g. Den Hartog (1956), Mechanical Vibrations, section 3.1; thesis 3.6 and 4.5; Dahl
@@ -45,10 +46,21 @@ class StringElasticity(Effect):
         return stretch_velocity
 
     @staticmethod
-    def d_grip(grip, slider_velocity, stretch_velocity, pulley_radius, encoder_count):
+    def d_grip(
+        grip,
+        slider_velocity,
+        stretch_velocity,
+        coulomb_positive,
+        coulomb_negative,
+        friction_scatter,
+        pulley_radius,
+        encoder_count,
+    ):
         """Rate of the deflection of what holds the arm, m/s."""
         arm = slider_velocity + stretch_velocity
-        return arm - abs(arm) * grip / (pulley_radius * encoder_count)
+        level = friction_scatter * (coulomb_positive if arm > 0.0 else coulomb_negative)
+        most = level / (0.5 * (coulomb_positive + coulomb_negative)) * pulley_radius * encoder_count
+        return arm - abs(arm) * grip / most
 
     @staticmethod
     def d_stretch_velocity(
@@ -59,7 +71,9 @@ class StringElasticity(Effect):
         mass,
         slider_velocity,
         slider_acceleration,
-        friction_coulomb,
+        coulomb_positive,
+        coulomb_negative,
+        friction_scatter,
         moving_mass,
         pulley_radius,
         encoder_count,
@@ -71,10 +85,11 @@ class StringElasticity(Effect):
         string = stretch / compliance + 0.2 * sqrt(arm_share * moving_mass / compliance) * stretch_velocity
         arm_mass = mass * arm_share / (1.0 - arm_share)
         arm_load = (load_force - string) * arm_share / (1.0 - arm_share)
-        length = pulley_radius * encoder_count
-        stiffness = friction_share / (1.0 - friction_share) * friction_coulomb / length
+        stiffness = friction_share * 0.5 * (coulomb_positive + coulomb_negative) / (pulley_radius * encoder_count)
         arm = slider_velocity + stretch_velocity
-        held = stiffness * grip + 0.6 * sqrt(stiffness * arm_mass) * (arm - abs(arm) * grip / length)
+        level = friction_share * friction_scatter * (coulomb_positive if arm > 0.0 else coulomb_negative)
+        rate = arm - abs(arm) * stiffness * grip / max(level, 1e-6)
+        held = stiffness * grip + 0.6 * sqrt(stiffness * arm_mass) * rate
         return (arm_load - string - held) / arm_mass - slider_acceleration
 
     @staticmethod

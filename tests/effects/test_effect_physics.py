@@ -248,6 +248,18 @@ def test_the_arms_own_friction_keeps_it_behind_the_sliders(simulator: Simulator)
     assert np.mean(lead[2100:2290]) == pytest.approx(1e-4 * 0.4 * 2.97, rel=0.03)
 
 
+def test_the_arm_is_held_while_the_push_on_the_sliders_changes_its_sign(simulator: Simulator) -> None:
+    there_and_back = motion([0.1, 1.1, 1.3, 2.3], [0.0, 2e-3, 2e-3, 0.0])
+    values = {"string_elasticity__compliance": 1e-4, "string_elasticity__friction_share": 0.4}
+    seen = run(simulator, there_and_back, **values)
+    # the string pulls the sliders back by 0.4 * 5.27 N; they yield to 0.6 * 4.03 N more
+    push = force(seen) - 0.4 * 5.27
+    before = slice(1300, 1300 + int(np.argmax(push[1300:] < -2.0)))
+    assert push[before].max() > 0.5
+    assert np.ptp(seen.ideal[before, 3]) < 1e-8
+    assert np.ptp(seen.readings[before, ARM]) < 0.3 * 2.0 * np.pi / 1024
+
+
 def test_presliding_starts_a_window_at_rest_with_bristles_that_carry_the_push(simulator: Simulator) -> None:
     rest = motion([0.4], [0.0], (0.5e6 + 3.0 / AREA, 0.5e6))
     windows = replace(rest, restart=np.where(np.arange(len(rest.time)) % 100 == 0, 1, 0))
