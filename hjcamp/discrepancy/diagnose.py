@@ -146,13 +146,19 @@ class _Search:
                     break
                 screening, null = self._look(current, number, True)
             step = self._step(screening, null, number)
+            begun = self._begun_anew(step, current) if step is not None and self._counts(step, current) else None
+            if begun is not None:
+                current = begun
+                screening, null = self._look(current, number, True)
+                if not taken:
+                    base, first, first_null = current, screening, null
+                step = self._step(screening, null, number)
             if step is None:
                 break
             self.steps.append(step)
-            best = step.fits[step.best]
-            if step.p_value >= LEVEL or step.gain < self.least_gain or not matters(self.features, current, best):
+            if not self._counts(step, current):
                 break
-            current = best
+            current = step.fits[step.best]
             taken.append(step)
             last = number + 1 == self.work.forward
             screening, null = self._look(current, number + 1, not last and not self.work.hasty)
@@ -238,6 +244,22 @@ class _Search:
         gain = min(screening.about.loss - fits[best].loss, _at_most(screening, best))
         return Step(screening, fits, weights, null.p_value(gain), null.gains)
 
+    def _counts(self, step: Step, current: Fit) -> bool:
+        """Whether a step gains more than chance does, enough, and where it matters."""
+        certain = step.p_value < LEVEL and step.gain >= self.least_gain
+        return certain and matters(self.features, current, step.fits[step.best])
+
+    def _begun_anew(self, step: Step, current: Fit) -> Fit | None:
+        """Return the model without the effect of a step, fitted again from where that has led; None where it is no better.
+
+        Where a fit has not come to its optimum any further effect helps it there, and seems to gain what was left.
+        """
+        work = self.work
+        found = refit_without(self.fitter, step.fits[step.best], step.best, self.effects, work.steps)
+        if found.loss > current.loss - WORTH:
+            return None
+        return settle(self.fitter, found, unknowns_of(found.candidate, self.effects), work.sweeps)
+
     def _settle(self, screening: Screening, fits: dict[str, Fit]) -> None:
         """Settle the fits that may still turn out best: near the best one, and with a prediction that matters."""
         if self.work.sweeps < 1:
@@ -302,9 +324,9 @@ class _Search:
         return current, taken
 
     def _told(self, base: Fit, current: Fit, taken: list[Step], null: Null) -> tuple[Fit, list[Step], Null]:
-        """Leave out a further effect that is one of several and gains little, where the certain one leaves what is allowed."""
-        doubtful = len(taken) > 1 and taken[-1].gain < LITTLE * self.least_gain and rivals_of(taken[-1], taken)
-        if doubtful and not rivals_of(taken[0], taken):
+        """Leave out a further effect that gains little, where the certain one leaves what its law may leave."""
+        little = len(taken) > 1 and taken[-1].gain < LITTLE * self.least_gain
+        if little and not rivals_of(taken[0], taken):
             before, scatter = taken[-1].screening.about, self.scatter
             certain = [step for step in taken[:-1] if step.best in before.candidate.effects]
             _, own = self._look(before, self.work.forward + 2, False)
