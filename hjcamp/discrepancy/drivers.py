@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +33,11 @@ TAUTOLOGIES = {
     "line_difference": ("pressure_difference",),
     "line_sum": ("pressure_sum",),
 }
-# Below 4 Hz a swing cannot be told from the motion's own harmonics.
-FREQUENCIES = np.arange(4.0, 24.0, 0.25)
+# Below 4 Hz a swing cannot be told from the motion's own harmonics; in steps that a test of ten seconds hardly resolves.
+FREQUENCIES = np.arange(4.0, 24.0, 0.05)
 FEWEST_BLOCKS = 15
-# A test moves at a frequency itself where so much of its speed or direction swings with it.
-MOVES = 0.08
+# A test moves at a frequency itself where so much of its speed or direction swings with it, beyond what chance makes.
+MOVES = 0.05
 BENDS = np.linspace(0.125, 0.875, 11)
 EXPLAINED = {"sliding": 4, "line_sum": 2, "line_difference": 3}
 
@@ -104,31 +105,53 @@ def _gain(features: Features, residual: Array, valid: NDArray[np.bool_], basis: 
     return 1.0 - after / before if before > 0 else 0.0
 
 
-def _rhythm(features: Features, residual: Array, valid: NDArray[np.bool_], values: dict[str, Array]) -> float:
-    """Return the share of the squared residual that swings with one frequency, found in the other conditions each time.
+@dataclass(frozen=True)
+class Swing:
+    """Of one test the blocks that say anything, cosine and sine (frequencies, n, 2) there, and which frequencies count."""
 
-    The median of the conditions; a frequency at which a test moves itself does not count there: what friction leaves swings
-    with the harmonics of the motion. Phase and size are free in each test, since nothing says that a test begins in step
-    with what shakes it; what two free numbers explain of noise is taken off.
+    inside: NDArray[np.bool_]
+    basis: Array
+    counts: NDArray[np.bool_]
+
+
+def _swings(features: Features, valid: NDArray[np.bool_], values: dict[str, Array]) -> dict[int, Swing]:
+    """Return what may swing in the tests that say enough.
+
+    A frequency at which a test moves itself does not count there: what friction leaves swings with the harmonics of the motion.
     """
     time, speed = values["time"], np.abs(values["arm_velocity"])
     motion = [values["arm_velocity"], speed, values["pump_velocity"], values["direction"]]
-    tests = list(range(len(features.counts)))
-    whole, swing = np.zeros(len(tests)), np.zeros((len(tests), len(FREQUENCIES)))
-    for test in tests:
+    found: dict[int, Swing] = {}
+    for test in range(len(features.counts)):
         inside = valid & (features.of_test == test)
         number = int(inside.sum())
         if number < FEWEST_BLOCKS:
             continue
-        seen = residual[inside] - residual[inside].mean()
         angle = 2 * np.pi * FREQUENCIES[:, None] * time[inside][None]
         basis = np.stack([np.cos(angle), np.sin(angle)], axis=2)
         basis -= basis.mean(axis=1, keepdims=True)
-        whole[test] = float(seen @ seen)
-        swing[test] = _swing(basis, seen) - 2.0 / number * whole[test]
+        moves = np.zeros(len(FREQUENCIES), dtype=bool)
         for column in motion:
             own = column[inside] - column[inside].mean()
-            swing[test, _swing(basis, own) > MOVES * float(own @ own)] = 0.0
+            moves |= _swing(basis, own) > (MOVES + 6.0 / number) * float(own @ own)
+        # what a test of that length cannot tell from one of these
+        near = np.abs(FREQUENCIES[:, None] - FREQUENCIES[moves]) < 1.0 / np.ptp(time[inside])
+        found[test] = Swing(inside, basis, ~near.any(axis=1))
+    return found
+
+
+def _rhythm(features: Features, residual: Array, swings: dict[int, Swing]) -> float:
+    """Return the share of the squared residual that swings with one frequency, found in the other conditions each time.
+
+    The median of the conditions. Phase and size are free in each test, since nothing says that a test begins in step
+    with what shakes it; what two free numbers explain of noise is taken off.
+    """
+    tests = list(range(len(features.counts)))
+    whole, swing = np.zeros(len(tests)), np.zeros((len(tests), len(FREQUENCIES)))
+    for test, one in swings.items():
+        seen = residual[one.inside] - residual[one.inside].mean()
+        whole[test] = float(seen @ seen)
+        swing[test] = np.where(one.counts, _swing(one.basis, seen) - 2.0 / len(seen) * whole[test], 0.0)
     shares = []
     for out in features.evidence.conditions.values():
         others = [test for test in tests if test not in out]
@@ -140,8 +163,8 @@ def _rhythm(features: Features, residual: Array, valid: NDArray[np.bool_], value
 
 def _swing(basis: Array, seen: Array) -> Array:
     """Return the sum of squares (frequencies,) of ``seen`` (n,) that each pair of columns (frequencies, n, 2) explains."""
-    cross = np.einsum("fnk,n->fk", basis, seen)
-    square = np.einsum("fnk,fnl->fkl", basis, basis) + 1e-6 * len(seen) * np.eye(2)
+    cross = np.tensordot(basis, seen, axes=(1, 0))
+    square = np.matmul(basis.transpose(0, 2, 1), basis) + 1e-6 * len(seen) * np.eye(2)
     return np.asarray(np.einsum("fk,fk->f", cross, np.linalg.solve(square, cross[:, :, None])[:, :, 0]))
 
 
@@ -167,7 +190,7 @@ def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, 
                 odd = max(_gain(features, residual, valid, _basis(column, sign, count)) for count in KNOTS)
                 best = max(best, 0.98 * odd)
             if driver == "time" and channel == "sliding":
-                best = max(best, 0.8 * _rhythm(features, residual, valid, values))
+                best = max(best, 0.8 * _rhythm(features, residual, _swings(features, valid, values)))
             found.append((driver, channel, best * max(excess, 0.05)))
     return sorted(found, key=lambda row: -row[2])
 
@@ -192,11 +215,11 @@ def foreign_shares(features: Features, residuals: Sequence[Array]) -> list[dict[
     bases = [_basis(values["arm_angle"], sign, count) for sign in (None, values["direction"]) for count in KNOTS]
     # friction that is off everywhere is no friction at an angle
     level = np.column_stack([np.ones(len(valid)), values["direction"]])
-    found = []
+    found, swings = [], _swings(features, valid, values)
     for one in residuals:
         left = one[:, index] - level @ np.linalg.lstsq(level[valid], one[valid, index], rcond=None)[0]
         angle = max(_gain(features, left, valid, basis) for basis in bases)
-        found.append({"arm_angle": angle, "time": _rhythm(features, left, valid, values)})
+        found.append({"arm_angle": angle, "time": _rhythm(features, left, swings)})
     return found
 
 

@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.drivers import KNOTS, _basis, _gain, _rhythm, bends, outdone
+from hjcamp.discrepancy.drivers import KNOTS, _basis, _gain, _rhythm, _swings, bends, outdone
 
 TESTS, BLOCKS = 6, 200
 
@@ -83,9 +83,17 @@ def test_a_swing_counts_where_all_conditions_have_it(features: Any, shaken: tupl
         for test in features.evidence.conditions[name]:
             rows = features.of_test == test
             force[rows] += 1.5 * np.sin(2 * np.pi * 7.0 * time[rows] + test)
-    share = _rhythm(features, force, np.ones(len(time), dtype=bool), moving(time, 1.0))
+    share = _rhythm(features, force, _swings(features, np.ones(len(time), dtype=bool), moving(time, 1.0)))
     # 1.5^2 / 2 beside a variance of 1
     assert share == pytest.approx(1.125 / 2.125, abs=0.08) if len(shaken) == 3 else abs(share) < 0.05
+
+
+@pytest.mark.parametrize("frequency", [7.0, 7.12, 7.37])
+def test_a_swing_is_found_at_any_frequency(features: Any, frequency: float) -> None:
+    time = np.tile(0.02 * np.arange(BLOCKS), TESTS)
+    force = np.sin(2 * np.pi * frequency * time + features.of_test)
+    shares = _rhythm(features, force, _swings(features, np.ones(len(time), dtype=bool), moving(time, 1.0)))
+    assert shares > 0.9
 
 
 def test_a_swing_in_step_with_the_motion_is_no_foreign_one(features: Any) -> None:
@@ -94,5 +102,5 @@ def test_a_swing_in_step_with_the_motion_is_no_foreign_one(features: Any) -> Non
     drivers, every = moving(time, 2.0), np.ones(len(time), dtype=bool)
     # what a model of friction leaves: the third harmonic of the motion
     left = generator.standard_normal(len(time)) + 1.5 * np.sin(2 * np.pi * 6.0 * time)
-    assert _rhythm(features, left, every, moving(time, 0.3)) > 0.4
-    assert abs(_rhythm(features, left, every, drivers)) < 0.05
+    assert _rhythm(features, left, _swings(features, every, moving(time, 0.3))) > 0.4
+    assert abs(_rhythm(features, left, _swings(features, every, drivers))) < 0.05
