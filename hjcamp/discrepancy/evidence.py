@@ -17,6 +17,10 @@ from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]
 DEGREE = math.pi / 180
+# Up to 240 ms after the arm first moves its contact may only give way; as it begins to slide the push falls within 48 ms.
+ONSET, FALLS_WITHIN, FALLS_TO = 60, 12, 0.85
+# Until then it is slow; a place that holds an arm in full motion is none of that.
+CREEPS = 0.6
 STRIDE = 4
 PERIOD = STRIDE * 1e-3
 WINDOW = 0.3
@@ -99,6 +103,25 @@ def breakaways(arm: Array, count: float) -> NDArray[np.int64]:
     rests = np.diff(np.concatenate([[0], changes])) >= 120
     found = [k for k in changes[rests] if 60 < k < len(arm) - 60 and abs(arm[k + 60] - arm[k - 1]) > 5.5 * count]
     return np.array(found, dtype=np.int64) // STRIDE
+
+
+def yielding(velocity: Array, push: Array) -> NDArray[np.bool_]:
+    """Return where the arm moves while its contact only gives way (n,): slowly, up to the peak of the push from which it falls.
+
+    ``velocity`` and ``push`` (n,) in any unit, positive in the same direction; coarse samples.
+    """
+    sign = np.sign(velocity)
+    begins = np.flatnonzero((np.diff(sign, prepend=0.0) != 0.0) & (sign != 0.0))
+    ends = np.append(np.flatnonzero(np.diff(sign) != 0.0) + 1, len(sign))
+    found = np.zeros(len(sign), dtype=bool)
+    for begin, end in zip(begins, ends[np.searchsorted(ends, begins, side="right")], strict=True):
+        ahead, speed = push[begin:end] * sign[begin], np.abs(velocity[begin:end])
+        peak = int(np.argmax(ahead[:ONSET]))
+        after = slice(peak, peak + FALLS_WITHIN)
+        creeps = speed[: max(peak - SLIDING_MARGIN, 1)].max() < CREEPS * speed[after].max()
+        if creeps and ahead[peak] > 0.0 and ahead[after].min() < FALLS_TO * ahead[peak]:
+            found[begin : begin + peak + SLIDING_MARGIN + 1] = True
+    return found
 
 
 @functools.cache
@@ -210,6 +233,7 @@ class Evidence:
         smooth = np.abs(self.joined("misfit")) < 1.0
         for shift in range(-SLIDING_MARGIN, SLIDING_MARGIN + 1):
             moving &= (np.roll(velocity, shift) * velocity > 0) & np.roll(smooth, shift)
+        moving &= ~yielding(velocity, self.joined("pressure1") - self.joined("pressure2"))
         for edge in self.edges[:-1]:
             moving[edge : edge + SLIDING_MARGIN] = False
         for edge in self.edges[1:]:

@@ -1,0 +1,41 @@
+"""What moves while its contact only gives way is no sliding: a slow creep under a growing push, which then falls."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hjcamp.discrepancy.evidence import SLIDING_MARGIN, yielding
+
+REST, CREEP, SLIDE = 50, 40, 100
+
+
+def run(peak: float, direction: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Return velocity and push of an arm that rests, creeps while the push grows to ``peak``, and slides at a push of 5."""
+    velocity = np.concatenate([np.zeros(REST), np.full(CREEP, 0.005), np.full(SLIDE, 0.02)])
+    push = np.concatenate([np.linspace(0.0, 4.0, REST), np.linspace(4.0, peak, CREEP), np.full(SLIDE, 5.0)])
+    return direction * velocity, direction * push
+
+
+def test_the_creep_before_the_push_falls_is_no_sliding() -> None:
+    for direction in (1.0, -1.0):
+        marked = np.flatnonzero(yielding(*run(7.0, direction)))
+        assert marked[0] == REST
+        assert marked[-1] == REST + CREEP - 1 + SLIDING_MARGIN
+
+
+def test_a_push_that_does_not_fall_marks_nothing() -> None:
+    assert not yielding(*run(5.2)).any()
+
+
+def test_a_place_that_holds_an_arm_in_full_motion_is_sliding() -> None:
+    velocity, push = run(7.0)
+    velocity[REST : REST + CREEP // 2] = 0.02
+    assert not yielding(velocity, push).any()
+
+
+def test_each_run_of_motion_is_looked_at_by_itself() -> None:
+    up, down = run(7.0), run(5.2, -1.0)
+    marked = yielding(np.concatenate([up[0], down[0], up[0]]), np.concatenate([up[1], down[1], up[1]]))
+    length = REST + CREEP + SLIDE
+    assert marked[:length].any() and not marked[length : 2 * length].any() and marked[2 * length :].any()
+    assert np.array_equal(marked[:length], marked[2 * length :])
