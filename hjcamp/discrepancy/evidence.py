@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 DEGREE = math.pi / 180
 # Up to 240 ms after the arm first moves its contact may only give way; as it begins to slide the push falls within 48 ms.
 ONSET, FALLS_WITHIN, FALLS_TO = 60, 12, 0.85
-# Until then it is slow; a place that holds an arm in full motion is none of that.
-CREEPS = 0.6
+# Until then it is slow, and no seal gives way over a millimetre; a place that holds a moving arm is none of that.
+CREEPS, MOST_TRAVEL = 0.6, 1e-3
 STRIDE = 4
 PERIOD = STRIDE * 1e-3
 WINDOW = 0.3
@@ -108,7 +108,7 @@ def breakaways(arm: Array, count: float) -> NDArray[np.int64]:
 def yielding(velocity: Array, push: Array) -> NDArray[np.bool_]:
     """Return where the arm moves while its contact only gives way (n,): slowly, up to the peak of the push from which it falls.
 
-    ``velocity`` and ``push`` (n,) in any unit, positive in the same direction; coarse samples.
+    ``velocity`` (n,) in m/s and ``push`` (n,) in any unit, positive in the same direction; coarse samples.
     """
     sign = np.sign(velocity)
     begins = np.flatnonzero((np.diff(sign, prepend=0.0) != 0.0) & (sign != 0.0))
@@ -118,7 +118,8 @@ def yielding(velocity: Array, push: Array) -> NDArray[np.bool_]:
         ahead, speed = push[begin:end] * sign[begin], np.abs(velocity[begin:end])
         peak = int(np.argmax(ahead[:ONSET]))
         after = slice(peak, peak + FALLS_WITHIN)
-        creeps = speed[: max(peak - SLIDING_MARGIN, 1)].max() < CREEPS * speed[after].max()
+        slow = speed[: max(peak - SLIDING_MARGIN, 1)].max() < CREEPS * speed[after].max()
+        creeps = slow and PERIOD * speed[: peak + 1].sum() < MOST_TRAVEL
         if creeps and ahead[peak] > 0.0 and ahead[after].min() < FALLS_TO * ahead[peak]:
             found[begin : begin + peak + SLIDING_MARGIN + 1] = True
     return found

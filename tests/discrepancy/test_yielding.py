@@ -33,6 +33,12 @@ def test_a_place_that_holds_an_arm_in_full_motion_is_sliding() -> None:
     assert not yielding(velocity, push).any()
 
 
+def test_a_place_more_than_a_millimetre_away_is_sliding() -> None:
+    velocity, push = run(7.0)
+    assert yielding(velocity, push).any()
+    assert not yielding(1.5 * velocity, push).any()
+
+
 def test_each_run_of_motion_is_looked_at_by_itself() -> None:
     up, down = run(7.0), run(5.2, -1.0)
     marked = yielding(np.concatenate([up[0], down[0], up[0]]), np.concatenate([up[1], down[1], up[1]]))
