@@ -25,7 +25,7 @@ from hidden_effects_tables import (
 )
 
 ROOT = Path(__file__).parents[1]
-SEEN = 70_000
+SEEN = 80_000
 READING = Path(__file__).with_name("hidden_effects_reading.md")
 
 
