@@ -22,11 +22,10 @@ from pathlib import Path
 from typing import Any
 
 from hidden_effects_cases import SIZES, HiddenCase, plan
-from hidden_effects_ledger import Ledger, code_version
+from hidden_effects_ledger import ROOT, Ledger, code_version
 from hidden_effects_page import page
 from hidden_effects_run import alone, run_case
 
-ROOT = Path(__file__).parents[1]
 LEDGER = ROOT / "benchmarks" / "results" / "hidden_effects.jsonl"
 EFFORTS = ("quick", "standard", "thorough")
 STOPPED = 130

@@ -10,6 +10,7 @@ from pathlib import Path
 from hidden_effects_cases import FIRST_SEED, SAME, TAKEN_OUT, HiddenCase
 from hidden_effects_detectable import BASE, DETECTABLE
 from hidden_effects_judging import Line, verdict_of
+from hidden_effects_ledger import ROOT
 from hidden_effects_measure import Measure, at_least
 from hidden_effects_measures import all_measures
 from hidden_effects_quantities import times
@@ -24,7 +25,6 @@ from hidden_effects_tables import (
     value_text,
 )
 
-ROOT = Path(__file__).parents[1]
 SEEN = 80_000
 READING = Path(__file__).with_name("hidden_effects_reading.md")
 

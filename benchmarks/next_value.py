@@ -94,8 +94,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ledger = Ledger(options.ledger, "next_value")
     asked = questions(options.pairs, options.rigs, options.random)
     done = ledger.finished(options.tag, "")
+    left = [one for one in asked if one.name not in done]
     try:
-        fight([one for one in asked if one.name not in done], options.workers, ledger, options.tag)
+        if left:
+            fight(left, options.workers, ledger, options.tag)
     except KeyboardInterrupt:
         print("stopped; the same command goes on from here", file=sys.stderr)
         return 130

@@ -146,7 +146,7 @@ class _Search:
                     break
                 screening, null = self._look(current, number, True)
             step = self._step(screening, null, number)
-            begun = self._begun_anew(step, current) if step is not None and self._counts(step, current) else None
+            begun = self._begun_anew(step) if step is not None and self._counts(step) else None
             if begun is not None:
                 current = begun
                 screening, null = self._look(current, number, True)
@@ -156,7 +156,7 @@ class _Search:
             if step is None:
                 break
             self.steps.append(step)
-            if not self._counts(step, current):
+            if not self._counts(step):
                 break
             current = step.fits[step.best]
             taken.append(step)
@@ -244,19 +244,19 @@ class _Search:
         gain = min(screening.about.loss - fits[best].loss, _at_most(screening, best))
         return Step(screening, fits, weights, null.p_value(gain), null.gains)
 
-    def _counts(self, step: Step, current: Fit) -> bool:
+    def _counts(self, step: Step) -> bool:
         """Whether a step gains more than chance does, enough, and where it matters."""
         certain = step.p_value < LEVEL and step.gain >= self.least_gain
-        return certain and matters(self.features, current, step.fits[step.best])
+        return certain and matters(self.features, step.screening.about, step.fits[step.best])
 
-    def _begun_anew(self, step: Step, current: Fit) -> Fit | None:
+    def _begun_anew(self, step: Step) -> Fit | None:
         """Return the model without the effect of a step, fitted again from where that has led; None where it is no better.
 
         Where a fit has not come to its optimum any further effect helps it there, and seems to gain what was left.
         """
         work = self.work
         found = refit_without(self.fitter, step.fits[step.best], step.best, self.effects, work.steps)
-        if found.loss > current.loss - WORTH:
+        if found.loss > step.screening.about.loss - WORTH:
             return None
         return settle(self.fitter, found, unknowns_of(found.candidate, self.effects), work.sweeps)
 

@@ -87,9 +87,9 @@ class StringElasticity(Effect):
         arm_load = (load_force - string) * arm_share / (1.0 - arm_share)
         stiffness = friction_share * 0.5 * (coulomb_positive + coulomb_negative) / (pulley_radius * encoder_count)
         arm = slider_velocity + stretch_velocity
-        level = friction_share * friction_scatter * (coulomb_positive if arm > 0.0 else coulomb_negative)
-        rate = arm - abs(arm) * stiffness * grip / max(level, 1e-6)
-        held = stiffness * grip + 0.6 * sqrt(stiffness * arm_mass) * rate
+        level = friction_scatter * (coulomb_positive if arm > 0.0 else coulomb_negative)
+        most = level / (0.5 * (coulomb_positive + coulomb_negative)) * pulley_radius * encoder_count
+        held = stiffness * grip + 0.6 * sqrt(stiffness * arm_mass) * (arm - abs(arm) * grip / most)
         return (arm_load - string - held) / arm_mass - slider_acceleration
 
     @staticmethod

@@ -49,13 +49,13 @@ def search(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 def test_a_model_at_its_optimum_stays_as_it_is(search: Any) -> None:
     current = fit(502.0, position_friction={})
-    assert search._begun_anew(step(current, "leakage", fit(465.0, position_friction={}, leakage={})), current) is None
+    assert search._begun_anew(step(current, "leakage", fit(465.0, position_friction={}, leakage={}))) is None
 
 
 def test_a_model_that_had_stuck_is_taken_from_where_the_effect_has_led(search: Any) -> None:
     search.refitted = 470.0
     current = fit(502.0, position_friction={})
-    begun = search._begun_anew(step(current, "leakage", fit(465.0, position_friction={}, leakage={})), current)
+    begun = search._begun_anew(step(current, "leakage", fit(465.0, position_friction={}, leakage={})))
     assert begun.loss == 469.0
     assert set(begun.candidate.effects) == {"position_friction"}
 
