@@ -27,7 +27,7 @@ from hjcamp.discrepancy.search import fit_effect, rival_weights, screen, unknown
 from hjcamp.discrepancy.views import Views
 from hjcamp.records.log import TestLog
 
-MOST = 8
+MOST = 16
 BATCH = 2
 APART = 0.95
 STEPS = 4

@@ -24,8 +24,8 @@ class Question:
 
     @property
     def name(self) -> str:
-        """What the ledger calls it."""
-        return f"{self.names[0]}-{self.strength}-{self.names[1]}-{self.number}-{self.orders}"
+        """What the ledger calls it; an answer holds for as many tests as were run at most."""
+        return f"{self.names[0]}-{self.strength}-{self.names[1]}-{self.number}-{self.orders}-{MOST}"
 
 
 def page(duels: Sequence[tuple[Question, dict[str, Any]]], tag: str) -> str:
