@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.linalg import expm
 from scipy.signal import lfilter, lsim
 
 from hjcamp.model.simulator import Course, Followed, Simulator
@@ -169,6 +170,23 @@ def test_creep_makes_the_line_softer_for_slow_motion(simulator: Simulator) -> No
     step = STIFFNESS * PUMP_AREA * 1e-4
     assert np.max(seen) == pytest.approx(step, rel=0.03)
     assert seen[-1] == pytest.approx(step / 1.25, rel=0.01)
+
+
+def test_a_part_of_the_creep_is_a_decade_faster(simulator: Simulator) -> None:
+    share, delay, fast = 0.6, 0.8, 0.3
+    held = {"static_positive": 60.0, "static_negative": 60.0}
+    course = motion([0.1, 0.11, 2.0], [0.0, 1e-4, 1e-4])
+    creep = {"tubing_creep__share": share, "tubing_creep__delay": delay, "tubing_creep__fast_share": fast}
+    seen = run(simulator, course, **creep, **held).readings[:, P1] - 0.5e6
+    # both elements hang on one pressure p = K (V - V_s - V_f), V constant after a step in the middle of the ramp
+    parts, times = np.array([1.0 - fast, fast]), np.array([delay, delay / 10.0])
+    rates = -(share * np.outer(parts, [1.0, 1.0]) + np.eye(2)) / times[:, None]
+    settled = -np.linalg.solve(rates, share * parts / times)
+    later = np.arange(0.02, 1.8, 0.2)
+    volumes = np.array([settled - expm(rates * t) @ settled for t in later])
+    places = 105 + np.round(later * 1e3).astype(int)
+    expected = STIFFNESS * PUMP_AREA * 1e-4 * (1.0 - volumes.sum(axis=1))
+    assert seen[places] == pytest.approx(expected, rel=0.01)
 
 
 @pytest.mark.parametrize(("rest", "share"), [(0.3, 0.5), (2.7, 0.9)])
