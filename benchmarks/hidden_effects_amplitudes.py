@@ -60,7 +60,13 @@ def _counted(hidden: Values, base: Values) -> float:
 
 
 AMPLITUDES = {
-    "leakage": _one("conductance below the threshold", "m^3/(s Pa)", "leak_conductance", "conductance"),
+    "leakage": _one(
+        "conductance below the threshold (above it ours grows in a straight line, there as the cube of a gap)",
+        "m^3/(s Pa)",
+        "leak_conductance",
+        "conductance",
+        False,
+    ),
     "cross_leakage": Amplitude(
         "conductance at the pressure difference of sliding",
         "m^3/(s Pa)",
@@ -70,7 +76,9 @@ AMPLITUDES = {
         "conductance",
     ),
     "entrained_air": _one("air of one line at atmosphere", "m^3", "air_volume", "air_volume"),
-    "tubing_creep": _one("delayed over immediate volume", "1", "creep_share", "share", False),
+    "tubing_creep": _one(
+        "delayed over immediate volume (ours: a part ten times as fast, there six)", "1", "creep_share", "share", False
+    ),
     "line_resistance": _one("resistance of one line", "Pa s/m^3", "tube_resistance", "resistance"),
     "line_inertance": _one("inertance of one line", "kg/m^4", "tube_inertance", "inertance"),
     "payload_inertia": Amplitude(
@@ -127,7 +135,7 @@ AMPLITUDES = {
 }
 LEFT_OUT = {
     "stribeck_friction": "rational fall of friction with memory there, exponential here",
-    "presliding": "travel to full slip of four asperity groups there, compliance of one bristle here",
+    "presliding": "travel to full slip of four asperity groups there, mean compliance of three bristles here",
     "static_friction_ageing": "logarithm of the time at rest there, saturating growth here",
     "friction_drift": "goes with friction work there, with time and travel here",
 }
