@@ -82,6 +82,21 @@ def test_presliding_gives_way_before_breakaway_and_comes_back(simulator: Simulat
     assert abs(loose[-1]) < 0.6 * np.max(loose)
 
 
+def test_presliding_bristles_yield_one_after_the_other_and_unload_as_springs(simulator: Simulator) -> None:
+    compliance, spread, strength = 1e-5, 0.6, 7.20
+    push = motion([0.1, 1.1, 1.6, 1.9], [0.0, 3.2e-4, 3.2e-4, 2.6e-4])
+    law = {"presliding__compliance": compliance, "presliding__spread": spread, "presliding__lateness": 40.0}
+    followed = run(simulator, push, **law)
+    travel, held = followed.ideal[:, 3], force(followed)
+    each = compliance * np.array([1.0 - spread, 1.0, 1.0 + spread])
+    rise = slice(300, 1100)
+    expected = strength / 3.0 * np.tanh(travel[rise, None] / (each * strength)).sum(axis=1)
+    assert np.max(expected) > 0.6 * strength
+    assert held[rise] == pytest.approx(expected, abs=0.02 * strength)
+    back = (held[1580] - held[1880]) / (travel[1580] - travel[1880])
+    assert back == pytest.approx(np.sum(1.0 / (3.0 * each)), rel=0.03)
+
+
 def test_line_resistance_drops_along_the_tube_and_a_steady_flow_drops_all_of_it(simulator: Simulator) -> None:
     resistance = 3e10
     course = pump_courses()["sine"]
