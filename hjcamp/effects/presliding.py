@@ -12,14 +12,14 @@ class Presliding(Effect):
     r"""Before breakaway the seals give way like springs; friction falls once the whole contact slips.
 
     .. math:: \dot q_i = v\,(1 - r_i^2)\ \text{where}\ r_i v > 0,\ \text{else}\ v, \quad r_i = \frac{q_i}{c_i\,g}, \quad
-              g = F_s - (F_s - F_c)\,w, \quad c_i = c\,(1,\ 1 - \sigma,\ 1 + \sigma)
+              g = F_s - (F_s - F_c)\,w, \quad c_i = c\,(0.2,\ 1,\ 1.8)
 
     .. math:: f = h + d\,\dot q + C_v v, \quad h = \sum_i \frac{q_i}{3 c_i}, \quad
               \tau \dot w = \frac{s^2}{s^2 + v_s^2} - w, \quad s = |v|\,\min\Bigl(\frac{|h|}{g}, 1\Bigr)^n
 
-    with three bristles that carry a third of the friction each and yield one after the other, slip s, weakness w, damping
-    d = 2 (1 - w) sqrt(m / c) of their mean bending, and as memory tau the period of the slider on them. Breaks away at F_s,
-    slides at F_c + C_v v. At rest the bristles carry the push: from there a test starts.
+    with three bristles that carry a third of the friction each and yield one after the other, over a decade of travel; slip
+    s, weakness w, damping d = 2 (1 - w) sqrt(m / c) of their mean bending, and as memory tau the period of the slider on them.
+    Breaks away at F_s, slides at F_c + C_v v. At rest the bristles carry the push: from there a test starts.
     Seen as: motion of some hundredths of a millimetre below breakaway, and its recovery when the force is taken off.
     Not for: the fall of friction at speeds far above v_s (see stribeck_friction).
     Source: elements that yield one by one: Iwan (1966), doi:10.1115/1.3625199; their friction: Al-Bender et al. (2005),
@@ -28,7 +28,9 @@ class Presliding(Effect):
     """
 
     subsystem = "joint"
-    compliance = Parameter("m/N", 1e-5, (2e-6, 2e-4), "log-uniform", "deflection for each newton", shape=True, off=0.0)
+    compliance = Parameter(
+        "m/N", 1e-5, (2e-6, 2e-4), "log-uniform", "mean deflection for each newton", shape=True, off=0.0
+    )
     fall_velocity = Parameter(
         "m/s",
         5e-4,
@@ -39,7 +41,6 @@ class Presliding(Effect):
         off=0.0,
     )
     lateness = Parameter("1", 16.0, (0.0, 40.0), text="0: friction falls with any motion; large: with full slip only")
-    spread = Parameter("1", 0.5, (0.0, 0.9), text="compliance of the soft bristles over the mean, less one", shape=True)
     deflection = State("m", 2e-8, 1e-5, text="deflection of the middle bristles", known=True)
     stiff_deflection = State("m", 2e-8, 1e-5, text="deflection of the stiff bristles", known=True)
     soft_deflection = State("m", 2e-8, 1e-5, text="deflection of the soft bristles", known=True)
@@ -53,18 +54,18 @@ class Presliding(Effect):
         return compliance * (sliding if speed > 0.0 else resting)
 
     @staticmethod
-    def start_stiff_deflection(push, slider_velocity, speed, friction_static, friction_coulomb, compliance, spread):
+    def start_stiff_deflection(push, slider_velocity, speed, friction_static, friction_coulomb, compliance):
         """Start with bristles that carry the push at rest, and as in steady sliding in motion, m."""
         sliding = friction_coulomb if slider_velocity > 0.0 else -friction_coulomb
         resting = max(-friction_static, min(friction_static, push))
-        return (1.0 - spread) * compliance * (sliding if speed > 0.0 else resting)
+        return 0.2 * compliance * (sliding if speed > 0.0 else resting)
 
     @staticmethod
-    def start_soft_deflection(push, slider_velocity, speed, friction_static, friction_coulomb, compliance, spread):
+    def start_soft_deflection(push, slider_velocity, speed, friction_static, friction_coulomb, compliance):
         """Start with bristles that carry the push at rest, and as in steady sliding in motion, m."""
         sliding = friction_coulomb if slider_velocity > 0.0 else -friction_coulomb
         resting = max(-friction_static, min(friction_static, push))
-        return (1.0 + spread) * compliance * (sliding if speed > 0.0 else resting)
+        return 1.8 * compliance * (sliding if speed > 0.0 else resting)
 
     @staticmethod
     def start_weakness(speed):
@@ -79,21 +80,17 @@ class Presliding(Effect):
         return slider_velocity * (1.0 - (share * share if slider_velocity * share > 0.0 else 0.0))
 
     @staticmethod
-    def d_stiff_deflection(
-        stiff_deflection, weakness, slider_velocity, friction_static, friction_coulomb, compliance, spread
-    ):
+    def d_stiff_deflection(stiff_deflection, weakness, slider_velocity, friction_static, friction_coulomb, compliance):
         """Rate of the deflection, m/s."""
         level = friction_static - (friction_static - friction_coulomb) * weakness
-        share = stiff_deflection / ((1.0 - spread) * compliance * level)
+        share = stiff_deflection / (0.2 * compliance * level)
         return slider_velocity * (1.0 - (share * share if slider_velocity * share > 0.0 else 0.0))
 
     @staticmethod
-    def d_soft_deflection(
-        soft_deflection, weakness, slider_velocity, friction_static, friction_coulomb, compliance, spread
-    ):
+    def d_soft_deflection(soft_deflection, weakness, slider_velocity, friction_static, friction_coulomb, compliance):
         """Rate of the deflection, m/s."""
         level = friction_static - (friction_static - friction_coulomb) * weakness
-        share = soft_deflection / ((1.0 + spread) * compliance * level)
+        share = soft_deflection / (1.8 * compliance * level)
         return slider_velocity * (1.0 - (share * share if slider_velocity * share > 0.0 else 0.0))
 
     @staticmethod
@@ -107,13 +104,12 @@ class Presliding(Effect):
         friction_coulomb,
         moving_mass,
         compliance,
-        spread,
         fall_velocity,
         lateness,
     ):
         """Rate of the weakness, 1/s."""
         level = friction_static - (friction_static - friction_coulomb) * weakness
-        force = (deflection + stiff_deflection / (1.0 - spread) + soft_deflection / (1.0 + spread)) / (3.0 * compliance)
+        force = (deflection + stiff_deflection / 0.2 + soft_deflection / 1.8) / (3.0 * compliance)
         slip = speed * min(abs(force) / level, 1.0) ** lateness
         return (slip * slip / (slip * slip + fall_velocity * fall_velocity) - weakness) / (
             2.0 * pi * sqrt(moving_mass * compliance)
@@ -137,11 +133,10 @@ class Presliding(Effect):
         friction_viscous,
         moving_mass,
         compliance,
-        spread,
     ):
         """Friction of bristles and viscous film, N."""
         level = friction_static - (friction_static - friction_coulomb) * weakness
-        force = (deflection + stiff_deflection / (1.0 - spread) + soft_deflection / (1.0 + spread)) / (3.0 * compliance)
+        force = (deflection + stiff_deflection / 0.2 + soft_deflection / 1.8) / (3.0 * compliance)
         share = force / level
         elastic = slider_velocity * (1.0 - (min(share * share, 1.0) if slider_velocity * share > 0.0 else 0.0))
         damping = 2.0 * sqrt(moving_mass / compliance) * (1.0 - weakness)

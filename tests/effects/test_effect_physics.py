@@ -83,12 +83,11 @@ def test_presliding_gives_way_before_breakaway_and_comes_back(simulator: Simulat
 
 
 def test_presliding_bristles_yield_one_after_the_other_and_unload_as_springs(simulator: Simulator) -> None:
-    compliance, spread, strength = 1e-5, 0.6, 7.20
+    compliance, strength = 1e-5, 7.20
     push = motion([0.1, 1.1, 1.6, 1.9], [0.0, 3.2e-4, 3.2e-4, 2.6e-4])
-    law = {"presliding__compliance": compliance, "presliding__spread": spread, "presliding__lateness": 40.0}
-    followed = run(simulator, push, **law)
+    followed = run(simulator, push, presliding__compliance=compliance, presliding__lateness=40.0)
     travel, held = followed.ideal[:, 3], force(followed)
-    each = compliance * np.array([1.0 - spread, 1.0, 1.0 + spread])
+    each = compliance * np.array([0.2, 1.0, 1.8])
     rise = slice(300, 1100)
     expected = strength / 3.0 * np.tanh(travel[rise, None] / (each * strength)).sum(axis=1)
     assert np.max(expected) > 0.6 * strength
