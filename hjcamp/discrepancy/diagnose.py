@@ -142,7 +142,7 @@ class _Search:
             if number and self.work.hasty and not screening.probes:
                 law = law_of(named_by(taken, self.effects))
                 excess = null.excess(base.mean_square, current.mean_square, law)
-                if np.all(excess <= 1.0) and not self._others(taken[-1], current):
+                if np.all(excess <= 1.0) and not self._others(taken, current):
                     break
                 screening, null = self._look(current, number, True)
             step = self._step(screening, null, number)
@@ -290,8 +290,13 @@ class _Search:
             self._fit(screening, names[begin : begin + PAIR], fits, share)
         return fits
 
-    def _others(self, step: Step, current: Fit) -> bool:
-        """Whether another effect that gained much beside the model before the step still promises to after it."""
+    def _others(self, taken: list[Step], current: Fit) -> bool:
+        """Whether another effect that gained much beside the model before the last step still promises to after it.
+
+        Beside a certain first effect it has to promise what `_told` will ask of it.
+        """
+        step = taken[-1]
+        enough = self.least_gain * (1.0 if rivals_of(taken[0], taken) else LITTLE)
         others = [
             name
             for name, fit in step.fits.items()
@@ -301,7 +306,7 @@ class _Search:
         if not others:
             return False
         screening = screen(self.fitter, current, self.effects, others)
-        return any(_at_most(screening, name) > self.least_gain for name in others)
+        return any(_at_most(screening, name) > enough for name in others)
 
     def _same_as(self, name: str) -> list[str]:
         """Return the effects that say they can be the same thing."""

@@ -8,9 +8,11 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from hjcamp.discrepancy import diagnose
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.diagnose import LITTLE, _Search
 from hjcamp.discrepancy.search import Step
+from hjcamp.effects import load_effects
 
 LEAST = 10.0
 
@@ -24,7 +26,9 @@ BASE, FIRST, BOTH = fit(), fit(leakage={}), fit(leakage={}, tubing_creep={})
 
 def step(about: Any, gain: float, **weights: float) -> Step:
     screening = SimpleNamespace(about=about)
-    return cast(Any, SimpleNamespace(screening=screening, gain=gain, weights=weights, best=next(iter(weights))))
+    return cast(
+        Any, SimpleNamespace(screening=screening, gain=gain, weights=weights, best=next(iter(weights)), fits={})
+    )
 
 
 def search(left: float) -> Any:
@@ -68,3 +72,19 @@ def test_what_stays(left: float, gain: float, first: dict[str, float], second: d
 def test_a_single_effect_stays() -> None:
     steps = [step(BASE, 1.2 * LEAST, **DOUBT)]
     assert search(0.9)._told(BASE, FIRST, steps, "null")[:2] == (FIRST, steps)
+
+
+@pytest.mark.parametrize(
+    ("first", "promised", "looks"),
+    [(SURE, 17.7, False), (SURE, 1.1 * LITTLE * LEAST, True), ({"leakage": 0.5, "entrained_air": 0.5}, 17.7, True)],
+    ids=["too little to stay", "enough to stay", "the first is doubtful"],
+)
+def test_a_hasty_search_does_not_look_for_what_would_be_left_out(
+    first: dict[str, float], promised: float, looks: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    promises = SimpleNamespace(gains={"tubing_creep": 0.5 * (promised - 1.0)})
+    monkeypatch.setattr(diagnose, "screen", lambda *_: promises)
+    one, taken = search(0.9), step(SimpleNamespace(loss=200.0), 150.0, **first)
+    taken.fits.update(leakage=SimpleNamespace(loss=50.0), tubing_creep=SimpleNamespace(loss=100.0))
+    one.fitter, one.effects = None, tuple(load_effects().values())
+    assert one._others([taken], fit(leakage={})) is looks
