@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import inspect
 import math
 import re
@@ -129,14 +130,24 @@ class Composition:
         parts = []
         for name, found in kinds.items():
             # all are computed before any is stored, since they may use each other
-            lines = [f"next_{index} = {value}" for index, value in found.items()]
-            lines += [f"z[{index}] = next_{index}" for index in found]
+            lines = [self._where_open(index, f"next_{index} = {value}") for index, value in found.items()]
+            lines += [self._where_open(index, f"z[{index}] = next_{index}") for index in found]
             parts.append(function_source(f"{name}(time, direction, z, u, p)", self.body(lines)))
         return "".join(parts)
+
+    def _where_open(self, index: int, line: str) -> str:
+        gate = self.gate(list(self.states)[index])
+        return f"if {gate}: {line}" if gate else line
 
     def gate(self, state: str) -> str:
         """Return the test in the source of the gate that a state is behind; empty where there is none."""
         return self._gate(self._owner(state)[0]) if self.gated and "." in state else ""
+
+    @staticmethod
+    def any_gate(gates: Sequence[str]) -> str:
+        """Return the test whether any of some gates is open; empty where there are none."""
+        bits = {int(gate.rpartition(" ")[2]) for gate in gates}
+        return f"{GATES} & {sum(bits)}" if bits else ""
 
     def start(self, state: str) -> str:
         """Return the expression that an effect's state starts with; empty for a state of the plant."""
@@ -285,13 +296,20 @@ def live(statements: Sequence[str], last: str) -> list[str]:
     wanted = _names(ast.parse(textwrap.dedent(last.replace("return ", ""))))
     kept = []
     for line in reversed(statements):
-        tree = ast.parse(line).body[0]
-        assignment = tree.body[0] if isinstance(tree, ast.If) else tree
-        assert isinstance(assignment, ast.Assign)
-        if ast.unparse(assignment.targets[0]) in wanted:
+        target, names = _assigned(line)
+        if target in wanted:
             kept.append(line)
-            wanted |= _names(tree)
+            wanted |= names
     return kept[::-1]
+
+
+@functools.lru_cache(maxsize=4096)
+def _assigned(line: str) -> tuple[str, frozenset[str]]:
+    """Return the name that a one-line statement sets, and all names in it."""
+    tree = ast.parse(line).body[0]
+    assignment = tree.body[0] if isinstance(tree, ast.If) else tree
+    assert isinstance(assignment, ast.Assign)
+    return ast.unparse(assignment.targets[0]), frozenset(_names(tree))
 
 
 def behind_one_test(lines: Sequence[str]) -> list[str]:

@@ -44,7 +44,7 @@ def closed_loop(  # type: ignore[no-untyped-def]
     z,
     u,
     p,
-    propagator,
+    steps,
     h,
     c,
     m,
@@ -67,11 +67,6 @@ def closed_loop(  # type: ignore[no-untyped-def]
     reference, command, pid, feedforward, dither, readings. ``work`` (4, columns): scratch. ``delay``: whole samples and
     the fraction of one. A row of zeros after the last sample means the record was too short.
     """
-    fast = (
-        propagator[0, 0, 0], propagator[0, 0, 1], propagator[0, 0, 2],
-        propagator[1, 0, 0], propagator[1, 0, 1], propagator[1, 0, 2],
-        propagator[2, 0, 0], propagator[2, 0, 1], propagator[2, 0, 2],
-    )  # fmt: skip
     a, before, counter, seen = work[0], work[1], work[2], work[3]
     direction = 0.0
     whole = int(delay[0])
@@ -117,12 +112,12 @@ def closed_loop(  # type: ignore[no-untyped-def]
         u[DITHER] = shake
         u[PRELOAD] = speed * preload_area
         remember(time, direction, z, u, p)
-        direction = move(time, direction, z, u, p, fast, propagator, h, a, before, counter)
+        direction = move(time, direction, z, u, p, steps, h, a, before, counter)
     return -1
 
 
 def follow(  # type: ignore[no-untyped-def]
-    z, u, p, propagator, h, restart, time, driven, observed, velocity, dither, scatter, out, ideal, forces, work
+    z, u, p, steps, h, restart, time, driven, observed, velocity, dither, scatter, out, ideal, forces, work
 ):
     """Drive the plant along measured motion; fill ``out`` with its readings, ``ideal`` with its observed states
     and ``forces`` with its force balance.
@@ -130,11 +125,6 @@ def follow(  # type: ignore[no-untyped-def]
     Where ``restart`` is 2 a test begins, where it is 1 the observed states are set to what was measured, and at rest the
     effects' states that are known from them.
     """
-    fast = (
-        propagator[0, 0, 0], propagator[0, 0, 1], propagator[0, 0, 2],
-        propagator[1, 0, 0], propagator[1, 0, 1], propagator[1, 0, 2],
-        propagator[2, 0, 0], propagator[2, 0, 1], propagator[2, 0, 2],
-    )  # fmt: skip
     a, before, counter = work[0], work[1], work[2]
     direction = 0.0
     n = len(time)
@@ -162,4 +152,4 @@ def follow(  # type: ignore[no-untyped-def]
         for i in range(len(OBSERVED_STATES)):
             ideal[k, i] = z[OBSERVED_STATES[i]]
         remember(time[k], direction, z, u, p)
-        direction = move(time[k], direction, z, u, p, fast, propagator, h, a, before, counter)
+        direction = move(time[k], direction, z, u, p, steps, h, a, before, counter)

@@ -13,6 +13,8 @@ which a regime ends, is tried again one level finer; at the finest level (1 us) 
 f(z), s and the next s. Where a limiter acts every rate is corrected, else only the curved ones.
 Source: Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286, sections 2.4, 2.5 (Rosenbrock) and 2.7 (multistep).
 
+``steps`` has a row for each regime and level, of which ``row`` holds E, P1 and P2 one after the other: constant places in
+it cost no view of an array, so that one copy of a step serves all regimes.
 The names in capitals, ``rates``, ``contact``, ``predict`` and ``correct`` are supplied by the generated file.
 """
 
@@ -95,7 +97,7 @@ def prepare(z, u, p, h, out):  # type: ignore[no-untyped-def]
         propagators(jacobian, h, out[regime])
 
 
-def attempt(time, span, direction, z, u, p, e, p1, p2, a, before, counter):  # type: ignore[no-untyped-def]
+def attempt(time, span, direction, z, u, p, steps, row, a, before, counter):  # type: ignore[no-untyped-def]
     """Write into ``a`` the state after one step; return its correction in units of the states' resolution.
 
     Where the model is linear and no limiter acts at either end, the correction is zero and is not computed;
@@ -103,9 +105,9 @@ def attempt(time, span, direction, z, u, p, e, p1, p2, a, before, counter):  # t
     """
     limited = counter[4] != 0.0
     if limited:
-        predict_all(time, span, direction, z, u, p, p1, p2, a, before)
+        predict_all(time, span, direction, z, u, p, steps, row, a, before)
     else:
-        predict(time, span, direction, z, u, p, p1, p2, a, before)
+        predict(time, span, direction, z, u, p, steps, row, a, before)
         limited = contact(time + span, direction, a, u, p)[3] != 0.0
         if AFFINE and not limited:
             return 0.0
@@ -113,8 +115,8 @@ def attempt(time, span, direction, z, u, p, e, p1, p2, a, before, counter):  # t
     if counter[6] > 0.0:
         weight -= span / (3.0 * (span + counter[6]))
     if limited:
-        return correct_all(time + span, span, direction, a, u, p, e, p1, p2, before, weight)
-    return correct(time + span, span, direction, a, u, p, e, p1, p2, before, weight)
+        return correct_all(time + span, span, direction, a, u, p, steps, row, before, weight)
+    return correct(time + span, span, direction, a, u, p, steps, row, before, weight)
 
 
 def accept(span, z, a, before, counter):  # type: ignore[no-untyped-def]
@@ -148,9 +150,9 @@ def forget(before, counter):  # type: ignore[no-untyped-def]
     counter[6] = 0.0
 
 
-def trial(time, h, direction, z, u, p, e, p1, p2, a, before, counter):  # type: ignore[no-untyped-def]
+def trial(time, h, direction, z, u, p, steps, row, a, before, counter):  # type: ignore[no-untyped-def]
     """Try one whole sample in regime ``direction``; return True where it is accurate and the regime goes on."""
-    if not attempt(time, h, direction, z, u, p, e, p1, p2, a, before, counter) <= counter[5]:
+    if not attempt(time, h, direction, z, u, p, steps, row, a, before, counter) <= counter[5]:
         return False
     if CONTACT:
         if direction == 0.0:
@@ -160,23 +162,18 @@ def trial(time, h, direction, z, u, p, e, p1, p2, a, before, counter):  # type: 
     return True
 
 
-def move(time, direction, z, u, p, fast, propagator, h, a, before, counter):  # type: ignore[no-untyped-def]
-    """Move ``z`` on by one sample; return the friction regime at its end.
+def first_row(direction):  # type: ignore[no-untyped-def]
+    """Return the row of the propagators of a whole sample: of the regimes held, positive and negative."""
+    return 0 if direction == 0.0 else (LEVELS + 1 if direction > 0.0 else 2 * (LEVELS + 1))
 
-    ``fast`` holds E, P1, P2 of a whole sample for the regimes held, positive, negative: most samples need no more.
-    """
-    done = False
-    if counter[0] == 0.0:
-        if direction == 0.0:
-            done = trial(time, h, 0.0, z, u, p, fast[0], fast[1], fast[2], a, before, counter)
-        elif direction > 0.0:
-            done = trial(time, h, 1.0, z, u, p, fast[3], fast[4], fast[5], a, before, counter)
-        else:
-            done = trial(time, h, -1.0, z, u, p, fast[6], fast[7], fast[8], a, before, counter)
-    if done:
+
+def move(time, direction, z, u, p, steps, h, a, before, counter):  # type: ignore[no-untyped-def]
+    """Move ``z`` on by one sample, most of them in one step; return the friction regime at its end."""
+    row = first_row(direction)
+    if counter[0] == 0.0 and trial(time, h, direction, z, u, p, steps, row, a, before, counter):
         accept(h, z, a, before, counter)
     else:
-        direction = advance(time, direction, z, u, p, propagator, h, a, before, counter)
+        direction = advance(time, direction, z, u, p, steps, h, a, before, counter)
     straighten(contact(time + h, direction, z, u, p)[3], before, counter)
     return direction
 
@@ -197,7 +194,7 @@ def turned(span, direction, z, a, before):  # type: ignore[no-untyped-def]
     return lowest < span and start + 0.5 * slowing * lowest < 0.0
 
 
-def advance(time, direction, z, u, p, propagator, h, a, before, counter):  # type: ignore[no-untyped-def]
+def advance(time, direction, z, u, p, steps, h, a, before, counter):  # type: ignore[no-untyped-def]
     """Move ``z`` on by one sample in as many steps as accuracy and the ends of regimes ask for.
 
     ``counter``: 0 level that accuracy asks for, 1 steps, 2 events, 3 largest correction accepted at the finest level,
@@ -215,10 +212,9 @@ def advance(time, direction, z, u, p, propagator, h, a, before, counter):  # typ
             level += 1
             length = ticks >> level
         span = tick * length
-        regime = 0 if direction == 0.0 else (1 if direction > 0.0 else 2)
         now = time + tick * done
-        steps = propagator[regime, level]
-        error = attempt(now, span, direction, z, u, p, steps[0], steps[1], steps[2], a, before, counter)
+        row = first_row(direction) + level
+        error = attempt(now, span, direction, z, u, p, steps, row, a, before, counter)
         if not error <= counter[5] and level < LEVELS:
             level += 1
             accuracy = level if not searching else accuracy

@@ -154,11 +154,11 @@ class Simulator:
         return z
 
     def propagators(self, z: Array, p: Array, period: float = PERIOD) -> Array:
-        """Return the exact steps of the linear part in each regime, linearised about ``z``."""
+        """Return the exact steps of the linear part, linearised about ``z``: a row for each regime and level, with E, P1, P2."""
         n = len(self.states)
         out = np.empty((3, LEVELS + 1, 3, n, n))
         self.kernel.prepare(z, self.inputs(), p, period, out)
-        return out
+        return out.reshape(3 * (LEVELS + 1), 3 * n * n)
 
     def run(
         self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Array | None = None

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hjcamp.model.compose import Composition, function_source
 
 Pattern = NDArray[np.bool_]
+E, P1, P2 = range(3)
 
 
 def predict_source(composition: Composition, pattern: Pattern, curved: Pattern, everything: bool = False) -> str:
@@ -27,11 +28,11 @@ def predict_source(composition: Composition, pattern: Pattern, curved: Pattern, 
         return [f"f{i} = {composition.rate(step.names[i])}", f"before[{i}] = f{i}", *carried]
 
     lines = step.rows(rate)
-    lines += step.sums("m", "p1", "f", pattern)
-    lines += step.sums("n", "p2", "b", pattern & step.curved)
+    lines += step.sums("m", P1, "f", pattern)
+    lines += step.sums("n", P2, "b", pattern & step.curved)
     lines += step.rows(lambda i: [f"a[{i}] = z[{i}] + m{i} + n{i}"], lambda i: [f"a[{i}] = z[{i}]"])
     name = "predict_all" if everything else "predict"
-    return function_source(f"{name}(time, span, direction, z, u, p, p1, p2, a, before)", composition.body(lines))
+    return function_source(f"{name}(time, span, direction, z, u, p, steps, row, a, before)", composition.body(lines))
 
 
 def correct_source(composition: Composition, pattern: Pattern, curved: Pattern, everything: bool = False) -> str:
@@ -57,14 +58,14 @@ def correct_source(composition: Composition, pattern: Pattern, curved: Pattern, 
         return take if bent[i].any() else []
 
     lines = step.rows(known)
-    lines += step.sums("m", "e", "b", pattern & step.curved[:, None])
-    lines += step.sums("n", "p1", "s", bent & step.curved[:, None])
+    lines += step.sums("m", E, "b", pattern & step.curved[:, None])
+    lines += step.sums("n", P1, "s", bent & step.curved[:, None])
     lines += step.rows(surplus)
-    lines += step.sums("c", "p2", "g", bent)
+    lines += step.sums("c", P2, "g", bent)
     lines += ["worst = 0.0", *step.rows(corrected), "return worst"]
     name = "correct_all" if everything else "correct"
     lines = [re.sub(r"\bz\[", "a[", line) for line in composition.body(lines)]
-    return function_source(f"{name}(time, span, direction, a, u, p, e, p1, p2, before, weight)", lines)
+    return function_source(f"{name}(time, span, direction, a, u, p, steps, row, before, weight)", lines)
 
 
 class _Step:
@@ -78,33 +79,47 @@ class _Step:
             if gate != self.blocks[-1][0]:
                 self.blocks.append((gate, []))
             self.blocks[-1][1].append(index)
+        # One test for all of them: most models have no effect with states.
+        self.any_gate = composition.any_gate([gate for gate, _ in self.blocks[1:]])
 
     def rows(
         self, lines: Callable[[int], Sequence[str]], otherwise: Callable[[int], Sequence[str]] | None = None
     ) -> list[str]:
         """Return the lines of every state behind its gate, and what is done where the gate is closed."""
-        found: list[str] = []
-        for gate, own in self.blocks:
+        always, *gated = self.blocks
+        inside: list[str] = []
+        for gate, own in gated:
             absent = [line for i in own for line in otherwise(i)] if otherwise else []
-            found += _guarded(gate, [line for i in own for line in lines(i)], absent)
-        return found
+            inside += guarded(gate, [line for i in own for line in lines(i)], absent)
+        absent = [line for _, own in gated for i in own for line in otherwise(i)] if otherwise else []
+        return [line for i in always[1] for line in lines(i)] + guarded(self.any_gate, inside, absent)
 
-    def sums(self, name: str, matrix: str, vector: str, pattern: Pattern) -> list[str]:
+    def sums(self, name: str, matrix: int, vector: str, pattern: Pattern) -> list[str]:
         """Return the lines that sum up a matrix times a vector, what is behind a closed gate left out."""
-        found = [f"{name}{i} = 0.0" for i in range(len(self.names))]
-        for gate, columns in self.blocks:
+        n = len(self.names)
+
+        def sums(rows: Sequence[int], columns: Sequence[int]) -> list[str]:
+            found = []
+            for i in rows:
+                terms = [f"steps[row, {(matrix * n + i) * n + j}] * {vector}{j}" for j in columns if pattern[i, j]]
+                found += [f"{name}{i} = {' + '.join([f'{name}{i}', *terms])}"] if terms else []
+            return found
+
+        always, *gated = self.blocks
+        found = [f"{name}{i} = 0.0" for i in always[1]] + sums(always[1], always[1])
+        inside = [f"{name}{i} = 0.0" for _, own in gated for i in own]
+        for gate, rows in gated:
+            inside += guarded(gate, sums(rows, always[1]))
+        for gate, columns in gated:
             part: list[str] = []
             for other, rows in self.blocks:
-                sums = []
-                for i in rows:
-                    terms = [f"{matrix}[{i}, {j}] * {vector}{j}" for j in columns if pattern[i, j]]
-                    sums += [f"{name}{i} = {' + '.join([f'{name}{i}', *terms])}"] if terms else []
-                part += _guarded(other if other != gate else "", sums)
-            found += _guarded(gate, part)
-        return found
+                part += guarded(other if other != gate else "", sums(rows, columns))
+            inside += guarded(gate, part)
+        return found + guarded(self.any_gate, inside)
 
 
-def _guarded(gate: str, lines: Sequence[str], otherwise: Sequence[str] = ()) -> list[str]:
+def guarded(gate: str, lines: Sequence[str], otherwise: Sequence[str] = ()) -> list[str]:
+    """Return statements behind the test of a gate, and those where it is closed."""
     if not gate or not lines:
         return list(lines)
     found = [f"if {gate}:", *(f"    {line}" for line in lines)]

@@ -39,12 +39,12 @@ class Plain:
         z, u = np.array([state.get(name, 0.0) for name in names]), self.simulator.inputs()
         out = np.empty((3, 11, 3, len(names), len(names)))
         self.functions["prepare"](z, u, p, SPAN, out)
-        e, p1, p2 = out[0 if direction == 0.0 else 1, 0]
+        steps, row = out.reshape(33, -1), 0 if direction == 0.0 else 11
         found: dict[str, float] = {}
         for kind in ("", "_all"):
             a, before = np.zeros(len(names)), np.zeros(3 * len(names))
-            self.functions[f"predict{kind}"](0.1, SPAN, direction, z, u, p, p1, p2, a, before)
-            self.functions[f"correct{kind}"](0.1 + SPAN, SPAN, direction, a, u, p, e, p1, p2, before, 1.0)
+            self.functions[f"predict{kind}"](0.1, SPAN, direction, z, u, p, steps, row, a, before)
+            self.functions[f"correct{kind}"](0.1 + SPAN, SPAN, direction, a, u, p, steps, row, before, 1.0)
             found |= {f"{name}{kind.replace('_', ' ')}": value for name, value in zip(names, a, strict=True)}
         return found
 

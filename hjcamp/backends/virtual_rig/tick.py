@@ -18,7 +18,7 @@ procedure: Any = None
 
 
 def rig_tick(
-    k, outputs, z, u, p, propagator, h, pc, pm, delay, preload_area, burst, counts, phases, noise, scatter, history,
+    k, outputs, z, u, p, steps, h, pc, pm, delay, preload_area, burst, counts, phases, noise, scatter, history,
     memory, seen, work,
 ):  # fmt: skip
     """Move the plant from sample k - 1 to sample ``k`` under ``outputs``, then fill ``seen`` with its readings (SI).
@@ -27,11 +27,6 @@ def rig_tick(
     ``memory``: friction regime, first sample of the command phase or -1, time of the last sample. The order is that of
     ``closed_loop``; the procedure runs along only because effects count time from the start of the command phase.
     """
-    fast = (
-        propagator[0, 0, 0], propagator[0, 0, 1], propagator[0, 0, 2],
-        propagator[1, 0, 0], propagator[1, 0, 1], propagator[1, 0, 2],
-        propagator[2, 0, 0], propagator[2, 0, 1], propagator[2, 0, 2],
-    )  # fmt: skip
     a, before, counter = work[0], work[1], work[2]
     whole = int(delay[0])
     part = delay[1]
@@ -46,7 +41,7 @@ def rig_tick(
         u[DITHER] = outputs[1]
         u[PRELOAD] = outputs[2] * preload_area
         remember(memory[2], memory[0], z, u, p)
-        memory[0] = move(memory[2], memory[0], z, u, p, fast, propagator, h, a, before, counter)
+        memory[0] = move(memory[2], memory[0], z, u, p, steps, h, a, before, counter)
         for i in range(len(burst)):
             z[burst[i]] = 0.0
     time = (k - memory[1]) * h if memory[1] >= 0.0 else 0.0
