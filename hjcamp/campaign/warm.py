@@ -52,7 +52,8 @@ def tasks() -> list[Task]:
     found: list[Task] = [
         (f"next, {many} effects under {controller}", try_test, (choice,)) for controller, choice in menu_tests().items()
     ]
-    found += [(f"diagnose, {many} effects driven at {cut}", follow_nothing, (cut,)) for cut in cuts]
+    found += [(f"diagnose, {many} effects driven at {cut}", follow_nothing, (cut, True)) for cut in cuts]
+    found += [(f"diagnose, no effect driven at {cut}", follow_nothing, (cut, False)) for cut in cuts]
     found += [("diagnose, weighing responses", weigh_nothing, ())]
     return found + [("run " + " ".join(overrides), run_once, (overrides,)) for overrides in CONDITIONS]
 
@@ -86,9 +87,9 @@ def try_test(choice: Choice) -> None:
         bench.columns(trial, Candidate({}), 1)
 
 
-def follow_nothing(cut: str) -> None:
+def follow_nothing(cut: str, with_effects: bool) -> None:
     """Drive the model of a cut along a few samples in which nothing moves: that compiles what a diagnosis runs."""
-    model = simulator(tuple(load_effects().values()), cut)
+    model = simulator(tuple(load_effects().values()) if with_effects else (), cut)
     composition = model.composition
     start = np.zeros(SAMPLES)
     course = Course(

@@ -53,6 +53,12 @@ def _balances_itself(effect: Any) -> bool:
     return any("slider_acceleration" in inspect.signature(function).parameters for function in functions)
 
 
+def _weighs(hardware: Any) -> bool:
+    """Whether the setup itself has a weight on the arm."""
+    weight = hardware.effects.get("gravity_load")
+    return bool(weight and weight["load_mass"] > 0)
+
+
 def _slope(shown: Array, true: Array) -> float:
     """Return the slope of the line through what is shown over what is; 1 where it does not move."""
     true = true - true.mean()
@@ -74,15 +80,21 @@ class Views:
     def __reduce__(self) -> tuple[Any, ...]:
         return _views_by_name, (self.evidence, self.names)
 
-    @cached_property
-    def joint(self) -> Simulator:
-        """The plant driven by the measured pump."""
-        return simulator(self.effects, "pump")
+    def joint(self, candidate: Candidate, hardware: Any) -> Simulator:
+        """Return the plant driven by the measured pump."""
+        return simulator(self._needed(candidate, hardware), "pump")
 
-    @cached_property
-    def lines(self) -> Simulator:
-        """The lines driven by the measured pump and arm."""
-        return simulator(self.effects, "lines")
+    def lines(self, candidate: Candidate, hardware: Any) -> Simulator:
+        """Return the lines driven by the measured pump and arm."""
+        return simulator(self._needed(candidate, hardware), "lines")
+
+    def inverse(self, candidate: Candidate, hardware: Any) -> Simulator:
+        """Return the joint's force balance with every measured state given."""
+        return simulator(self._needed(candidate, hardware), "inverse")
+
+    def _needed(self, candidate: Candidate, hardware: Any) -> tuple[Any, ...]:
+        """Return the effects that the kernel must have: without any it is several times faster than with all gates closed."""
+        return self.effects if candidate.effects or _weighs(hardware) else ()
 
     @cached_property
     def _groups(self) -> list[tuple[slice, Any]]:
@@ -111,7 +123,7 @@ class Views:
             values[f"gate.{name}"] = 1.0
             values.update({f"{name}.{parameter}": value for parameter, value in parameters.items()})
         weight = hardware.effects.get("gravity_load")
-        if weight and weight["load_mass"] > 0 and "gravity_load" in self.names:
+        if _weighs(hardware) and "gravity_load" in self.names:
             chosen = candidate.effects.get("gravity_load", {})
             values["gate.gravity_load"] = 1.0
             radius = chosen.get("radius", weight["radius"])
@@ -125,11 +137,6 @@ class Views:
     @cached_property
     def _measured(self) -> Array:
         return np.column_stack([self._columns["arm"], self._columns["pressure1"], self._columns["pressure2"]])
-
-    @cached_property
-    def inverse(self) -> Simulator:
-        """The joint's force balance with every measured state given."""
-        return simulator(self.effects, "inverse")
 
     def _course(self, part: slice, driven: Array, observed: Array, windows: bool, scatter: Array | None) -> Course:
         columns = self._columns
@@ -152,21 +159,23 @@ class Views:
 
     def _key(self, model: Simulator, p: Array, outputs: Sequence[str]) -> tuple[frozenset[str], bytes]:
         """Return what the outputs of a model depend on: the effects present, and the parameters that can reach them."""
-        present = frozenset(name for name in self.names if p[self._gates[name]] != 0.0)
-        return present, p[_reaching(self.effects, model.composition.cut.name, present, tuple(outputs))].tobytes()
+        effects, cut = model.composition.effects, model.composition.cut.name
+        present = frozenset(effect.name for effect in effects if p[self._gates[effect.name]] != 0.0)
+        return present, p[_reaching(effects, cut, present, tuple(outputs))].tobytes()
 
     def _line_view(self, candidate: Candidate, index: int) -> tuple[Any, Array, Array, Array]:
         """Return of one group of tests: a key, the observed states (n, 4) and the sliders' smooth travel (n, 1) with the
         sensors' errors taken out, and the readings (n, 4) of the lines driven by pump and arm."""
         part, hardware = self._groups[index]
-        p = self.vector(self.lines, candidate, hardware)
-        key: tuple[Any, ...] = (index, *self._key(self.lines, p, [channel.signal for channel in PumpJoint.channels]))
+        model = self.lines(candidate, hardware)
+        p = self.vector(model, candidate, hardware)
+        key: tuple[Any, ...] = (index, *self._key(model, p, [channel.signal for channel in PumpJoint.channels]))
         if self._hung(candidate):
-            key = (*key, self.vector(self.joint, candidate, hardware).tobytes())
+            key = (*key, self.vector(self.joint(candidate, hardware), candidate, hardware).tobytes())
         return key, *self._recent_lines.get(key, lambda: self._follow_lines(p, candidate, part, hardware))
 
     def _follow_lines(self, p: Array, candidate: Candidate, part: slice, hardware: Any) -> tuple[Array, Array, Array]:
-        columns = self._columns
+        columns, model = self._columns, self.lines(candidate, hardware)
         lead, radius = hardware.values["pump_lead"], hardware.values["pulley_radius"]
         pump, arm = columns["pump"][part, None] * lead, columns["arm"][part, None] * radius
         observed = np.column_stack([pump, columns["pressure1"][part], columns["pressure2"][part], arm])
@@ -175,11 +184,11 @@ class Views:
             if self._hung(candidate):
                 # What hangs between sliders and arm moves while the arm stands: only the joint's own motion tells.
                 course = self._course(part, pump, observed, True, None)
-                own = self.vector(self.joint, candidate, hardware)
-                seen = follow(self.joint, own, course, self.crew, TOLERANCE)
+                joint = self.joint(candidate, hardware)
+                seen = follow(joint, self.vector(joint, candidate, hardware), course, self.crew, TOLERANCE)
             else:
                 course = self._course(part, np.hstack([pump, arm]), observed, False, None)
-                seen = follow(self.lines, p, course, self.crew, TOLERANCE)
+                seen = follow(model, p, course, self.crew, TOLERANCE)
             shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
             ideal = seen.ideal[:, 1:]
             # A sensor with a scale is inverted where it was read, not where the model would have it.
@@ -187,7 +196,7 @@ class Views:
             track = track - (shown - ideal)[:, 2:]
             observed = np.hstack([observed[:, :1], ideal + (observed[:, 1:] - shown) / stretch])
         course = self._course(part, observed[:, [0, 3]], observed, False, None)
-        return observed, track, follow(self.lines, p, course, self.crew, TOLERANCE).readings
+        return observed, track, follow(model, p, course, self.crew, TOLERANCE).readings
 
     def _shown_otherwise(self, candidate: Candidate) -> bool:
         return not self._misleading.isdisjoint(candidate.effects)
@@ -220,22 +229,25 @@ class Views:
         for index, (part, hardware) in enumerate(self._groups):
             _, observed, _, lines[part] = self._line_view(candidate, index)
             course = self._course(part, observed[:, :1], observed, windows, scatter)
-            p = self.vector(self.joint, candidate, hardware)
-            joint[part] = follow(self.joint, p, course, self.crew, TOLERANCE).readings
+            model = self.joint(candidate, hardware)
+            p = self.vector(model, candidate, hardware)
+            joint[part] = follow(model, p, course, self.crew, TOLERANCE).readings
         return joint, lines
 
     def _balance(self, candidate: Candidate, index: int) -> Array:
         """Return push, friction, static friction (N) and mass (kg) of one group of tests (n, 4)."""
         part, hardware = self._groups[index]
         key, observed, track, _ = self._line_view(candidate, index)
-        p = self.vector(self.inverse, candidate.without(self._circular), hardware)
-        own = (index, *self._key(self.inverse, p, PumpJoint.balance))
+        balanced = candidate.without(self._circular)
+        model = self.inverse(balanced, hardware)
+        p = self.vector(model, balanced, hardware)
+        own = (index, *self._key(model, p, PumpJoint.balance))
 
         def compute() -> Array:
             driven = np.hstack([observed[:, :3], track])
             course = self._course(part, driven, driven, True, None)
             course = replace(course, restart=np.where(course.restart == 2, 2, 1))
-            return follow(self.inverse, p, course, self.crew, TOLERANCE).forces
+            return follow(model, p, course, self.crew, TOLERANCE).forces
 
         return self._recent_balance.get((own, key) if self._shown_otherwise(candidate) else own, compute)
 
@@ -318,8 +330,9 @@ class Views:
             return 0.0
         part, hardware = slice(int(self.evidence.edges[0]), int(self.evidence.edges[0]) + 2), self._groups[0][1]
         course = self._course(part, np.zeros((2, 2)), np.zeros((2, 4)), False, None)
-        p = self.vector(self.lines, candidate, hardware)
-        return float(follow(self.lines, p, course, self.crew, TOLERANCE).readings[0, 0])
+        model = self.lines(candidate, hardware)
+        p = self.vector(model, candidate, hardware)
+        return float(follow(model, p, course, self.crew, TOLERANCE).readings[0, 0])
 
     def subtract(self, joint: Array, lines: Array, measured: Array | None = None) -> Array:
         """Return predicted readings minus ``measured`` (n, 3: arm, pressure 1 and 2; the logs' own by default)."""

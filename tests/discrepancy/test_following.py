@@ -42,3 +42,18 @@ def test_residuals_do_not_depend_on_the_number_of_workers(leak: Path, effect: st
     assert np.array_equal(found[0], found[1])
     assert np.array_equal(found[0], found[2])
     assert np.any(found[0] != 0.0)
+
+
+def test_a_model_without_effects_is_followed_alike_by_the_kernel_that_has_none(
+    leak: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library = load_effects([])
+    effects = (library["leakage"], library["pressure_offset"], library["stribeck_friction"])
+    evidence = evidence_of([leak])
+    bare = complete(Candidate({}), evidence)
+    found = Views(evidence, effects).residuals(bare)
+    monkeypatch.setattr(Views, "_needed", lambda self, candidate, hardware: self.effects)
+    gated = Views(evidence, effects).residuals(bare)
+    scale = np.abs(gated).max(axis=0)
+    assert np.all(np.abs(found - gated).max(axis=0) <= 1e-6 * scale)
+    assert np.all(scale[:4] > 0.0)
