@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.model.effect import Effect
+from hjcamp.model.effect import Effect, arguments
 from hjcamp.model.parameter import Cut, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
@@ -214,7 +214,7 @@ class Composition:
             function = effect.terms[line.target]
             call = self._call(effect, line.target, function)
             gate = f"if {self._gate(effect)}: " if self.gated else ""
-            if line.target in inspect.signature(function).parameters:
+            if line.target in arguments(function):
                 changing.append(f"{gate}{line.target} = {call}")
             else:
                 adding.append(f"{gate}{line.target} = {line.target} + {call}")
@@ -237,7 +237,7 @@ class Composition:
         return self._call(effect, f"d_{own}", effect.rates[own])
 
     def _call(self, effect: type[Effect], term: str, function: Callable[..., float]) -> str:
-        names = [self._resolve(effect, argument) for argument in inspect.signature(function).parameters]
+        names = [self._resolve(effect, argument) for argument in arguments(function)]
         return f"{effect.name}__{term}({', '.join(names)})"
 
     def _resolve(self, effect: type[Effect], argument: str) -> str:
@@ -263,7 +263,7 @@ def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
         if term not in vocabulary.slots:
             raise unknown("slot", term, vocabulary.slots, where)
         before = {*vocabulary.known_before(term), term}
-        for argument in inspect.signature(function).parameters:
+        for argument in arguments(function):
             if argument in everywhere or argument in before:
                 continue
             if argument in vocabulary.signals:
@@ -274,7 +274,7 @@ def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
             raise unknown("name", argument, before | everywhere, f"{where}, term '{term}'")
     for prefix, group in (("d_", effect.rates), ("next_", effect.updates), ("start_", effect.starts)):
         for own, function in group.items():
-            for argument in inspect.signature(function).parameters:
+            for argument in arguments(function):
                 allowed = everywhere | set(vocabulary.signals)
                 if argument not in allowed:
                     raise unknown("name", argument, allowed, f"{where}, method '{prefix}{own}'")
@@ -293,7 +293,7 @@ def _check_globals(function: Callable[..., float], where: str) -> None:
 
 def live(statements: Sequence[str], last: str) -> list[str]:
     """Return those one-line statements whose results reach the text ``last``, in order."""
-    wanted = _names(ast.parse(textwrap.dedent(last.replace("return ", ""))))
+    wanted = set(re.findall(r"\b[A-Za-z_]\w*", last))
     kept = []
     for line in reversed(statements):
         target, names = _assigned(line)

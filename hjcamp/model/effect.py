@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import math
 from collections.abc import Callable, Iterable
@@ -14,9 +15,15 @@ SUBSYSTEMS = ("pump", "lines", "joint", "sensors")
 RESERVED = ("subsystem", "same_as", "examples")
 
 
+@functools.cache
+def arguments(function: Callable[..., float]) -> tuple[str, ...]:
+    """Return the names of a function's arguments in order."""
+    return tuple(inspect.signature(function).parameters)
+
+
 def _used(functions: Iterable[Callable[..., float]]) -> set[str]:
     """Return the names of all arguments."""
-    return {name for function in functions for name in inspect.signature(function).parameters}
+    return {name for function in functions for name in arguments(function)}
 
 
 class Effect:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -108,7 +109,7 @@ def influences(composition: Composition, outputs: Sequence[str]) -> frozenset[st
     reached: set[str] = set()
     while True:
         text = "\n".join(composition.body(wanted))
-        names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
+        names = set(re.findall(r"\b[A-Za-z_]\w*", text))
         new = {local[name] for name in names if name in local} - reached
         if not new:
             return frozenset(given[name] for name in names if name in given)

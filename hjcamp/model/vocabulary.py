@@ -6,7 +6,7 @@ import ast
 import inspect
 import textwrap
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 from hjcamp.errors import HjcampError
@@ -35,12 +35,12 @@ class Vocabulary:
     readings: tuple[str, ...]
     limits: tuple[tuple[str, str, str], ...]
 
-    @property
+    @cached_property
     def slots(self) -> dict[str, Statement]:
         """Every slot by name, in order of computation."""
         return {line.target: line for line in self.statements if line.mark == "slot"}
 
-    @property
+    @cached_property
     def signals(self) -> dict[str, Statement]:
         """Every signal and slot by name, in order of computation."""
         return {line.target: line for line in self.statements if line.mark in ("slot", "signal")}
