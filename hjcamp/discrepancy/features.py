@@ -72,8 +72,10 @@ class Features:
         return np.maximum(np.add.reduceat(self.valid.astype(float), self.edges[:-1], axis=0), 1.0)
 
     def _sums(self, values: Array) -> Array:
-        total = np.cumsum(np.vstack([np.zeros(values.shape[1]), values]), axis=0)
-        return np.asarray(total[self._starts + BLOCK] - total[self._starts])
+        total = values[self._starts]
+        for later in range(1, BLOCK):
+            total += values[self._starts + later]
+        return np.asarray(total)
 
     def of(self, residuals: Array) -> Array:
         """Return the block means (blocks, channels) of residuals (n, channels); 0 where a feature says nothing."""

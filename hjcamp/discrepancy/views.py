@@ -269,11 +269,11 @@ class Views:
         push, friction, static, mass = balance.T
         slides = evidence.sliding
         out[slides, 0] = (push - friction - mass * columns["acceleration"])[slides]
-        for event in evidence.breakaways:
-            before = slice(event - LOOK_BACK, event + 1)
-            place = event - LOOK_BACK + int(np.argmax(np.abs(push[before])))
-            most = SURPRISE * static[place]
-            out[event, 1] = most * np.tanh((abs(push[place]) - static[place]) / most)
+        events = np.asarray(evidence.breakaways, dtype=np.int64)
+        before = events[:, None] + np.arange(-LOOK_BACK, 1)
+        places = before[np.arange(len(events)), np.argmax(np.abs(push[before]), axis=1)]
+        most = SURPRISE * static[places]
+        out[events, 1] = most * np.tanh((np.abs(push[places]) - static[places]) / most)
         return scale * out
 
     def _sensor_scale(self, candidate: Candidate, index: int) -> float:
@@ -340,14 +340,15 @@ class Views:
             measured = self._measured
         out = np.empty((len(joint), WINDOWED))
         out[:, 0] = joint[:, 0] - measured[:, 0]
-        error = joint[:, 1:3] - measured[:, 1:3]
-        out[:, 1] = error[:, 0] - error[:, 1]
-        error = lines[:, 1:3] - measured[:, 1:3]
-        lengths = np.diff(self.evidence.edges)
-        error -= np.repeat(np.add.reduceat(error, self.evidence.edges[:-1], axis=0) / lengths[:, None], lengths, axis=0)
-        out[:, 2] = error[:, 0] + error[:, 1]
-        out[:, 3] = error[:, 0] - error[:, 1]
+        out[:, 1] = (joint[:, 1] - measured[:, 1]) - (joint[:, 2] - measured[:, 2])
+        first, second = self._about_mean(lines[:, 1] - measured[:, 1]), self._about_mean(lines[:, 2] - measured[:, 2])
+        out[:, 2], out[:, 3] = first + second, first - second
         return out
+
+    def _about_mean(self, error: Array) -> Array:
+        """Return errors (n,) less their mean over each test."""
+        edges = self.evidence.edges
+        return np.asarray(error - np.repeat(np.add.reduceat(error, edges[:-1]) / np.diff(edges), np.diff(edges)))
 
 
 def _views_by_name(evidence: Evidence, names: tuple[str, ...]) -> Views:
