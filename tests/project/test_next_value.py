@@ -39,6 +39,8 @@ def test_the_page_counts_the_duels_that_say_anything() -> None:
     found = re.search(r"([\d.]+) times fewer, over (\d+) duels of (\d+)", text)
     assert found is not None and found.groups() == ("1.8", "2", "4")
     assert "random orders in 1." in text
+    # the root of 5 times 2 / 3; none of the four random orders was cut short
+    assert "mean of the ratios): 1.8 times" in text and "0 of 2 proposed\nand 0 of 4 random" in text
     assert "No duel says anything" in page(lines_of([(None, []), (NEVER, [NEVER, NEVER])]), "1a2b3c4")
 
 
