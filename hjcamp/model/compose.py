@@ -143,11 +143,11 @@ class Composition:
         """Return the test in the source of the gate that a state is behind; empty where there is none."""
         return self._gate(self._owner(state)[0]) if self.gated and "." in state else ""
 
-    @staticmethod
-    def any_gate(gates: Sequence[str]) -> str:
-        """Return the test whether any of some gates is open; empty where there are none."""
-        bits = {int(gate.rpartition(" ")[2]) for gate in gates}
-        return f"{GATES} & {sum(bits)}" if bits else ""
+    @property
+    def any_gate(self) -> str:
+        """The test in the source whether any effect with states is present; empty where there is none behind a gate."""
+        bits = {self._bit(self._owner(state)[0]) for state in self.states if "." in state}
+        return f"{GATES} & {sum(bits)}" if self.gated and bits else ""
 
     def start(self, state: str) -> str:
         """Return the expression that an effect's state starts with; empty for a state of the plant."""
@@ -221,7 +221,10 @@ class Composition:
         return adding + changing
 
     def _gate(self, effect: type[Effect]) -> str:
-        return f"{GATES} & {1 << self.effects.index(effect)}"
+        return f"{GATES} & {self._bit(effect)}"
+
+    def _bit(self, effect: type[Effect]) -> int:
+        return 1 << self.effects.index(effect)
 
     def rate(self, name: str) -> str:
         """Return the expression of a state's rate with its gate open, 0 where it is driven or frozen."""

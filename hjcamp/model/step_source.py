@@ -80,7 +80,7 @@ class _Step:
                 self.blocks.append((gate, []))
             self.blocks[-1][1].append(index)
         # One test for all of them: most models have no effect with states.
-        self.any_gate = composition.any_gate([gate for gate, _ in self.blocks[1:]])
+        self.any_gate = composition.any_gate
 
     def rows(
         self, lines: Callable[[int], Sequence[str]], otherwise: Callable[[int], Sequence[str]] | None = None
