@@ -105,6 +105,15 @@ def follow_nothing(cut: str, with_effects: bool) -> None:
     model.follow(model.vector({}), course)
 
 
+def ready_to_diagnose() -> None:
+    """Load what a diagnosis runs."""
+    for cut in PumpJoint.cuts:
+        if cut.driven:
+            follow_nothing(cut.name, False)
+            follow_nothing(cut.name, True)
+    weigh_nothing()
+
+
 def weigh_nothing() -> None:
     """Weigh one response that fits nothing: that compiles what a screening projects with."""
     features: Any = SimpleNamespace(

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 STYLES = {"nothing_missing": "green", "effect": "bold"}
 SHOWN = 6
+MOST_WORKERS = 4
 
 
 def register(app: typer.Typer) -> None:
@@ -31,7 +32,7 @@ def diagnose(
     effort: Annotated[str, typer.Option(help="quick, standard or thorough.")] = "standard",
     seed: Annotated[int, typer.Option(help="Seed of the simulated twins.")] = 1,
     workers: Annotated[
-        int | None, typer.Option(help="Threads; every processor by default. The answer is the same.")
+        int | None, typer.Option(help="Processes; every processor, 4 at most, by default. The answer is the same.")
     ] = None,
     cluster: Annotated[str | None, typer.Option(help="A dask scheduler, tcp://HOST:PORT, or 'local'.")] = None,
 ) -> None:
@@ -47,6 +48,7 @@ def diagnose(
         raise UsageError(f"--workers {workers}: give a whole number, 1 or more")
     console = make_console()
     with progress_of(console) as report:
+        from hjcamp.campaign.warm import ready_to_diagnose
         from hjcamp.commands._diagnose_page import write_pictures
         from hjcamp.commands._diagnose_words import Told, looks_at_final
         from hjcamp.discrepancy.answer import answer, start_error
@@ -61,9 +63,9 @@ def diagnose(
             raise unknown("effort", effort, EFFORTS)
         start, library = saved_model(model), load_effects()
         effects = tuple(library.values())
-        evidence = evidence_of(paths)
-        crew = Crew(workers or available(), cluster)
+        crew = Crew(workers or min(available(), MOST_WORKERS), cluster, ready_to_diagnose)
         try:
+            evidence = evidence_of(paths)
             begin = start if start.base or start.effects else None
             found = search(evidence, effects, effort=effort, seed=seed, start=begin, crew=crew, report=report)
             content = answer(found, effects, effort, 0.0, report)

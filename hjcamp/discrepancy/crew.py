@@ -1,4 +1,4 @@
-"""Who does the work of a diagnosis: threads of this machine, or a dask cluster; the answer is the same with any of them."""
+"""Who does the work of a diagnosis: threads, processes, or a dask cluster; the answer is the same with any of them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Any, TypeVar
 
+from hjcamp.discrepancy.helpers import Helpers
 from hjcamp.errors import HjcampError, UsageError
 
 Item = TypeVar("Item")
@@ -17,11 +18,14 @@ Result = TypeVar("Result")
 class Crew:
     """``workers`` threads (the kernels run without the interpreter's lock), and a dask cluster where one is named.
 
+    With ``ready`` they are processes, this one among them: the others begin with it, and share the tasks of `each`.
     Linear algebra takes one thread in each: sums in another order round otherwise, and slips turn that into other answers.
     """
 
-    def __init__(self, workers: int = 1, cluster: str | None = None) -> None:
-        self.workers = workers
+    def __init__(self, workers: int = 1, cluster: str | None = None, ready: Callable[[], None] | None = None) -> None:
+        alone = ready is None or cluster is not None or workers < 2
+        self._helpers = None if ready is None or alone else Helpers(workers - 1, ready)
+        self.workers = 1 if self._helpers else workers
         _alone()
         self._pool: ThreadPoolExecutor | None = None
         self._client = _connected(cluster) if cluster else None
@@ -42,7 +46,10 @@ class Crew:
         return _in_order(function, items, [self._pool.submit(function, item) for item in items])
 
     def each(self, task: Callable[[Any, Item], Result], context: Any, items: Iterable[Item]) -> Iterator[Result]:
-        """Yield ``task(context, item)`` in the order of the items, on the cluster where there is one."""
+        """Yield ``task(context, item)`` in the order of the items, on the cluster or by the processes where there are any."""
+        if self._helpers is not None:
+            yield from self._helpers.each(task, context, items)
+            return
         if self._client is None:
             yield from self.together(partial(task, context), items)
             return
@@ -57,7 +64,10 @@ class Crew:
             self._client.cancel(futures)
 
     def close(self) -> None:
-        """Let the threads and the cluster go."""
+        """Let the threads, the processes and the cluster go."""
+        if self._helpers is not None:
+            self._helpers.close()
+            self._helpers = None
         if self._pool is not None:
             self._pool.shutdown()
             self._pool = None

@@ -87,6 +87,11 @@ def shapes(effect: type[Effect]) -> Iterator[dict[str, float]]:
         yield dict(zip(names, values, strict=True))
 
 
+def work_of(effect: type[Effect]) -> int:
+    """Return about how long it takes to probe an effect, in no unit: its shapes, with its own states."""
+    return sum(1 for _ in shapes(effect)) * (1 + len(effect.states))
+
+
 class Responses:
     """Collects response columns (columns, blocks, channels) about one fitted model."""
 
@@ -179,7 +184,9 @@ def probe_all(
     responses = Responses(fitter, about, floor, unknowns, jacobian)
     probes: list[Probe] = []
     columns = [np.zeros((0, *about.features.shape))]
-    for found, own in fitter.crew.each(Responses.probe, responses, effects):
+    longest_first = sorted(effects, key=work_of, reverse=True)
+    answers = dict(zip(longest_first, fitter.crew.each(Responses.probe, responses, longest_first), strict=True))
+    for found, own in (answers[effect] for effect in effects):
         begin = sum(len(part) for part in columns)
         probes += [replace(probe, columns=tuple(begin + column for column in probe.columns)) for probe in found]
         columns.append(own)

@@ -25,6 +25,8 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureF
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("HJCAMP_CONF", raising=False)
     monkeypatch.setattr(hjcamp.effects, "load_effects", lambda folders=None: dict(few))
+    # Other processes would load, and compile, the whole library.
+    monkeypatch.setattr("hjcamp.discrepancy.crew.available", lambda: 1)
 
     def answer(*arguments: str | Path) -> Answer:
         capfd.readouterr()
