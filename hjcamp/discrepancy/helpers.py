@@ -11,6 +11,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
@@ -31,9 +32,9 @@ class Helpers:
         self._folder = TemporaryDirectory(prefix="hjcamp_diagnose_")
         self._calls, self._count = 0, count
         spawn = multiprocessing.get_context("spawn")
-        self._pool: ProcessPoolExecutor | None = ProcessPoolExecutor(count, spawn, _begin, (self._folder.name,))
-        for _ in range(count):
-            self._pool.submit(ready)
+        self._pool: ProcessPoolExecutor | None = ProcessPoolExecutor(count, spawn, _begin, (self._folder.name, ready))
+        with _interrupts_held():
+            self._pool.submit(os.getpid)
 
     def each(self, task: Callable[[Any, Item], Result], context: Any, items: Iterable[Item]) -> Iterator[Result]:
         """Yield ``task(context, item)`` in the order of the items.
@@ -119,12 +120,26 @@ def _call(task: Callable[[Any, Item], Result], path: str, item: Item) -> Result:
     return task(_kept[1], item)
 
 
-def _begin(folder: str) -> None:
-    """Begin as a helper: Ctrl-C is for who asks, and whoever has lost that one tidies up and ends."""
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Hold Ctrl-C back while processes are started, which inherit that: it is for who asks."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _begin(folder: str, ready: Callable[[], None]) -> None:
+    """Begin as a helper; whoever has lost who asks tidies up and ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent, folder), daemon=True).start()
+    ready()
 
 
 def _end_with(parent: Any, folder: str) -> None:

@@ -17,6 +17,25 @@ from hjcamp.discrepancy.diagnose import diagnose
 from hjcamp.discrepancy.helpers import Helpers
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
+from hjcamp.model.effect import Effect
+
+OWN = '''"""A constant leak."""
+
+from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Parameter
+
+
+class Own(Effect):
+    """Water is lost at a constant rate."""
+
+    subsystem = "lines"
+    flow = Parameter("m^3/s", 1e-12, (0.0, 1e-9), off=0.0)
+
+    @staticmethod
+    def leak1(flow):
+        """Lost flow."""
+        return flow
+'''
 
 
 def _nothing() -> None: ...
@@ -56,6 +75,40 @@ def test_the_work_is_shared_and_comes_in_order(helpers: Helpers) -> None:
         assert [value for value, _ in found] == [factor * item for item in range(200)]
         seen |= {process for _, process in found}
     assert os.getpid() in seen and len(seen) > 1
+
+
+def _named(effect: type[Effect], item: int) -> str:
+    return f"{effect.name} {item} {multiprocessing.parent_process() is None}"
+
+
+def _load() -> None:
+    load_effects()
+
+
+def test_an_effect_of_the_users_own_is_known_everywhere(empty_folder: Path) -> None:
+    (empty_folder / "effects").mkdir()
+    (empty_folder / "effects" / "my_own.py").write_text(OWN)
+    found = Helpers(2, _load)
+    try:
+        list(found.each(_where, 1.0, range(400)))
+        answers = list(found.each(_named, load_effects()["my_own"], range(50)))
+    finally:
+        found.close()
+    assert [answer.split()[:2] for answer in answers] == [["my_own", str(item)] for item in range(50)]
+    assert any(answer.endswith("False") for answer in answers)
+
+
+def _broken() -> None:
+    os._exit(1)
+
+
+def test_processes_that_cannot_begin_are_done_without() -> None:
+    found = Helpers(1, _broken)
+    try:
+        list(found.each(_where, 1.0, range(300)))
+        assert [process for _, process in found.each(_where, 1.0, range(20))] == [os.getpid()] * 20
+    finally:
+        found.close()
 
 
 def test_a_failure_is_told(helpers: Helpers) -> None:
