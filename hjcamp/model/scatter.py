@@ -32,17 +32,18 @@ class Draw:
 
 def coloured(generator: np.random.Generator, samples: int, correlation: float) -> Array:
     """Return (samples,) of a stationary first-order process of unit variance; ``correlation`` in samples."""
-    # x_k = keep x_k-1 + kick_k as a banded system: scipy.signal.lfilter, without the half second that its import takes
-    from scipy.linalg import solve_banded
+    # x_k - keep x_k-1 = kick_k as a triangular system: scipy.signal.lfilter, without the half second that its import takes
+    from scipy.linalg.lapack import dtbtrs
 
     keep = float(np.exp(-1.0 / max(correlation, 1e-9)))
     start = generator.standard_normal()
     kicks = generator.standard_normal(samples) * np.sqrt(1.0 - keep**2)
-    if samples:
-        kicks[0] += keep * start
-    bands = np.ones((2, samples))
+    if not samples:
+        return kicks
+    kicks[0] += keep * start
+    bands = np.ones((2, samples), order="F")
     bands[1] = -keep
-    return np.asarray(solve_banded((1, 0), bands, kicks, check_finite=False))
+    return np.asarray(dtbtrs(bands, kicks, uplo="L", diag="U")[0])
 
 
 def draw(seed: int, samples: int, noise: Array, scatter: Scatter, period: float = 1e-3) -> Draw:
