@@ -17,6 +17,7 @@ from hjcamp.discrepancy.hardware import simulator
 from hjcamp.discrepancy.next_menu import Choice, menu
 from hjcamp.discrepancy.next_trials import Bench
 from hjcamp.effects import load_effects
+from hjcamp.model.kernel import is_compiled
 from hjcamp.model.simulator import Course
 from hjcamp.plants.pump_joint import PumpJoint
 
@@ -103,6 +104,11 @@ def follow_nothing(cut: str, with_effects: bool) -> None:
         scatter=np.ones(SAMPLES),
     )
     model.follow(model.vector({}), course)
+
+
+def is_warm() -> bool:
+    """Return whether the largest kernel of a diagnosis has been compiled: processes that compile it all at once gain nothing."""
+    return is_compiled(simulator(tuple(load_effects().values()), "pump").source)
 
 
 def ready_to_diagnose() -> None:

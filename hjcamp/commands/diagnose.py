@@ -48,7 +48,7 @@ def diagnose(
         raise UsageError(f"--workers {workers}: give a whole number, 1 or more")
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.campaign.warm import ready_to_diagnose
+        from hjcamp.campaign.warm import is_warm, ready_to_diagnose
         from hjcamp.commands._diagnose_page import write_pictures
         from hjcamp.commands._diagnose_words import Told, looks_at_final
         from hjcamp.discrepancy.answer import answer, start_error
@@ -63,7 +63,8 @@ def diagnose(
             raise unknown("effort", effort, EFFORTS)
         start, library = saved_model(model), load_effects()
         effects = tuple(library.values())
-        crew = Crew(workers or min(available(), MOST_WORKERS), cluster, ready_to_diagnose)
+        number = workers or min(available(), MOST_WORKERS)
+        crew = Crew(number, cluster, ready_to_diagnose if number > 1 and is_warm() else None)
         try:
             evidence = evidence_of(paths)
             begin = start if start.base or start.effects else None

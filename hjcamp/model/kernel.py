@@ -137,14 +137,23 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
     return header + equations + rest + copied(integrator, INTEGRATOR) + extra
 
 
+def kernel_name(source: str) -> str:
+    """Return the name of the kernel's module: the hash of its text."""
+    return f"hjcamp_kernel_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
+
+
+def is_compiled(source: str) -> bool:
+    """Return whether a process has compiled the kernel before; numba keeps an index of each function in the cache folder."""
+    return any((cache_folder() / "__pycache__").glob(f"{kernel_name(source)}.follow-*.nbi"))
+
+
 @functools.lru_cache(maxsize=64)
 def load_kernel(source: str) -> types.ModuleType:
     """Write ``source`` into the cache folder under the hash of its text and return it as a module.
 
     The file is in place before it is executed, and the module is in ``sys.modules``, so that numba can cache it.
     """
-    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
-    name = f"hjcamp_kernel_{digest}"
+    name = kernel_name(source)
     if name in sys.modules:
         return sys.modules[name]
     folder = cache_folder()

@@ -10,7 +10,9 @@ from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.warm import CONDITIONS, follow_nothing, menu_tests, tasks, timed, try_test, weigh_nothing
 from hjcamp.configuration.composer import Composer
 from hjcamp.discrepancy.gram import project
+from hjcamp.discrepancy.hardware import simulator
 from hjcamp.discrepancy.next_menu import menu
+from hjcamp.model.kernel import is_compiled
 from hjcamp.plants.pump_joint import PumpJoint
 
 
@@ -28,8 +30,8 @@ def test_every_kernel_of_the_demo_is_warmed(composer: Composer, empty_folder: Pa
 
 def test_every_kernel_of_a_diagnosis_and_of_next_is_warmed() -> None:
     work = tasks()
-    followed = {given[0] for _, call, given in work if call is follow_nothing}
-    assert followed == {cut.name for cut in PumpJoint.cuts if cut.driven}
+    followed = {given for _, call, given in work if call is follow_nothing}
+    assert followed == {(cut.name, effects) for cut in PumpJoint.cuts if cut.driven for effects in (True, False)}
     tried = {given[0].settings["controller"] for _, call, given in work if call is try_test}
     assert tried == {choice.settings["controller"] for choice in menu()} == set(menu_tests())
 
@@ -50,3 +52,9 @@ def test_weighing_is_compiled_for_what_a_screening_gives_it() -> None:
     )  # fmt: skip
     assert len(project.signatures) == compiled
     assert np.all(np.isfinite(answer[0]))
+
+
+def test_a_kernel_that_was_run_is_known_as_compiled() -> None:
+    follow_nothing("lines", False)
+    source = simulator((), "lines").source
+    assert is_compiled(source) and not is_compiled(source + "\n# another text\n")
