@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from hidden_effects_ledger import ROOT
 from next_value_duel import MOST
+from numpy.typing import NDArray
 
 LEDGER = ROOT / "benchmarks" / "results" / "next_value.jsonl"
 
@@ -51,17 +52,21 @@ def page(duels: Sequence[tuple[Question, dict[str, Any]]], tag: str) -> str:
     theirs = [number for line in telling for number in line["theirs"]]
     ratios = [float(np.mean(line["theirs"])) / line["ours"] for line in telling]
     times = float(np.mean(theirs) / np.mean(ours))
+    mine, logarithms = np.array(ours, dtype=np.float64), np.log(ratios)
+    others = mine * np.array(ratios)
+    of_means = resampled(len(ours), lambda drawn: others[drawn].sum(axis=1) / mine[drawn].sum(axis=1))
+    each = resampled(len(ours), lambda drawn: np.exp(logarithms[drawn].mean(axis=1)))
     return "\n".join(
         [
             *lines,
             "",
             f"Median: {np.median(ours):g} proposed, {np.median(theirs):g} random; mean {np.mean(ours):.2f} and {np.mean(theirs):.2f},",
-            f"{times:.1f} times fewer, over {len(ours)} duels of {len(duels)} ({resampled(ours, ratios)}).",
+            f"{times:.1f} times fewer, over {len(ours)} duels of {len(duels)} ({of_means}).",
             f"Fewer than the mean of the random orders in {sum(ratio > 1.0 for ratio in ratios)}.",
             f"The means are a lower bound: {MOST + 1} counts where {MOST} tests were not enough, for "
             f"{_capped(ours)} of {len(ours)} proposed",
             f"and {_capped(theirs)} of {len(theirs)} random orders. Duel by duel (geometric mean of the ratios): "
-            f"{np.exp(np.mean(np.log(ratios))):.1f} times ({geometric(ratios)}).",
+            f"{np.exp(logarithms.mean()):.1f} times ({each}).",
             "",
         ]
     )
@@ -71,18 +76,8 @@ def _capped(numbers: Sequence[int]) -> int:
     return sum(number > MOST for number in numbers)
 
 
-def geometric(ratios: Sequence[float]) -> str:
-    """Return the 90 % interval of the geometric mean of ratios, duels drawn anew."""
-    drawn = np.random.default_rng(8).integers(len(ratios), size=(2000, len(ratios)))
-    low, high = np.quantile(np.exp(np.log(ratios)[drawn].mean(axis=1)), [0.05, 0.95])
-    return f"90 % interval {low:.1f} to {high:.1f}"
-
-
-def resampled(ours: list[int], ratios: list[float]) -> str:
-    """Return the 90 % interval of the ratio of means, duels drawn anew."""
-    random = np.random.default_rng(8)
-    mine = np.array(ours, dtype=np.float64)
-    others = mine * np.array(ratios)
-    drawn = random.integers(len(mine), size=(2000, len(mine)))
-    low, high = np.quantile(others[drawn].sum(axis=1) / mine[drawn].sum(axis=1), [0.05, 0.95])
+def resampled(count: int, statistic: Callable[[NDArray[np.int64]], NDArray[np.float64]]) -> str:
+    """Return the 90 % interval of a statistic of ``count`` duels, drawn anew; it takes the duels drawn (draws, count)."""
+    drawn = np.random.default_rng(8).integers(count, size=(2000, count))
+    low, high = np.quantile(statistic(drawn), [0.05, 0.95])
     return f"90 % interval {low:.1f} to {high:.1f}"

@@ -58,13 +58,16 @@ def diagnose(
         from hjcamp.discrepancy.saved import saved_model
         from hjcamp.discrepancy.unexplained import unexplained
         from hjcamp.effects import load_effects
+        from hjcamp.records.find import find_logs
 
         if effort not in EFFORTS:
             raise unknown("effort", effort, EFFORTS)
         start, library = saved_model(model), load_effects()
         effects = tuple(library.values())
+        find_logs(paths)
         number = workers or min(available(), MOST_WORKERS)
-        crew = Crew(number, cluster, ready_to_diagnose if number > 1 and is_warm() else None)
+        helped = number > 1 and cluster is None and is_warm()
+        crew = Crew(number, cluster, ready_to_diagnose if helped else None)
         try:
             evidence = evidence_of(paths)
             begin = start if start.base or start.effects else None

@@ -23,8 +23,8 @@ class Crew:
     """
 
     def __init__(self, workers: int = 1, cluster: str | None = None, ready: Callable[[], None] | None = None) -> None:
-        alone = ready is None or cluster is not None or workers < 2
-        self._helpers = None if ready is None or alone else Helpers(workers - 1, ready)
+        helped = ready if cluster is None and workers > 1 else None
+        self._helpers = Helpers(workers - 1, helped) if helped else None
         self.workers = 1 if self._helpers else workers
         _alone()
         self._pool: ThreadPoolExecutor | None = None

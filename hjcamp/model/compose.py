@@ -296,7 +296,7 @@ def _check_globals(function: Callable[..., float], where: str) -> None:
 
 def live(statements: Sequence[str], last: str) -> list[str]:
     """Return those one-line statements whose results reach the text ``last``, in order."""
-    wanted = set(re.findall(r"\b[A-Za-z_]\w*", last))
+    wanted = names_in(last)
     kept = []
     for line in reversed(statements):
         target, names = _assigned(line)
@@ -312,7 +312,7 @@ def _assigned(line: str) -> tuple[str, frozenset[str]]:
     tree = ast.parse(line).body[0]
     assignment = tree.body[0] if isinstance(tree, ast.If) else tree
     assert isinstance(assignment, ast.Assign)
-    return ast.unparse(assignment.targets[0]), frozenset(_names(tree))
+    return ast.unparse(assignment.targets[0]), frozenset(names_in(line))
 
 
 def behind_one_test(lines: Sequence[str]) -> list[str]:
@@ -332,8 +332,9 @@ def behind_one_test(lines: Sequence[str]) -> list[str]:
     return found
 
 
-def _names(tree: ast.AST) -> set[str]:
-    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+def names_in(text: str) -> set[str]:
+    """Return the names in a text of Python, its keywords among them: parsing it takes far longer."""
+    return set(re.findall(r"\b[A-Za-z_]\w*", text))
 
 
 def _copied(name: str, function: Callable[..., float]) -> str:

@@ -90,9 +90,9 @@ class _Step:
         inside: list[str] = []
         for gate, own in gated:
             absent = [line for i in own for line in otherwise(i)] if otherwise else []
-            inside += guarded(gate, [line for i in own for line in lines(i)], absent)
+            inside += _guarded(gate, [line for i in own for line in lines(i)], absent)
         absent = [line for _, own in gated for i in own for line in otherwise(i)] if otherwise else []
-        return [line for i in always[1] for line in lines(i)] + guarded(self.any_gate, inside, absent)
+        return [line for i in always[1] for line in lines(i)] + _guarded(self.any_gate, inside, absent)
 
     def sums(self, name: str, matrix: int, vector: str, pattern: Pattern) -> list[str]:
         """Return the lines that sum up a matrix times a vector, what is behind a closed gate left out."""
@@ -109,17 +109,16 @@ class _Step:
         found = [f"{name}{i} = 0.0" for i in always[1]] + sums(always[1], always[1])
         inside = [f"{name}{i} = 0.0" for _, own in gated for i in own]
         for gate, rows in gated:
-            inside += guarded(gate, sums(rows, always[1]))
+            inside += _guarded(gate, sums(rows, always[1]))
         for gate, columns in gated:
             part: list[str] = []
             for other, rows in self.blocks:
-                part += guarded(other if other != gate else "", sums(rows, columns))
-            inside += guarded(gate, part)
-        return found + guarded(self.any_gate, inside)
+                part += _guarded(other if other != gate else "", sums(rows, columns))
+            inside += _guarded(gate, part)
+        return found + _guarded(self.any_gate, inside)
 
 
-def guarded(gate: str, lines: Sequence[str], otherwise: Sequence[str] = ()) -> list[str]:
-    """Return statements behind the test of a gate, and those where it is closed."""
+def _guarded(gate: str, lines: Sequence[str], otherwise: Sequence[str] = ()) -> list[str]:
     if not gate or not lines:
         return list(lines)
     found = [f"if {gate}:", *(f"    {line}" for line in lines)]

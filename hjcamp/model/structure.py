@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import inspect
-import re
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.compose import GATES, Composition
+from hjcamp.model.compose import GATES, Composition, names_in
 from hjcamp.model.effect import Effect
 
 
@@ -109,7 +108,7 @@ def influences(composition: Composition, outputs: Sequence[str]) -> frozenset[st
     reached: set[str] = set()
     while True:
         text = "\n".join(composition.body(wanted))
-        names = set(re.findall(r"\b[A-Za-z_]\w*", text))
+        names = names_in(text)
         new = {local[name] for name in names if name in local} - reached
         if not new:
             return frozenset(given[name] for name in names if name in given)
