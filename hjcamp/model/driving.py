@@ -144,6 +144,7 @@ def follow(  # type: ignore[no-untyped-def]
             forget(before, counter)
             if restart[k] == 2:
                 counter[0] = 0.0
+                counter[7] = 0.0
                 begin(time[k], direction, z, u, p)
             elif velocity[k] == 0.0:
                 renew(time[k], direction, z, u, p)

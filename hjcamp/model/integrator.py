@@ -9,8 +9,9 @@ N(z) = f(z) - L z, is taken as a straight line in time, its slope s that of the 
 exact where the model is linear (s and the correction vanish), of third order elsewhere, as w bends N to the parabola
 through two steps; after an event s = 0 and w = 1, and the order is two. Step lengths are h / 2**level; the propagators
 of every level are computed once, by doubling. A step whose correction is larger than the states' resolution, or in
-which a regime ends, is tried again one level finer; at the finest level (1 us) the event is taken. ``before`` holds
-f(z), s and the next s. Where a limiter acts every rate is corrected, else only the curved ones.
+which a regime ends, is tried again one level finer; at the finest level (1 us) the event is taken. Where nothing locks
+friction passes rest without a leap, and a turn is no event. ``before`` holds f(z), s and the next s. Where a limiter
+acts every rate is corrected, else only the curved ones.
 Source: Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286, sections 2.4, 2.5 (Rosenbrock) and 2.7 (multistep).
 
 ``steps`` has a row for each regime and level, of which ``row`` holds E, P1 and P2 one after the other: constant places in
@@ -37,7 +38,9 @@ predict: Any = None
 correct: Any = None
 predict_all: Any = None
 correct_all: Any = None
+begin: Any = None
 CURVED: Any = None
+CREEP = 0.3
 
 
 def linearise(time, direction, z, u, p, jacobian):  # type: ignore[no-untyped-def]
@@ -93,6 +96,12 @@ def prepare(z, u, p, h, out):  # type: ignore[no-untyped-def]
             direction = 0.0 if regime == 0 else (1.0 if regime == 1 else -1.0)
             # Well above the speeds at which friction bends, so that the linear part is that of steady sliding.
             moving[VELOCITY] = 10.0 * direction * TYPICAL[VELOCITY]
+            if contact(0.0, direction, z, u, p)[2] == 0.0:
+                # Nothing is ever held: the first regime creeps, as after rest, the others have come to steady sliding.
+                if regime == 0:
+                    direction, moving[VELOCITY] = 1.0, CREEP * TYPICAL[VELOCITY]
+                else:
+                    begin(0.0, direction, moving, u, p)
         linearise(0.0, direction, moving, u, p, jacobian)
         propagators(jacobian, h, out[regime])
 
@@ -130,8 +139,12 @@ def accept(span, z, a, before, counter):  # type: ignore[no-untyped-def]
     counter[1] += 1.0
 
 
-def straighten(limits, before, counter):  # type: ignore[no-untyped-def]
-    """Note whether a limiter acts; where none does any more, the rates that are not curved have no slope."""
+def straighten(time, direction, z, u, p, before, counter):  # type: ignore[no-untyped-def]
+    """Note whether a limiter acts; where none does any more, the rates that are not curved have no slope.
+
+    Return the direction of motion: where nothing locks, a slider turns without an event, and is said to creep or slide.
+    """
+    _, _, locks, limits = contact(time, direction, z, u, p)
     if counter[4] != limits:
         counter[4] = limits
         for i in range(N):
@@ -140,6 +153,15 @@ def straighten(limits, before, counter):  # type: ignore[no-untyped-def]
                 before[2 * N + i] = 0.0
         if AFFINE:
             counter[6] = 0.0
+    if CONTACT and direction != 0.0:
+        kind = 0.0 if locks != 0.0 else (1.0 if abs(z[VELOCITY]) > CREEP * TYPICAL[VELOCITY] else 2.0)
+        turns = locks == 0.0 and z[VELOCITY] * direction < 0.0
+        if turns or counter[7] != kind:
+            forget(before, counter)
+            counter[7] = kind
+        if turns:
+            return -direction
+    return direction
 
 
 def forget(before, counter):  # type: ignore[no-untyped-def]
@@ -158,24 +180,23 @@ def trial(time, h, direction, z, u, p, steps, row, a, before, counter):  # type:
         if direction == 0.0:
             push, limit, locks, _ = contact(time + h, 0.0, a, u, p)
             return abs(push) <= limit and locks != 0.0
-        return not turned(h, direction, z, a, before)
+        return not turned(h, direction, z, a, before) or counter[7] != 0.0
     return True
 
 
-def first_row(direction):  # type: ignore[no-untyped-def]
-    """Return the row of the propagators of a whole sample: of the regimes held, positive and negative."""
-    return 0 if direction == 0.0 else (LEVELS + 1 if direction > 0.0 else 2 * (LEVELS + 1))
+def first_row(direction, counter):  # type: ignore[no-untyped-def]
+    """Return the row of the propagators of a whole sample: of the regimes held (or creeping), positive and negative."""
+    return 0 if direction == 0.0 or counter[7] == 2.0 else (LEVELS + 1 if direction > 0.0 else 2 * (LEVELS + 1))
 
 
 def move(time, direction, z, u, p, steps, h, a, before, counter):  # type: ignore[no-untyped-def]
     """Move ``z`` on by one sample, most of them in one step; return the friction regime at its end."""
-    row = first_row(direction)
+    row = first_row(direction, counter)
     if counter[0] == 0.0 and trial(time, h, direction, z, u, p, steps, row, a, before, counter):
         accept(h, z, a, before, counter)
     else:
         direction = advance(time, direction, z, u, p, steps, h, a, before, counter)
-    straighten(contact(time + h, direction, z, u, p)[3], before, counter)
-    return direction
+    return straighten(time + h, direction, z, u, p, before, counter)
 
 
 def turned(span, direction, z, a, before):  # type: ignore[no-untyped-def]
@@ -198,7 +219,8 @@ def advance(time, direction, z, u, p, steps, h, a, before, counter):  # type: ig
     """Move ``z`` on by one sample in as many steps as accuracy and the ends of regimes ask for.
 
     ``counter``: 0 level that accuracy asks for, 1 steps, 2 events, 3 largest correction accepted at the finest level,
-    4 whether a limiter acts, 5 the correction that is accepted, in units of the states' resolution.
+    4 whether a limiter acts, 5 the correction that is accepted, in units of the states' resolution, 6 length of the step
+    before, 7 whether friction locks (0) or, where nothing does, the slider slides (1) or creeps (2).
     """
     ticks = 1 << LEVELS
     tick = h / ticks
@@ -213,7 +235,7 @@ def advance(time, direction, z, u, p, steps, h, a, before, counter):  # type: ig
             length = ticks >> level
         span = tick * length
         now = time + tick * done
-        row = first_row(direction) + level
+        row = first_row(direction, counter) + level
         error = attempt(now, span, direction, z, u, p, steps, row, a, before, counter)
         if not error <= counter[5] and level < LEVELS:
             level += 1
@@ -223,9 +245,14 @@ def advance(time, direction, z, u, p, steps, h, a, before, counter):  # type: ig
         if CONTACT:
             if direction == 0.0:
                 push, limit, locks, _ = contact(now + span, direction, a, u, p)
+                if locks == 0.0 and contact(now, direction, z, u, p)[2] == 0.0:
+                    # What does not lock has not been held before either: it moves from here on.
+                    direction = straighten(now, regime_after(now, direction, z, u, p), z, u, p, before, counter)
+                    forget(before, counter)
+                    continue
                 ended = abs(push) > limit or locks == 0.0
             else:
-                ended = turned(span, direction, z, a, before)
+                ended = counter[7] == 0.0 and turned(span, direction, z, a, before)
             if ended and level < LEVELS:
                 level += 1
                 searching = True
@@ -234,7 +261,7 @@ def advance(time, direction, z, u, p, steps, h, a, before, counter):  # type: ig
         done += length
         if error > counter[5] and error > counter[3]:
             counter[3] = error
-        straighten(contact(now + span, direction, z, u, p)[3], before, counter)
+        direction = straighten(now + span, direction, z, u, p, before, counter)
         if ended:
             direction = regime_after(time + tick * done, direction, z, u, p)
             forget(before, counter)

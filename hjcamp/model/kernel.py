@@ -54,6 +54,7 @@ CONTACT = {contact}
 RESOLUTION = np.array({resolution})
 TYPICAL = np.array({typical})
 CURVED = np.array({curved})
+CREEP = {creep}
 
 
 '''
@@ -128,6 +129,7 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
         resolution=[state.resolution for state in states],
         typical=[state.typical for state in states],
         curved=curved.tolist(),
+        creep=integrator.CREEP,
     )
     rest = composition.contact_source() + composition.readings_source() + composition.memory_source()
     rest += composition.signals_source() + composition.balance_source()

@@ -190,7 +190,7 @@ class PumpJoint(Plant):
         friction_viscous = slot(
             parameter.viscous_positive if forward > 0.0 else parameter.viscous_negative, "N*s/m", "viscous friction"
         )
-        friction_locks = slot(1.0, "1", "0 where friction never holds the slider rigidly")
+        friction_locks = slot(1.0, "1", "0 where friction passes rest without a leap, and holds nothing")
         friction = slot(
             drive.direction * friction_coulomb + friction_viscous * state.slider_velocity,
             "N",
