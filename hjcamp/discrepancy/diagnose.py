@@ -169,7 +169,7 @@ class _Search:
         current, taken, null = self._told(base, current, taken, null)
         self.report("weighing the answer", 0.95)
         floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
-        found = judge(self.views, self.features, null, base, current, taken, self.effects)
+        found = judge(self.views, self.features, null, base, current, self.steps, taken, self.effects)
         # What no effect explains is looked at without those that did not.
         ranked = top_drivers(rank_drivers(self.features, base, floor))
         drivers = [found.driver, *(one for one in ranked if one != found.driver)] if found.driver else ranked
@@ -329,9 +329,10 @@ class _Search:
         return current, taken
 
     def _told(self, base: Fit, current: Fit, taken: list[Step], null: Null) -> tuple[Fit, list[Step], Null]:
-        """Leave out a further effect that gains little, where the certain one leaves what its law may leave."""
+        """Leave out a further effect that gains little or is one of several, where the certain one leaves what its law may."""
         little = len(taken) > 1 and taken[-1].gain < LITTLE * self.least_gain
-        if little and not rivals_of(taken[0], taken):
+        open_still = len(taken) > 1 and bool(rivals_of(taken[-1], taken, self.steps))
+        if (little or open_still) and not rivals_of(taken[0], taken, self.steps):
             before, scatter = taken[-1].screening.about, self.scatter
             certain = [step for step in taken[:-1] if step.best in before.candidate.effects]
             _, own = self._look(before, self.work.forward + 2, False)

@@ -88,7 +88,11 @@ class Step:
     @property
     def gain(self) -> float:
         """By how much the loss falls with the best effect."""
-        return self.screening.about.loss - self.fits[self.best].loss
+        return self.gain_of(self.best)
+
+    def gain_of(self, name: str) -> float:
+        """Return by how much the loss falls with an effect that was fitted."""
+        return self.screening.about.loss - self.fits[name].loss
 
 
 def by_gain(

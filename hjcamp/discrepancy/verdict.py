@@ -18,6 +18,7 @@ from hjcamp.discrepancy.views import CHANNELS, Views
 from hjcamp.model.effect import Effect
 
 POSTERIOR = 0.8
+APART = 0.5
 MATTERS = 0.10
 # Breakaways are few, and scatter most.
 SAYS = [place for place, name in enumerate(CHANNELS) if name != "breakaway"]
@@ -47,10 +48,11 @@ def judge(
     null: Null,
     base: Fit,
     final: Fit,
+    steps: Sequence[Step],
     taken: Sequence[Step],
     effects: Sequence[type[Effect]],
 ) -> Verdict:
-    """Return the verdict; ``null`` are twins of the final model, ``effects`` the library."""
+    """Return the verdict; ``null`` are twins of the final model, ``effects`` the library; of ``steps`` those ``taken`` count."""
     evidence = features.evidence
     lacking = what_is_lacking(evidence)
     if lacking:
@@ -81,7 +83,7 @@ def judge(
             return Verdict("outside_library", [], FOREIGN[driver], driver)
         return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
     for step in taken:
-        rivals = rivals_of(step, taken)
+        rivals = rivals_of(step, taken, steps)
         if rivals:
             return Verdict("one_of", rivals, "these tests fit them alike")
     return Verdict("effect", [step.best for step in taken], "the error falls to its floor")
@@ -110,9 +112,16 @@ def _better_shape(views: Views, features: Features, final: Fit, name: str, drive
     return ""
 
 
-def rivals_of(step: Step, taken: Sequence[Step]) -> list[str]:
-    """Return the effects that a step cannot tell apart, likeliest first; none where its best one is certain."""
+def rivals_of(step: Step, taken: Sequence[Step], steps: Sequence[Step] = ()) -> list[str]:
+    """Return the effects that a step cannot tell apart, likeliest first; none where its best one is certain.
+
+    What gains as much beside the best one explains something else, and is no rival of it: the step after it tells.
+    """
     others = {other.best for other in taken if other is not step}
+    for later in [other for other in steps if other.screening.about is step.fits[step.best]]:
+        others |= {
+            name for name in later.fits if name in step.fits and later.gain_of(name) > APART * step.gain_of(name)
+        }
     weights = {name: weight for name, weight in step.weights.items() if name not in others}
     total = sum(weights.values())
     rivals = [name for name, weight in weights.items() if weight > 0.5 * (1 - POSTERIOR) * total]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from hjcamp.discrepancy.search import Step
@@ -12,7 +13,12 @@ from hjcamp.discrepancy.verdict import rivals_of
 
 
 def step(**weights: float) -> Step:
-    return cast(Any, SimpleNamespace(weights=weights, best=next(iter(weights))))
+    return cast(Any, SimpleNamespace(weights=weights, best=next(iter(weights)), fits=dict.fromkeys(weights)))
+
+
+def looked_at(about: float, losses: dict[str, float], weights: dict[str, float]) -> Step:
+    fits: Any = {name: SimpleNamespace(loss=loss) for name, loss in losses.items()}
+    return Step(cast(Any, SimpleNamespace(about=SimpleNamespace(loss=about))), fits, weights, 0.01, np.zeros(1))
 
 
 @pytest.mark.parametrize(
@@ -32,3 +38,22 @@ def test_rivals_are_those_with_a_tenth_of_the_weight(weights: dict[str, float], 
 def test_an_effect_that_another_step_has_taken_is_no_rival() -> None:
     first, second = step(leakage=1.0), step(payload_inertia=0.5, leakage=0.5)
     assert rivals_of(second, [first, second]) == []
+
+
+@pytest.mark.parametrize(("beside", "rivals"), [(18.0, []), (27.0, ["stribeck_friction", "position_friction"])])
+def test_what_gains_as_much_beside_the_best_one_is_no_rival(beside: float, rivals: list[str]) -> None:
+    first = looked_at(
+        40.0,
+        {"stribeck_friction": 28.0, "position_friction": 28.5},
+        {"stribeck_friction": 0.6, "position_friction": 0.4},
+    )
+    about: Any = SimpleNamespace(about=first.fits["stribeck_friction"])
+    second = Step(
+        about,
+        {"position_friction": cast(Any, SimpleNamespace(loss=beside))},
+        {"position_friction": 1.0},
+        0.5,
+        np.zeros(1),
+    )
+    assert rivals_of(first, [first], [first, second]) == rivals
+    assert rivals_of(first, [first], [first]) == ["stribeck_friction", "position_friction"]
