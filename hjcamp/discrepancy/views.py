@@ -20,7 +20,7 @@ from hjcamp.discrepancy.hardware import composition, simulator
 from hjcamp.discrepancy.own_starts import OwnStarts
 from hjcamp.discrepancy.recent import Recent
 from hjcamp.model.simulator import Course, Simulator
-from hjcamp.model.structure import influences
+from hjcamp.model.structure import influences, reaching
 from hjcamp.plants.pump_joint import PumpJoint
 
 Array = NDArray[np.float64]
@@ -31,6 +31,7 @@ LOOK_BACK = 4
 SURPRISE = 0.1
 TOLERANCE = 10.0
 KEPT = 24
+SEEN = tuple(channel.signal for channel in PumpJoint.channels)
 LINES = slice(CHANNELS.index("line_sum"), CHANNELS.index("line_difference") + 1)
 
 
@@ -41,6 +42,21 @@ def _reaching(effects: tuple[Any, ...], cut: str, present: frozenset[str], outpu
     some = composition(tuple(effect for effect in effects if effect.name in present), cut, gated=False)
     names = influences(some, outputs)
     return np.array([position for position, name in enumerate(whole.parameters) if name in names], dtype=np.int64)
+
+
+@functools.lru_cache(maxsize=512)
+def _idle(effects: tuple[Any, ...], cut: str, outputs: tuple[str, ...]) -> frozenset[str]:
+    """Return the names of those effects without which the outputs are computed in the same way."""
+    left = effects
+    for effect in effects:
+        fewer = tuple(other for other in left if other is not effect)
+        if reaching(_plainly(fewer, cut), outputs) == reaching(_plainly(left, cut), outputs):
+            left = fewer
+    return frozenset(effect.name for effect in effects if effect not in left)
+
+
+def _plainly(effects: tuple[Any, ...], cut: str) -> Any:
+    return composition(effects, cut, gated=False)
 
 
 def _shows_otherwise(effect: Any) -> bool:
@@ -167,15 +183,23 @@ class Views:
         """Return of one group of tests: a key, the observed states (n, 4) and the sliders' smooth travel (n, 1) with the
         sensors' errors taken out, and the readings (n, 4) of the lines driven by pump and arm."""
         part, hardware = self._groups[index]
-        model = self.lines(candidate, hardware)
-        p = self.vector(model, candidate, hardware)
-        key: tuple[Any, ...] = (index, *self._key(model, p, [channel.signal for channel in PumpJoint.channels]))
+        present = self._that_reach(candidate, "lines", SEEN)
+        model = self.lines(present, hardware)
+        p = self.vector(model, present, hardware)
+        key: tuple[Any, ...] = (index, *self._key(model, p, SEEN))
         if self._hung(candidate):
             key = (*key, self.vector(self.joint(candidate, hardware), candidate, hardware).tobytes())
-        return key, *self._recent_lines.get(key, lambda: self._follow_lines(p, candidate, part, hardware))
+        return key, *self._recent_lines.get(key, lambda: self._follow_lines(model, p, candidate, part, hardware))
 
-    def _follow_lines(self, p: Array, candidate: Candidate, part: slice, hardware: Any) -> tuple[Array, Array, Array]:
-        columns, model = self._columns, self.lines(candidate, hardware)
+    def _that_reach(self, candidate: Candidate, cut: str, outputs: Sequence[str]) -> Candidate:
+        """Return the candidate without the effects that cannot change the outputs: a kernel without any is far faster."""
+        present = tuple(effect for effect in self.effects if effect.name in candidate.effects)
+        return candidate.without(_idle(present, cut, tuple(outputs)))
+
+    def _follow_lines(
+        self, model: Simulator, p: Array, candidate: Candidate, part: slice, hardware: Any
+    ) -> tuple[Array, Array, Array]:
+        columns = self._columns
         lead, radius = hardware.values["pump_lead"], hardware.values["pulley_radius"]
         pump, arm = columns["pump"][part, None] * lead, columns["arm"][part, None] * radius
         observed = np.column_stack([pump, columns["pressure1"][part], columns["pressure2"][part], arm])
@@ -238,7 +262,7 @@ class Views:
         """Return push, friction, static friction (N) and mass (kg) of one group of tests (n, 4)."""
         part, hardware = self._groups[index]
         key, observed, track, _ = self._line_view(candidate, index)
-        balanced = candidate.without(self._circular)
+        balanced = self._that_reach(candidate.without(self._circular), "inverse", PumpJoint.balance)
         model = self.inverse(balanced, hardware)
         p = self.vector(model, balanced, hardware)
         own = (index, *self._key(model, p, PumpJoint.balance))

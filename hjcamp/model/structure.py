@@ -98,21 +98,25 @@ def nonlinear_rates(composition: Composition, rates: Callable[..., None], draws:
 
 
 def influences(composition: Composition, outputs: Sequence[str]) -> frozenset[str]:
-    """Return the names of the parameters that the named slots and signals of a composition can depend on.
+    """Return the names of the parameters that the named slots and signals of a composition can depend on."""
+    given = {f"p_{name.replace('.', '_')}": name for name in composition.parameters}
+    return frozenset(given[name] for name in names_in(reaching(composition, outputs)) if name in given)
+
+
+def reaching(composition: Composition, outputs: Sequence[str]) -> str:
+    """Return the text of all that the named slots and signals of a composition are computed from.
 
     Followed through the text: from an output to what it is computed from, from a state to its rate, start and update.
     """
     local = {f"s_{name.replace('.', '_')}": name for name in composition.states}
-    given = {f"p_{name.replace('.', '_')}": name for name in composition.parameters}
     wanted = [f"x = {name}" for name in outputs]
     reached: set[str] = set()
     while True:
         text = "\n".join(composition.body(wanted))
-        names = names_in(text)
-        new = {local[name] for name in names if name in local} - reached
+        new = {local[name] for name in names_in(text) if name in local} - reached
         if not new:
-            return frozenset(given[name] for name in names if name in given)
+            return text
         reached |= new
-        for state in new:
+        for state in sorted(new):
             parts = (composition.rate(state), composition.start(state), composition.update(state))
             wanted += [f"x = {part}" for part in parts if part]
