@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hjcamp.discrepancy.views import _idle
 from hjcamp.effects import load_effects
 from hjcamp.model.compose import Composition, live
 from hjcamp.model.structure import influences
@@ -32,3 +33,11 @@ def test_live_statements_are_those_that_reach_the_end() -> None:
     statements = ["a = x", "b = a + 1", "if b > 0: a = 2 * b", "c = 3", "d = c"]
     assert live(statements, "return a") == ["a = x", "b = a + 1", "if b > 0: a = 2 * b"]
     assert live(statements, "out[0] = d") == ["c = 3", "d = c"]
+
+
+def test_friction_is_idle_where_the_slider_is_driven_and_a_leak_where_the_pressures_are() -> None:
+    library = load_effects()
+    leak, bristles, offset = library["leakage"], library["presliding"], library["pressure_offset"]
+    assert _idle((leak, bristles, offset), "lines", PRESSURES) == {"presliding"}
+    assert _idle((leak, bristles, offset), "inverse", PumpJoint.balance) == {"leakage", "pressure_offset"}
+    assert _idle((leak,), "lines", PRESSURES) == frozenset()
