@@ -18,15 +18,18 @@ from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.null import Null, null_of, simulate_twins
+from hjcamp.discrepancy.probes import work_of
 from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
 from hjcamp.discrepancy.search import (
     WORTH,
     Screening,
     Step,
-    fit_effect,
+    best_start,
+    fit_from,
     refit_without,
     rival_weights,
     screen,
+    starts_of,
     unknowns_of,
 )
 from hjcamp.discrepancy.settle import settle
@@ -227,6 +230,8 @@ class _Search:
         # The first step shows what comes nearest, even where none of it can count.
         if not ranked or (number and not any(_at_most(screening, name) >= null.needed() for name in ranked)):
             return None
+        if self.work.hasty and not any(_at_most(screening, name) >= self.least_gain for name in ranked):
+            return self._hopeless(screening, null, ranked[:PAIR])
         share = 0.25 + 0.8 * number / (self.work.forward + 1)
         fits = self._survivors(screening, ranked[: self.work.survivors], share, null.needed())
         best = min(fits, key=lambda name: fits[name].loss)
@@ -243,6 +248,13 @@ class _Search:
         best = max(weights, key=lambda name: weights[name])
         gain = min(screening.about.loss - fits[best].loss, _at_most(screening, best))
         return Step(screening, fits, weights, null.p_value(gain), null.gains)
+
+    def _hopeless(self, screening: Screening, null: Null, names: list[str]) -> Step:
+        """Return a step of effects that cannot gain enough, as they are predicted, without fits."""
+        known = {effect.name: effect for effect in self.effects}
+        fits = {name: best_start(self.fitter, screening, known[name]) for name in names}
+        weights = rival_weights(fits, self.fitter.least, self.effects)
+        return Step(screening, fits, weights, max(null.p_value(max(screening.gains.values())), LEVEL), null.gains)
 
     def _counts(self, step: Step) -> bool:
         """Whether a step gains more than chance does, enough, and where it matters."""
@@ -315,9 +327,14 @@ class _Search:
 
     def _fit(self, screening: Screening, names: list[str], fits: dict[str, Fit], share: float) -> None:
         context = (self.fitter, screening, self.effects, self.work.steps)
-        for name, fit in zip(names, self.crew.each(_fit_one, context, names), strict=True):
-            fits[name] = fit
-            self.report(f"fitted {name}", share + 0.1 * len(fits) / (len(names) + len(fits)))
+        known = {effect.name: effect for effect in self.effects}
+        longest_first = sorted(names, key=lambda name: -work_of(known[name]))
+        jobs = [(name, ranks) for name in longest_first for ranks in starts_of(screening, known[name])]
+        found: dict[str, Fit] = {}
+        for (name, _), fit in zip(jobs, self.crew.each(_fit_one, context, jobs), strict=True):
+            found[name] = min(found.get(name, fit), fit, key=lambda one: one.loss)
+            self.report(f"fitted {name}", share + 0.1 * len(found) / (len(names) + len(found)))
+        fits.update({name: found[name] for name in names})
 
     def _backward(self, current: Fit, taken: list[Step], null: Null) -> tuple[Fit, list[Step]]:
         """Leave out again what is not needed any more once further effects are in the model."""
@@ -353,7 +370,8 @@ def _settle_one(context: tuple[Fitter, list[Fit], tuple[type[Effect], ...], int]
     return settle(fitter, fits[index], unknowns_of(fits[index].candidate, effects), sweeps)
 
 
-def _fit_one(context: tuple[Fitter, Screening, tuple[type[Effect], ...], int], name: str) -> Fit:
+def _fit_one(context: tuple[Fitter, Screening, tuple[type[Effect], ...], int], job: tuple[str, tuple[int, ...]]) -> Fit:
     fitter, screening, effects, steps = context
+    name, ranks = job
     effect = next(effect for effect in effects if effect.name == name)
-    return fit_effect(fitter, screening, effect, effects, steps)
+    return fit_from(fitter, screening, effect, effects, steps, ranks)

@@ -17,6 +17,7 @@ from hjcamp.model.parameter import Parameter
 
 Array = NDArray[np.float64]
 GRID = {1: 4, 2: 3}
+STRENGTHS = 8
 WANTED = 1.5
 SMOOTH = 2
 
@@ -62,6 +63,11 @@ def angle_of(effect: type[Effect]) -> str:
     return angles[0] if len(angles) == 1 and len(amplitudes(effect)) == 1 else ""
 
 
+def strength_is_a_shape(effect: type[Effect]) -> bool:
+    """Whether an effect has no amplitude and one shape, which is its strength then."""
+    return not amplitudes(effect) and sum(parameter.shape for parameter in effect.parameters.values()) == 1
+
+
 def grid(parameter: Parameter, points: int) -> list[float]:
     """Return values of a shape parameter over its bounds: geometric for a log-uniform prior, else even."""
     low, high = parameter.bounds
@@ -80,7 +86,7 @@ def shapes(effect: type[Effect]) -> Iterator[dict[str, float]]:
     if not names:
         yield {}
         return
-    points = GRID.get(len(names), 3)
+    points = STRENGTHS if strength_is_a_shape(effect) else GRID.get(len(names), 3)
     axes = [grid(effect.parameters[name], points) for name in names]
     default = tuple(effect.parameters[name].default for name in names)
     for values in dict.fromkeys([default, *itertools.product(*axes)]):
@@ -106,12 +112,13 @@ class Responses:
         self.solve = np.linalg.solve(gram + np.diag(spread) + 1e-6 * np.trace(gram) * np.eye(len(gram)), flat)
         self.spoken = np.maximum(fitter.features.valid.sum(axis=0), 1)
 
-    def response(self, effect: type[Effect], parameters: dict[str, float]) -> Array:
-        """Return the change of the features that the effect makes."""
+    def response(self, effect: type[Effect], parameters: dict[str, float], windows: bool = True) -> Array:
+        """Return the change of the features that the effect makes, without ``windows`` in those of lines and forces only."""
         full = {**effect.defaults(), **parameters}
-        return np.nan_to_num(
-            self.fitter.look(self.about.candidate.with_effect(effect.name, full)).features - self.about.features
-        )
+        fitter = self.fitter if windows else replace(self.fitter, windows=False)
+        change = fitter.look(self.about.candidate.with_effect(effect.name, full)).features - self.about.features
+        change[:, : 0 if windows else SMOOTH] = 0.0
+        return np.nan_to_num(change)
 
     def compensated(self, effect: type[Effect], parameters: dict[str, float], response: Array) -> tuple[Array, Array]:
         """Return the response together with the move of the base that makes up for it best, and that move.
@@ -144,8 +151,9 @@ class Responses:
                 parameter = effect.parameters.get(name)
                 if parameter is not None:
                     given[name] = scale.get(name, parameter.default)
-                response = self.response(effect, given)
-                size = self.size(response)
+                # An effect without amplitude needs no scale: where the base moves is told without the windows.
+                response = self.response(effect, given, windows=parameter is not None)
+                size = self.size(response) if parameter is not None else WANTED
                 if parameter is not None and size > 0 and not 0.4 < size < 4.0:
                     low, high = parameter.bounds
                     given[name] = min(max(given[name] * min(max(WANTED / size, 1e-4), 1e4), low), high)
@@ -156,6 +164,8 @@ class Responses:
                 if not 0.02 < size < 1e6:
                     continue
                 response, move = self.compensated(effect, given, response)
+                if parameter is None and not 0.02 < self.size(response) < 1e6:
+                    continue
                 shifts.append(tuple(float(step) for step in move))
                 columns.append(len(every))
                 lifted.append(name)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.gram import Gram, Group, Known, all_gains
-from hjcamp.discrepancy.probes import Probe, probe_all
+from hjcamp.discrepancy.probes import Probe, probe_all, strength_is_a_shape
 from hjcamp.discrepancy.unknowns import (
     Unknown,
     base_unknowns,
@@ -197,14 +197,33 @@ def unknowns_of(candidate: Candidate, effects: Sequence[type[Effect]]) -> list[U
     return found
 
 
+def starts_of(screening: Screening, effect: type[Effect]) -> list[tuple[int, ...]]:
+    """Return the ranks of the probes among which each fit of an effect chooses its start: one fit for most effects.
+
+    Where the strength itself is a shape the loss has several valleys, of which no straight line tells: a fit for each.
+    """
+    ranks = range(min(SHAPES, len(screening.instead.get(effect.name, screening).ranked[effect.name])))
+    return [(rank,) for rank in ranks] if strength_is_a_shape(effect) else [tuple(ranks)]
+
+
 def fit_effect(
     fitter: Fitter, screening: Screening, effect: type[Effect], effects: Sequence[type[Effect]], steps: int
 ) -> Fit:
-    """Return the joint fit of one more effect, from the best start that the screening's probes give."""
-    screening = screening.instead.get(effect.name, screening)
-    ranks = range(min(SHAPES, len(screening.ranked[effect.name])))
-    starts = [fitter.look(started(screening, effect, factor, rank)) for rank in ranks for factor in FACTORS]
-    start = min(starts, key=lambda fit: fit.loss).candidate
+    """Return the joint fit of one more effect, the best of those from its starts."""
+    fits = [fit_from(fitter, screening, effect, effects, steps, ranks) for ranks in starts_of(screening, effect)]
+    return min(fits, key=lambda fit: fit.loss)
+
+
+def fit_from(
+    fitter: Fitter,
+    screening: Screening,
+    effect: type[Effect],
+    effects: Sequence[type[Effect]],
+    steps: int,
+    ranks: Sequence[int],
+) -> Fit:
+    """Return the joint fit of one more effect, from the best start that the screening's probes of these ranks give."""
+    start = best_start(fitter, screening, effect, ranks).candidate
     here = unknowns_of(start, effects)
     calm = fitter.smooth()
     smooth = calm.fit(start, here, steps=3 * steps, enough=0.1)
@@ -214,7 +233,18 @@ def fit_effect(
     if second.candidate is smooth.candidate and calm.look(found.candidate).loss > smooth.loss + WORTH:
         other = fitter.fit(second.candidate, here, steps=2 * steps, enough=0.05)
         found = min(found, other, key=lambda fit: fit.loss)
+    if strength_is_a_shape(effect):
+        # The base goes first, so that the strength does not run away while it stands where it cannot be right.
+        held = fitter.fit(start, [unknown for unknown in here if unknown.effect != effect.name], steps=SHAPE_STEPS)
+        found = min(found, fitter.fit(held.candidate, here, steps=steps, enough=0.05), key=lambda fit: fit.loss)
     return found
+
+
+def best_start(fitter: Fitter, screening: Screening, effect: type[Effect], ranks: Sequence[int] = (0,)) -> Fit:
+    """Return the best of what the screening's probes of these ranks predict for one more effect, not fitted."""
+    screening = screening.instead.get(effect.name, screening)
+    looked = [fitter.look(started(screening, effect, factor, rank)) for rank in ranks for factor in FACTORS]
+    return min(looked, key=lambda fit: fit.loss)
 
 
 def refit_without(fitter: Fitter, fit: Fit, name: str, effects: Sequence[type[Effect]], steps: int) -> Fit:

@@ -1,4 +1,4 @@
-"""A further effect that gains little is left out, where the certain first one leaves what its law may leave."""
+"""A further effect that gains little, or is one of several, is left out, where the certain first one leaves what its law may leave."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ BASE, FIRST, BOTH = fit(), fit(leakage={}), fit(leakage={}, tubing_creep={})
 
 def step(about: Any, gain: float, **weights: float) -> Step:
     screening = SimpleNamespace(about=about)
+    fits = dict.fromkeys(weights)
     return cast(
-        Any, SimpleNamespace(screening=screening, gain=gain, weights=weights, best=next(iter(weights)), fits={})
+        Any, SimpleNamespace(screening=screening, gain=gain, weights=weights, best=next(iter(weights)), fits=fits)
     )
 
 
@@ -53,15 +54,26 @@ SURE, DOUBT = {"leakage": 1.0}, {"tubing_creep": 0.5, "friction_drift": 0.5}
     [
         (0.9, 1.2 * LEAST, SURE, DOUBT, 1),
         (1.1, 1.2 * LEAST, SURE, DOUBT, 2),
-        (0.9, LITTLE * LEAST, SURE, DOUBT, 2),
+        (0.9, LITTLE * LEAST, SURE, {"tubing_creep": 1.0}, 2),
+        (0.9, LITTLE * LEAST, SURE, DOUBT, 1),
+        (1.1, LITTLE * LEAST, SURE, DOUBT, 2),
         (0.9, 1.2 * LEAST, SURE, {"tubing_creep": 1.0}, 1),
         (0.9, 1.2 * LEAST, {"leakage": 0.5, "entrained_air": 0.5}, DOUBT, 2),
     ],
-    ids=["left out", "the first leaves too much", "it gains much", "left out though certain", "the first is doubtful"],
+    ids=[
+        "left out",
+        "the first leaves too much",
+        "it gains much",
+        "it gains much, but is one of several",
+        "one of several is needed",
+        "left out though certain",
+        "the first is doubtful",
+    ],
 )
 def test_what_stays(left: float, gain: float, first: dict[str, float], second: dict[str, float], kept: int) -> None:
     one = search(left)
     steps = [step(BASE, 80.0, **first), step(FIRST, gain, **second)]
+    one.steps = steps
     current, taken, null = one._told(BASE, BOTH, steps, "null of the last")
     assert taken == steps[:kept]
     assert current is (FIRST if kept == 1 else BOTH)
@@ -85,6 +97,7 @@ def test_a_hasty_search_does_not_look_for_what_would_be_left_out(
     promises = SimpleNamespace(gains={"tubing_creep": 0.5 * (promised - 1.0)})
     monkeypatch.setattr(diagnose, "screen", lambda *_: promises)
     one, taken = search(0.9), step(SimpleNamespace(loss=200.0), 150.0, **first)
+    taken.fits.clear()
     taken.fits.update(leakage=SimpleNamespace(loss=50.0), tubing_creep=SimpleNamespace(loss=100.0))
     one.fitter, one.effects = None, tuple(load_effects().values())
     assert one._others([taken], fit(leakage={})) is looks
