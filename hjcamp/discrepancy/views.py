@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -50,13 +51,14 @@ def _idle(effects: tuple[Any, ...], cut: str, outputs: tuple[str, ...]) -> froze
     left = effects
     for effect in effects:
         fewer = tuple(other for other in left if other is not effect)
-        if reaching(_plainly(fewer, cut), outputs) == reaching(_plainly(left, cut), outputs):
+        if _computed(fewer, cut, outputs) == _computed(left, cut, outputs):
             left = fewer
     return frozenset(effect.name for effect in effects if effect not in left)
 
 
-def _plainly(effects: tuple[Any, ...], cut: str) -> Any:
-    return composition(effects, cut, gated=False)
+def _computed(effects: tuple[Any, ...], cut: str, outputs: tuple[str, ...]) -> str:
+    # The places of states and parameters in their vectors depend on what else there is; their names tell.
+    return re.sub(r"\[\d+\]", "", reaching(composition(effects, cut, gated=False), outputs))
 
 
 def _shows_otherwise(effect: Any) -> bool:
