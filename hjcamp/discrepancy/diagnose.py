@@ -45,7 +45,7 @@ LEAST_GAIN = 0.42
 SAME = 0.95
 PAIR = 2
 # A law that is off in form leaves gains of that many times what is asked.
-LITTLE = 2.0
+LITTLE, PROMISING = 1.6, 2.0
 # So far behind the best fit, slips alone may have held a fit back.
 BEHIND = 30.0
 Report = Callable[[str, float], None]
@@ -305,10 +305,10 @@ class _Search:
     def _others(self, taken: list[Step], current: Fit) -> bool:
         """Whether another effect that gained much beside the model before the last step still promises to after it.
 
-        Beside a certain first effect it has to promise what `_told` will ask of it.
+        Beside a certain first effect it has to promise somewhat more than `_told` will ask of it.
         """
         step = taken[-1]
-        enough = self.least_gain * (1.0 if rivals_of(taken[0], taken) else LITTLE)
+        enough = self.least_gain * (1.0 if rivals_of(taken[0], taken) else PROMISING)
         others = [
             name
             for name, fit in step.fits.items()

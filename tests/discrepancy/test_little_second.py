@@ -10,7 +10,7 @@ import pytest
 
 from hjcamp.discrepancy import diagnose
 from hjcamp.discrepancy.candidate import Candidate
-from hjcamp.discrepancy.diagnose import LITTLE, _Search
+from hjcamp.discrepancy.diagnose import LITTLE, PROMISING, _Search
 from hjcamp.discrepancy.search import Step
 from hjcamp.effects import load_effects
 
@@ -88,7 +88,7 @@ def test_a_single_effect_stays() -> None:
 
 @pytest.mark.parametrize(
     ("first", "promised", "looks"),
-    [(SURE, 17.7, False), (SURE, 1.1 * LITTLE * LEAST, True), ({"leakage": 0.5, "entrained_air": 0.5}, 17.7, True)],
+    [(SURE, 17.7, False), (SURE, 1.1 * PROMISING * LEAST, True), ({"leakage": 0.5, "entrained_air": 0.5}, 17.7, True)],
     ids=["too little to stay", "enough to stay", "the first is doubtful"],
 )
 def test_a_hasty_search_does_not_look_for_what_would_be_left_out(
