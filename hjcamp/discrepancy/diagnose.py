@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -251,8 +252,7 @@ class _Search:
 
     def _hopeless(self, screening: Screening, null: Null, names: list[str]) -> Step:
         """Return a step of effects that cannot gain enough, as they are predicted, without fits."""
-        known = {effect.name: effect for effect in self.effects}
-        fits = {name: best_start(self.fitter, screening, known[name]) for name in names}
+        fits = {name: best_start(self.fitter, screening, self._library[name]) for name in names}
         weights = rival_weights(fits, self.fitter.least, self.effects)
         return Step(screening, fits, weights, max(null.p_value(max(screening.gains.values())), LEVEL), null.gains)
 
@@ -322,14 +322,17 @@ class _Search:
 
     def _same_as(self, name: str) -> list[str]:
         """Return the effects that say they can be the same thing."""
-        known = {effect.name: effect for effect in self.effects}
+        known = self._library
         return [*known[name].same_as, *(other for other, effect in known.items() if name in effect.same_as)]
+
+    @cached_property
+    def _library(self) -> dict[str, type[Effect]]:
+        return {effect.name: effect for effect in self.effects}
 
     def _fit(self, screening: Screening, names: list[str], fits: dict[str, Fit], share: float) -> None:
         context = (self.fitter, screening, self.effects, self.work.steps)
-        known = {effect.name: effect for effect in self.effects}
-        longest_first = sorted(names, key=lambda name: -work_of(known[name]))
-        jobs = [(name, ranks) for name in longest_first for ranks in starts_of(screening, known[name])]
+        longest_first = sorted(names, key=lambda name: -work_of(self._library[name]))
+        jobs = [(name, ranks) for name in longest_first for ranks in starts_of(screening, self._library[name])]
         found: dict[str, Fit] = {}
         for (name, _), fit in zip(jobs, self.crew.each(_fit_one, context, jobs), strict=True):
             found[name] = min(found.get(name, fit), fit, key=lambda one: one.loss)
@@ -347,9 +350,9 @@ class _Search:
 
     def _told(self, base: Fit, current: Fit, taken: list[Step], null: Null) -> tuple[Fit, list[Step], Null]:
         """Leave out a further effect that gains little or is one of several, where the certain one leaves what its law may."""
-        little = len(taken) > 1 and taken[-1].gain < LITTLE * self.least_gain
-        open_still = len(taken) > 1 and bool(rivals_of(taken[-1], taken, self.steps))
-        if (little or open_still) and not rivals_of(taken[0], taken, self.steps):
+        if len(taken) < 2 or rivals_of(taken[0], taken, self.steps):
+            return current, taken, null
+        if taken[-1].gain < LITTLE * self.least_gain or rivals_of(taken[-1], taken, self.steps):
             before, scatter = taken[-1].screening.about, self.scatter
             certain = [step for step in taken[:-1] if step.best in before.candidate.effects]
             _, own = self._look(before, self.work.forward + 2, False)
