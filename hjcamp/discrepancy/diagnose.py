@@ -160,7 +160,7 @@ class _Search:
             if step is None:
                 break
             self.steps.append(step)
-            if not self._counts(step):
+            if not self._counts(step) or self._needless(step, base, current, taken, null):
                 break
             current = step.fits[step.best]
             taken.append(step)
@@ -170,7 +170,6 @@ class _Search:
         if kept is not current:
             current = kept
             _, null = self._look(current, self.work.forward + 1, False)
-        current, taken, null = self._told(base, current, taken, null)
         self.report("weighing the answer", 0.95)
         floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
         found = judge(self.views, self.features, null, base, current, self.steps, taken, self.effects)
@@ -261,6 +260,16 @@ class _Search:
         certain = step.p_value < LEVEL and step.gain >= self.least_gain
         return certain and matters(self.features, step.screening.about, step.fits[step.best])
 
+    def _needless(self, step: Step, base: Fit, current: Fit, taken: list[Step], null: Null) -> bool:
+        """Whether a further effect gains little or is one of several, where the certain ones leave what their laws may."""
+        both = [*taken, step]
+        if not taken or rivals_of(taken[0], both, self.steps):
+            return False
+        if step.gain >= LITTLE * self.least_gain and not rivals_of(step, both, self.steps):
+            return False
+        law = law_of(named_by(taken, self.effects))
+        return bool(np.all(null.excess(base.mean_square, current.mean_square, law) <= 1.0))
+
     def _begun_anew(self, step: Step) -> Fit | None:
         """Return the model without the effect of a step, fitted again from where that has led; None where it is no better.
 
@@ -305,7 +314,7 @@ class _Search:
     def _others(self, taken: list[Step], current: Fit) -> bool:
         """Whether another effect that gained much beside the model before the last step still promises to after it.
 
-        Beside a certain first effect it has to promise somewhat more than `_told` will ask of it.
+        Beside a certain first effect it has to promise somewhat more than `_needless` will ask of it.
         """
         step = taken[-1]
         enough = self.least_gain * (1.0 if rivals_of(taken[0], taken) else PROMISING)
@@ -347,20 +356,6 @@ class _Search:
             if without.loss - current.loss < max(self.least_gain, null.needed()):
                 current, taken = without, [other for other in taken if other is not step]
         return current, taken
-
-    def _told(self, base: Fit, current: Fit, taken: list[Step], null: Null) -> tuple[Fit, list[Step], Null]:
-        """Leave out a further effect that gains little or is one of several, where the certain one leaves what its law may."""
-        if len(taken) < 2 or rivals_of(taken[0], taken, self.steps):
-            return current, taken, null
-        if taken[-1].gain < LITTLE * self.least_gain or rivals_of(taken[-1], taken, self.steps):
-            before, scatter = taken[-1].screening.about, self.scatter
-            certain = [step for step in taken[:-1] if step.best in before.candidate.effects]
-            _, own = self._look(before, self.work.forward + 2, False)
-            law = law_of(named_by(certain, self.effects))
-            if certain and np.all(own.excess(base.mean_square, before.mean_square, law) <= 1.0):
-                return before, certain, own
-            self.scatter = scatter
-        return current, taken, null
 
 
 def _at_most(screening: Screening, name: str) -> float:

@@ -21,7 +21,7 @@ def fit(**effects: dict[str, float]) -> Any:
     return SimpleNamespace(candidate=Candidate({}, effects), mean_square=np.ones((3, 7)))
 
 
-BASE, FIRST, BOTH = fit(), fit(leakage={}), fit(leakage={}, tubing_creep={})
+BASE, FIRST = fit(), fit(leakage={})
 
 
 def step(about: Any, gain: float, **weights: float) -> Step:
@@ -32,33 +32,30 @@ def step(about: Any, gain: float, **weights: float) -> Step:
     )
 
 
-def search(left: float) -> Any:
-    """Return a search in which the model before the second step leaves ``left`` times what is allowed."""
+def search() -> Any:
     found: Any = _Search.__new__(_Search)
-    found.effects, found.least_gain, found.scatter = (), LEAST, "of the last model"
-    found.work = SimpleNamespace(forward=2)
-
-    def look(current: Any, number: int, whole: bool) -> tuple[Any, Any]:
-        found.scatter = "of the model before"
-        return None, SimpleNamespace(name="null before", excess=lambda *_: np.full(5, left))
-
-    found._look = look
+    found.effects, found.least_gain, found.work = (), LEAST, SimpleNamespace(forward=2)
     return found
+
+
+def leaving(left: float) -> Any:
+    """Return what twins say of a model that leaves ``left`` times what is allowed."""
+    return SimpleNamespace(excess=lambda *_: np.full(5, left))
 
 
 SURE, DOUBT = {"leakage": 1.0}, {"tubing_creep": 0.5, "friction_drift": 0.5}
 
 
 @pytest.mark.parametrize(
-    ("left", "gain", "first", "second", "kept"),
+    ("left", "gain", "first", "second", "needless"),
     [
-        (0.9, 1.2 * LEAST, SURE, DOUBT, 1),
-        (1.1, 1.2 * LEAST, SURE, DOUBT, 2),
-        (0.9, LITTLE * LEAST, SURE, {"tubing_creep": 1.0}, 2),
-        (0.9, LITTLE * LEAST, SURE, DOUBT, 1),
-        (1.1, LITTLE * LEAST, SURE, DOUBT, 2),
-        (0.9, 1.2 * LEAST, SURE, {"tubing_creep": 1.0}, 1),
-        (0.9, 1.2 * LEAST, {"leakage": 0.5, "entrained_air": 0.5}, DOUBT, 2),
+        (0.9, 1.2 * LEAST, SURE, DOUBT, True),
+        (1.1, 1.2 * LEAST, SURE, DOUBT, False),
+        (0.9, LITTLE * LEAST, SURE, {"tubing_creep": 1.0}, False),
+        (0.9, LITTLE * LEAST, SURE, DOUBT, True),
+        (1.1, LITTLE * LEAST, SURE, DOUBT, False),
+        (0.9, 1.2 * LEAST, SURE, {"tubing_creep": 1.0}, True),
+        (0.9, 1.2 * LEAST, {"leakage": 0.5, "entrained_air": 0.5}, DOUBT, False),
     ],
     ids=[
         "left out",
@@ -70,20 +67,18 @@ SURE, DOUBT = {"leakage": 1.0}, {"tubing_creep": 0.5, "friction_drift": 0.5}
         "the first is doubtful",
     ],
 )
-def test_what_stays(left: float, gain: float, first: dict[str, float], second: dict[str, float], kept: int) -> None:
-    one = search(left)
-    steps = [step(BASE, 80.0, **first), step(FIRST, gain, **second)]
-    one.steps = steps
-    current, taken, null = one._told(BASE, BOTH, steps, "null of the last")
-    assert taken == steps[:kept]
-    assert current is (FIRST if kept == 1 else BOTH)
-    assert getattr(null, "name", null) == ("null before" if kept == 1 else "null of the last")
-    assert one.scatter == ("of the model before" if kept == 1 else "of the last model")
+def test_what_is_left_out(
+    left: float, gain: float, first: dict[str, float], second: dict[str, float], needless: bool
+) -> None:
+    one, before, further = search(), step(BASE, 80.0, **first), step(FIRST, gain, **second)
+    one.steps = [before, further]
+    assert one._needless(further, BASE, FIRST, [before], leaving(left)) is needless
 
 
 def test_a_single_effect_stays() -> None:
-    steps = [step(BASE, 1.2 * LEAST, **DOUBT)]
-    assert search(0.9)._told(BASE, FIRST, steps, "null")[:2] == (FIRST, steps)
+    one, only = search(), step(BASE, 1.2 * LEAST, **DOUBT)
+    one.steps = [only]
+    assert not one._needless(only, BASE, BASE, [], leaving(0.9))
 
 
 @pytest.mark.parametrize(
@@ -96,7 +91,7 @@ def test_a_hasty_search_does_not_look_for_what_would_be_left_out(
 ) -> None:
     promises = SimpleNamespace(gains={"tubing_creep": 0.5 * (promised - 1.0)})
     monkeypatch.setattr(diagnose, "screen", lambda *_: promises)
-    one, taken = search(0.9), step(SimpleNamespace(loss=200.0), 150.0, **first)
+    one, taken = search(), step(SimpleNamespace(loss=200.0), 150.0, **first)
     taken.fits.clear()
     taken.fits.update(leakage=SimpleNamespace(loss=50.0), tubing_creep=SimpleNamespace(loss=100.0))
     one.fitter, one.effects = None, tuple(load_effects().values())
