@@ -57,8 +57,8 @@ class Effort:
     """How much work a diagnosis may do: twins, fitted survivors of a screening, Gauss-Newton steps, further effects, and
     sweeps of a pattern search that settles each fit.
 
-    A ``hasty`` one looks for a further effect only where the model found so far leaves an error, and fits no survivor whose
-    prediction is far behind.
+    A ``hasty`` one looks for a further effect only where the model found so far leaves an error or another promised much,
+    and fits nothing where no effect is predicted to gain enough.
     """
 
     twins: int
@@ -228,12 +228,13 @@ class _Search:
             if name in screening.ranked
         ]
         # The first step shows what comes nearest, even where none of it can count.
-        if not ranked or (number and not any(_at_most(screening, name) >= null.needed() for name in ranked)):
+        enough = max(null.needed(), self.least_gain if number or self.work.hasty else 0.0)
+        if not ranked or (number and not any(_at_most(screening, name) >= enough for name in ranked)):
             return None
         if self.work.hasty and not any(_at_most(screening, name) >= self.least_gain for name in ranked):
             return self._hopeless(screening, null, ranked[:PAIR])
         share = 0.25 + 0.8 * number / (self.work.forward + 1)
-        fits = self._survivors(screening, ranked[: self.work.survivors], share, null.needed())
+        fits = self._survivors(screening, ranked[: self.work.survivors], share, enough)
         best = min(fits, key=lambda name: fits[name].loss)
         rivals = dict.fromkeys([*alike(screening, best, SAME), *self._same_as(best)])
         self._fit(
@@ -291,24 +292,23 @@ class _Search:
         for name, fit in zip(names, self.crew.each(_settle_one, context, range(len(names))), strict=True):
             fits[name] = fit
 
-    def _survivors(self, screening: Screening, names: list[str], share: float, needed: float) -> dict[str, Fit]:
-        """Return the fits of the most promising effects, a pair at least, without those that no gain can be hoped of.
+    def _survivors(self, screening: Screening, names: list[str], share: float, enough: float) -> dict[str, Fit]:
+        """Return the fits of the most promising effects, without those that no gain can be hoped of.
 
-        More than twice the prediction does not count (`_at_most`), so that what cannot reach ``needed`` is never taken. A
-        hasty search also leaves out what is behind the gain of another.
+        More than twice the prediction does not count (`_at_most`), so that what cannot reach ``enough`` is never taken, and
+        what is behind the gain of another is not its rival. At most two go together, however many workers there are: the
+        answer must not depend on them.
         """
         fits: dict[str, Fit] = {}
-        if not self.work.hasty:
-            hopeful = [name for name in names if _at_most(screening, name) >= needed]
-            self._fit(screening, hopeful if len(hopeful) > PAIR else names[:PAIR], fits, share)
-            return fits
-        # two by two, however many workers there are: the answer must not depend on them
-        for begin in range(0, len(names), PAIR):
-            gain = max((screening.about.loss - fit.loss for fit in fits.values()), default=-np.inf)
-            hoped = _at_most(screening, names[begin])
-            if fits and self.work.hasty and hoped < max(gain - WORTH, self.least_gain):
+        waiting = list(names)
+        while waiting:
+            gain = max((screening.about.loss - fit.loss for fit in fits.values()), default=screening.gains[waiting[0]])
+            hoped = [name for name in waiting if _at_most(screening, name) >= max(gain - WORTH, enough)][:PAIR]
+            if fits and not hoped:
                 break
-            self._fit(screening, names[begin : begin + PAIR], fits, share)
+            together = hoped or waiting[:PAIR]
+            self._fit(screening, together, fits, share)
+            waiting = [name for name in waiting if name not in together]
         return fits
 
     def _others(self, taken: list[Step], current: Fit) -> bool:
@@ -318,12 +318,9 @@ class _Search:
         """
         step = taken[-1]
         enough = self.least_gain * (1.0 if rivals_of(taken[0], taken) else PROMISING)
-        others = [
-            name
-            for name, fit in step.fits.items()
-            if step.screening.about.loss - fit.loss > self.least_gain
-            and name not in (step.best, *self._same_as(step.best))
-        ]
+        gains = step.screening.gains | {name: step.gain_of(name) for name in step.fits}
+        own = (step.best, *self._same_as(step.best))
+        others = [name for name, gain in gains.items() if gain > self.least_gain and name not in own]
         if not others:
             return False
         screening = screen(self.fitter, current, self.effects, others)

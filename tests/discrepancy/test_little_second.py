@@ -82,17 +82,23 @@ def test_a_single_effect_stays() -> None:
 
 
 @pytest.mark.parametrize(
-    ("first", "promised", "looks"),
-    [(SURE, 17.7, False), (SURE, 1.1 * PROMISING * LEAST, True), ({"leakage": 0.5, "entrained_air": 0.5}, 17.7, True)],
-    ids=["too little to stay", "enough to stay", "the first is doubtful"],
+    ("first", "seen", "promised", "looks"),
+    [
+        (SURE, 30.0, 17.7, False),
+        (SURE, 30.0, 1.1 * PROMISING * LEAST, True),
+        (SURE, 9.0, 1.1 * PROMISING * LEAST, False),
+        ({"leakage": 0.5, "entrained_air": 0.5}, 30.0, 17.7, True),
+    ],
+    ids=["too little to stay", "enough to stay", "it never promised enough", "the first is doubtful"],
 )
 def test_a_hasty_search_does_not_look_for_what_would_be_left_out(
-    first: dict[str, float], promised: float, looks: bool, monkeypatch: pytest.MonkeyPatch
+    first: dict[str, float], seen: float, promised: float, looks: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     promises = SimpleNamespace(gains={"tubing_creep": 0.5 * (promised - 1.0)})
     monkeypatch.setattr(diagnose, "screen", lambda *_: promises)
-    one, taken = search(), step(SimpleNamespace(loss=200.0), 150.0, **first)
-    taken.fits.clear()
-    taken.fits.update(leakage=SimpleNamespace(loss=50.0), tubing_creep=SimpleNamespace(loss=100.0))
+    about: Any = SimpleNamespace(about=SimpleNamespace(loss=200.0), gains={"leakage": 140.0, "tubing_creep": seen})
+    one, best = search(), fit(leakage={})
+    best.loss = 50.0
+    taken = Step(about, {"leakage": best}, first, 0.01, np.zeros(1))
     one.fitter, one.effects = None, tuple(load_effects().values())
-    assert one._others([taken], fit(leakage={})) is looks
+    assert one._others([taken], best) is looks

@@ -1,0 +1,40 @@
+"""Of the effects that a screening ranks, only those are fitted that may still turn out best."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from hjcamp.discrepancy.diagnose import _Search
+
+PREDICTED = {"leakage": 90.0, "tubing_creep": 42.0, "friction_drift": 40.0, "encoder_lag": 5.0}
+
+
+@pytest.mark.parametrize(
+    ("reached", "enough", "fitted"),
+    [
+        ({"leakage": 95.0}, 10.0, [["leakage"]]),
+        (
+            {"leakage": 20.0, "tubing_creep": 30.0, "friction_drift": 10.0},
+            10.0,
+            [["leakage"], ["tubing_creep", "friction_drift"]],
+        ),
+        ({"leakage": 2.0, "tubing_creep": 3.0}, 500.0, [["leakage", "tubing_creep"]]),
+    ],
+    ids=["all others are far behind", "the best falls short of its prediction", "none can reach what is asked"],
+)
+def test_what_is_fitted(reached: dict[str, float], enough: float, fitted: list[list[str]]) -> None:
+    screening: Any = SimpleNamespace(about=SimpleNamespace(loss=200.0), gains=PREDICTED)
+    search: Any = _Search.__new__(_Search)
+    together: list[list[str]] = []
+
+    def fit(_: Any, names: list[str], fits: dict[str, Any], share: float) -> None:
+        together.append(names)
+        fits.update({name: SimpleNamespace(loss=200.0 - reached[name]) for name in names})
+
+    search._fit = fit
+    found = search._survivors(screening, list(PREDICTED), 0.0, enough)
+    assert together == fitted
+    assert list(found) == [name for names in fitted for name in names]
