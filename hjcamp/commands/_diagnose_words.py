@@ -58,7 +58,9 @@ class Told:
         """Return the sentences of the answer, the first of them what the verdict means."""
         verdict, found = self.content["verdict"], self.found
         if verdict == "effect":
-            return [*(self.library[name].sentence() for name in self.content["effects"]), self.chance()]
+            named = [self.library[name].sentence() for name in self.content["effects"]]
+            doubt = [whole_sentence(found.reason)] if found.undecided else []
+            return [*named, *doubt, self.chance()]
         if verdict == "one_of":
             return [whole_sentence(found.reason), self.chance()]
         if verdict == "outside_library":

@@ -98,6 +98,7 @@ class Diagnosis:
     detectable: dict[str, tuple[str, float, str]] = field(default_factory=dict)
     confounded: list[dict[str, object]] = field(default_factory=list)
     exploratory: bool = False
+    undecided: tuple[str, ...] = ()
 
 
 def diagnose(
@@ -196,6 +197,7 @@ class _Search:
             detectable_amplitudes(first, self.effects, needed),
             confounded(first),
             not self.evidence.repeated,
+            found.undecided,
         )
 
     def _look(self, current: Fit, number: int, whole: bool) -> tuple[Screening, Null]:

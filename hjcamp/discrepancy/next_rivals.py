@@ -72,10 +72,10 @@ def rivals_of(found: Diagnosis, library: Mapping[str, type[Effect]], names: Sequ
         return rivals_by_name(names or [NOTHING, *library], library, found.baseline.candidate.base)
     if names:
         return _normalised([_named(found, library, name) for name in names])
-    if found.verdict != "one_of":
+    if not found.undecided:
         return []
-    step = next(one for one in found.steps if set(found.effects) <= set(one.fits))
-    return _normalised([_fitted(found, step, name) for name in found.effects[:MOST]])
+    step = next(one for one in found.steps if set(found.undecided) <= set(one.fits))
+    return _normalised([_fitted(found, step, name) for name in found.undecided[:MOST]])
 
 
 def _fitted(found: Diagnosis, step: Step, name: str) -> Rival:

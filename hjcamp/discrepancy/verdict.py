@@ -34,12 +34,16 @@ FOREIGN = {
 
 @dataclass(frozen=True)
 class Verdict:
-    """The verdict, the effects it names, the reason in words, and the driver that refutes an effect (or nothing)."""
+    """The verdict, the effects it names, the reason in words, and the driver that refutes an effect (or nothing).
+
+    ``undecided`` are the effects of which one is needed as well and these tests cannot tell which.
+    """
 
     verdict: str
     effects: list[str]
     reason: str
     driver: str = ""
+    undecided: tuple[str, ...] = ()
 
 
 def judge(
@@ -82,11 +86,23 @@ def judge(
         if driver:
             return Verdict("outside_library", [], FOREIGN[driver], driver)
         return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
-    for step in taken:
-        rivals = rivals_of(step, taken, steps)
-        if rivals:
-            return Verdict("one_of", rivals, "these tests fit them alike")
-    return Verdict("effect", [step.best for step in taken], "the error falls to its floor")
+    return weighed([(step.best, rivals_of(step, taken, steps)) for step in taken])
+
+
+def weighed(found: Sequence[tuple[str, list[str]]]) -> Verdict:
+    """Return the verdict of steps that are needed, each by its best effect and what it cannot be told apart from.
+
+    What is certain is named, unless the first step, which explains most, is doubtful itself.
+    """
+    certain = [best for best, rivals in found if not rivals]
+    doubtful = next((rivals for _, rivals in found if rivals), [])
+    if not doubtful:
+        return Verdict("effect", certain, "the error falls to its floor")
+    if not found[0][1]:
+        reason = f"beside it one of {', '.join(doubtful)} is needed; these tests fit them alike, others can tell"
+        return Verdict("effect", certain, reason, undecided=tuple(doubtful))
+    beside = f"; {' and '.join(certain)} beside them is certain" if certain else ""
+    return Verdict("one_of", doubtful, f"these tests fit them alike{beside}", undecided=tuple(doubtful))
 
 
 def _foreign(features: Features, null: Null, final: Fit) -> str:

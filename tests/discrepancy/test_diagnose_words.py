@@ -38,7 +38,9 @@ def told(**changed: Any) -> Told:
         {"effects": ["encoder_bias"], "cosine": 0.99, "with": "base parameters"},
         {"effects": ["leakage", "tubing_creep"], "cosine": 0.85, "with": "each other"},
     ]
-    found: Any = SimpleNamespace(steps=[step], final=final, baseline=None, confounded=confounded, reason="it is so")
+    found: Any = SimpleNamespace(
+        steps=[step], final=final, baseline=None, confounded=confounded, reason="it is so", undecided=()
+    )
     return Told(found, CONTENT | changed, {"leakage": Leakage}, "published", 15.5, None)
 
 
@@ -63,6 +65,12 @@ def test_title_and_answer() -> None:
     assert told().answer()[0].startswith("Water is lost from each line")
     assert told(verdict="outside_library", drivers=["arm_angle"]).title == "Outside library: depends on arm angle"
     assert told(verdict="cannot_tell").answer() == ["It is so."]
+
+
+def test_what_is_certain_is_told_before_what_is_not() -> None:
+    one = told()
+    one.found.undecided = ("line_inertance", "pressure_gain")
+    assert one.title == "Effect: leakage" and one.answer()[1] == "It is so."
 
 
 def test_tables_are_in_readable_units() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hjcamp.discrepancy.search import Step
-from hjcamp.discrepancy.verdict import rivals_of
+from hjcamp.discrepancy.verdict import rivals_of, weighed
 
 
 def step(**weights: float) -> Step:
@@ -57,3 +57,28 @@ def test_what_gains_as_much_beside_the_best_one_is_no_rival(beside: float, rival
     )
     assert rivals_of(first, [first], [first, second]) == rivals
     assert rivals_of(first, [first], [first]) == ["stribeck_friction", "position_friction"]
+
+
+@pytest.mark.parametrize(
+    ("found", "verdict", "named", "undecided"),
+    [
+        ([("leakage", [])], "effect", ["leakage"], ()),
+        ([("leakage", []), ("encoder_lag", [])], "effect", ["leakage", "encoder_lag"], ()),
+        (
+            [("leakage", ["leakage", "tubing_creep"])],
+            "one_of",
+            ["leakage", "tubing_creep"],
+            ("leakage", "tubing_creep"),
+        ),
+        ([("leakage", []), ("encoder_lag", ["a", "b"])], "effect", ["leakage"], ("a", "b")),
+        ([("leakage", ["a", "b"]), ("encoder_lag", [])], "one_of", ["a", "b"], ("a", "b")),
+    ],
+    ids=["one", "two", "one of two", "beside a certain one", "beside a lesser certain one"],
+)
+def test_what_is_certain_is_named(
+    found: list[tuple[str, list[str]]], verdict: str, named: list[str], undecided: tuple[str, ...]
+) -> None:
+    said = weighed(found)
+    assert (said.verdict, said.effects, said.undecided) == (verdict, named, undecided)
+    certain = [best for best, rivals in found if not rivals]
+    assert not undecided or all(name in said.reason or name in said.effects for name in certain)
