@@ -110,6 +110,10 @@ def of_the_command_line(folder: Path) -> Iterator[Row]:
         command = [sys.executable, "-m", "hjcamp", *arguments]
         return lambda: subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
 
+    composer = Composer()
+    composer.compose([])
+    spent = best_of(4, lambda: composer.compose(["controller=ffwd_pid", "payload=brass_8p5g"]))
+    yield "compose one condition", f"{spent * 1e3:.0f} ms", "at most 100 ms"
     call("--help")()
     yield "hjcamp --help", f"{best_of(5, call('--help')):.2f} s", "at most 0.4 s"
     call("run", "campaign=controllers", "repetitions=1", f"run_dir={folder / 'warm'}")()
