@@ -11,6 +11,7 @@ import pytest
 from hjcamp.discrepancy import diagnose
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.diagnose import _Search
+from hjcamp.discrepancy.verdict import Verdict
 
 EFFECTS: Any = ()
 
@@ -80,7 +81,7 @@ def test_what_gained_only_what_a_stuck_base_had_left_is_not_taken(search: Any, m
     monkeypatch.setattr(diagnose, "top_drivers", lambda ranked: [])
     monkeypatch.setattr(diagnose, "detectable_amplitudes", lambda *given: {})
     monkeypatch.setattr(diagnose, "confounded", lambda screening: [])
-    monkeypatch.setattr(diagnose, "judge", lambda *given: SimpleNamespace(verdict="", effects=[], reason="", driver=""))
+    monkeypatch.setattr(diagnose, "judge", lambda *given: Verdict("nothing_missing", [], "it is so"))
     found = search.run(None, 0.0)
     assert looked == [502.0, 469.0]
     assert found.baseline.loss == found.final.loss == 469.0
