@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, nearest, unknown
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -66,12 +66,12 @@ def add(
 
 
 def split(words: list[str], library: Any) -> tuple[list[str], list[Path]]:
-    """Return effects and paths; the first word that is not an effect but a place on the disk begins the paths."""
+    """Return effects and paths; the first word that is no effect, nor nearly the name of one, begins the paths."""
     names: list[str] = []
     for index, word in enumerate(words):
         if word in library:
             names.append(word)
-        elif names and (Path(word).exists() or "/" in word or word.endswith(".mcap")):
+        elif names and (Path(word).exists() or "/" in word or nearest(word, library) is None):
             return names, [Path(one) for one in words[index:]]
         else:
             raise unknown("effect", word, library)

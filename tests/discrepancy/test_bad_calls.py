@@ -29,6 +29,8 @@ from discrepancy_answers import Call
         (("add", "leakage", "{leak}", "--as", "published"), "exists already"),
         (("add", "leakage", "{leak}", "--as", "a/b"), "cannot be the name"),
         (("add", "leakage", "nowhere/logs", "--as", "new"), "no such file or folder"),
+        (("add", "leakage", "nowhere", "--as", "new"), "no such file or folder"),
+        (("add", "leakage", "leakge", "--as", "new"), "did you mean 'leakage'"),
         (("add", "leakage", "{empty}", "--as", "new"), "no logs"),
         (("add", "leakage", "{leak}", "--as", "new", "--model", "publishd"), "did you mean 'published'"),
         (("add", "leakage", "{leak}", "--as", "new", "--json", "{empty}"), "is a folder"),
