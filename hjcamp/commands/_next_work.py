@@ -89,8 +89,8 @@ def read_words(words: Sequence[str], rivals: Sequence[str], library: Mapping[str
 
 def work_of(words: Words, library: Mapping[str, Any], effort: str, seed: int, report: Report) -> Work | Diagnosis:
     """Return the work to be done, or the diagnosis whose verdict leaves nothing to separate."""
-    from hjcamp.discrepancy.diagnose import EFFORTS
     from hjcamp.discrepancy.diagnose import diagnose as search
+    from hjcamp.discrepancy.effort import EFFORTS
 
     if effort not in EFFORTS:
         raise unknown("effort", effort, EFFORTS)

@@ -53,8 +53,8 @@ def diagnose(
         from hjcamp.commands._diagnose_words import Told, looks_at_final
         from hjcamp.discrepancy.answer import answer, start_error
         from hjcamp.discrepancy.crew import Crew, available
-        from hjcamp.discrepancy.diagnose import EFFORTS
         from hjcamp.discrepancy.diagnose import diagnose as search
+        from hjcamp.discrepancy.effort import EFFORTS
         from hjcamp.discrepancy.saved import saved_model
         from hjcamp.discrepancy.unexplained import unexplained
         from hjcamp.effects import load_effects

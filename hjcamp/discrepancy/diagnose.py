@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,67 +12,28 @@ from numpy.typing import NDArray
 from hjcamp.discrepancy.baseline import calibrate
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
-from hjcamp.discrepancy.detectable import alike, confounded, detectable_amplitudes
+from hjcamp.discrepancy.detectable import confounded, detectable_amplitudes
 from hjcamp.discrepancy.drivers import rank_drivers, top_drivers
+from hjcamp.discrepancy.effort import EFFORTS, Effort
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.null import Null, null_of, simulate_twins
-from hjcamp.discrepancy.probes import work_of
 from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
-from hjcamp.discrepancy.search import (
-    WORTH,
-    Screening,
-    Step,
-    best_start,
-    fit_from,
-    refit_without,
-    rival_weights,
-    screen,
-    starts_of,
-    unknowns_of,
-)
+from hjcamp.discrepancy.search import WORTH, Screening, Step, refit_without, screen, unknowns_of
 from hjcamp.discrepancy.settle import settle
+from hjcamp.discrepancy.step_fits import LEVEL, StepFitter, at_most, same_as
 from hjcamp.discrepancy.twins import match_scatter
 from hjcamp.discrepancy.verdict import judge, law_of, matters, named_by, rivals_of, what_is_lacking
 from hjcamp.discrepancy.views import Views
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]
-LEVEL = 0.05
 # For each test: arm and pressures of the windows, which go together, both fall by 10 %.
 LEAST_GAIN = 0.42
-SAME = 0.95
-PAIR = 2
 # A law that is off in form leaves gains of that many times what is asked.
 LITTLE, PROMISING = 1.6, 2.0
-# So far behind the best fit, slips alone may have held a fit back.
-BEHIND = 30.0
 Report = Callable[[str, float], None]
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How much work a diagnosis may do: twins, fitted survivors of a screening, Gauss-Newton steps, further effects, and
-    sweeps of a pattern search that settles each fit.
-
-    A ``hasty`` one looks for a further effect only where the model found so far leaves an error or another promised much,
-    and fits nothing where no effect is predicted to gain enough.
-    """
-
-    twins: int
-    survivors: int
-    steps: int
-    forward: int
-    sweeps: int = 0
-    hasty: bool = False
-
-
-EFFORTS = {
-    "quick": Effort(24, 4, 4, 2, hasty=True),
-    "standard": Effort(60, 6, 4, 2, 6),
-    "thorough": Effort(300, 10, 8, 3, 20),
-}
 
 
 @dataclass
@@ -139,6 +99,7 @@ class _Search:
     def run(self, start: Candidate | None, began: float) -> Diagnosis:
         self.report("calibrating the base parameters", 0.02)
         base, self.fitter = calibrate(self.views, self.features, start=start, sweeps=self.work.sweeps)
+        fitting = StepFitter(self.fitter, self.effects, self.work, self.least_gain, self.report)
         lacking = what_is_lacking(self.evidence)
         screening, null = self._look(base, 0, True)
         first, first_null = screening, null
@@ -150,14 +111,14 @@ class _Search:
                 if np.all(excess <= 1.0) and not self._others(taken, current):
                     break
                 screening, null = self._look(current, number, True)
-            step = self._step(screening, null, number)
+            step = fitting.step(screening, null, number)
             begun = self._begun_anew(step) if step is not None and self._counts(step) else None
             if begun is not None:
                 current = begun
                 screening, null = self._look(current, number, True)
                 if not taken:
                     base, first, first_null = current, screening, null
-                step = self._step(screening, null, number)
+                step = fitting.step(screening, null, number)
             if step is None:
                 break
             self.steps.append(step)
@@ -222,42 +183,6 @@ class _Search:
         seeds = [self.seed * 100_000 + number * 1000 + index for index in range(self.work.twins)]
         return simulate_twins(self.fitter, current, self.scatter, seeds, tick)
 
-    def _step(self, screening: Screening, null: Null, number: int) -> Step | None:
-        """Return the fits of the most promising effects and of those that look the same as the best of them."""
-        ranked = [
-            name
-            for name in sorted(screening.gains, key=lambda name: -screening.gains[name])
-            if name in screening.ranked
-        ]
-        # The first step shows what comes nearest, even where none of it can count.
-        enough = max(null.needed(), self.least_gain if number or self.work.hasty else 0.0)
-        if not ranked or (number and not any(_at_most(screening, name) >= enough for name in ranked)):
-            return None
-        if self.work.hasty and not any(_at_most(screening, name) >= self.least_gain for name in ranked):
-            return self._hopeless(screening, null, ranked[:PAIR])
-        share = 0.25 + 0.8 * number / (self.work.forward + 1)
-        fits = self._survivors(screening, ranked[: self.work.survivors], share, enough)
-        best = min(fits, key=lambda name: fits[name].loss)
-        rivals = dict.fromkeys([*alike(screening, best, SAME), *self._same_as(best)])
-        self._fit(
-            screening, [name for name in rivals if name in screening.ranked and name not in fits], fits, share + 0.1
-        )
-        self._settle(screening, fits)
-        best = min(fits, key=lambda name: fits[name].loss)
-        here = unknowns_of(fits[best].candidate, self.effects)
-        polished = self.fitter.fit(fits[best].candidate, here, steps=2 * self.work.steps, enough=0.05)
-        fits[best] = min(fits[best], polished, key=lambda fit: fit.loss)
-        weights = rival_weights(fits, self.fitter.least, self.effects)
-        best = max(weights, key=lambda name: weights[name])
-        gain = min(screening.about.loss - fits[best].loss, _at_most(screening, best))
-        return Step(screening, fits, weights, null.p_value(gain), null.gains)
-
-    def _hopeless(self, screening: Screening, null: Null, names: list[str]) -> Step:
-        """Return a step of effects that cannot gain enough, as they are predicted, without fits."""
-        fits = {name: best_start(self.fitter, screening, self._library[name]) for name in names}
-        weights = rival_weights(fits, self.fitter.least, self.effects)
-        return Step(screening, fits, weights, max(null.p_value(max(screening.gains.values())), LEVEL), null.gains)
-
     def _counts(self, step: Step) -> bool:
         """Whether a step gains more than chance does, enough, and where it matters."""
         certain = step.p_value < LEVEL and step.gain >= self.least_gain
@@ -284,35 +209,6 @@ class _Search:
             return None
         return settle(self.fitter, found, unknowns_of(found.candidate, self.effects), work.sweeps)
 
-    def _settle(self, screening: Screening, fits: dict[str, Fit]) -> None:
-        """Settle the fits that may still turn out best: near the best one, and with a prediction that matters."""
-        if self.work.sweeps < 1:
-            return
-        near = min(fit.loss for fit in fits.values()) + BEHIND
-        names = [name for name, fit in fits.items() if fit.loss < near and _at_most(screening, name) > self.least_gain]
-        context = (self.fitter, [fits[name] for name in names], self.effects, self.work.sweeps)
-        for name, fit in zip(names, self.crew.each(_settle_one, context, range(len(names))), strict=True):
-            fits[name] = fit
-
-    def _survivors(self, screening: Screening, names: list[str], share: float, enough: float) -> dict[str, Fit]:
-        """Return the fits of the most promising effects, without those that no gain can be hoped of.
-
-        More than twice the prediction does not count (`_at_most`), so that what cannot reach ``enough`` is never taken, and
-        what is behind the gain of another is not its rival. At most two go together, however many workers there are: the
-        answer must not depend on them.
-        """
-        fits: dict[str, Fit] = {}
-        waiting = list(names)
-        while waiting:
-            gain = max((screening.about.loss - fit.loss for fit in fits.values()), default=screening.gains[waiting[0]])
-            hoped = [name for name in waiting if _at_most(screening, name) >= max(gain - WORTH, enough)][:PAIR]
-            if fits and not hoped:
-                break
-            together = hoped or waiting[:PAIR]
-            self._fit(screening, together, fits, share)
-            waiting = [name for name in waiting if name not in together]
-        return fits
-
     def _others(self, taken: list[Step], current: Fit) -> bool:
         """Whether another effect that gained much beside the model before the last step still promises to after it.
 
@@ -321,31 +217,12 @@ class _Search:
         step = taken[-1]
         enough = self.least_gain * (1.0 if rivals_of(taken[0], taken) else PROMISING)
         gains = step.screening.gains | {name: step.gain_of(name) for name in step.fits}
-        own = (step.best, *self._same_as(step.best))
+        own = (step.best, *same_as(self.effects, step.best))
         others = [name for name, gain in gains.items() if gain > self.least_gain and name not in own]
         if not others:
             return False
         screening = screen(self.fitter, current, self.effects, others)
-        return any(_at_most(screening, name) > enough for name in others)
-
-    def _same_as(self, name: str) -> list[str]:
-        """Return the effects that say they can be the same thing."""
-        known = self._library
-        return [*known[name].same_as, *(other for other, effect in known.items() if name in effect.same_as)]
-
-    @cached_property
-    def _library(self) -> dict[str, type[Effect]]:
-        return {effect.name: effect for effect in self.effects}
-
-    def _fit(self, screening: Screening, names: list[str], fits: dict[str, Fit], share: float) -> None:
-        context = (self.fitter, screening, self.effects, self.work.steps)
-        longest_first = sorted(names, key=lambda name: -work_of(self._library[name]))
-        jobs = [(name, ranks) for name in longest_first for ranks in starts_of(screening, self._library[name])]
-        found: dict[str, Fit] = {}
-        for (name, _), fit in zip(jobs, self.crew.each(_fit_one, context, jobs), strict=True):
-            found[name] = min(found.get(name, fit), fit, key=lambda one: one.loss)
-            self.report(f"fitted {name}", share + 0.1 * len(found) / (len(names) + len(found)))
-        fits.update({name: found[name] for name in names})
+        return any(at_most(screening, name) > enough for name in others)
 
     def _backward(self, current: Fit, taken: list[Step], null: Null) -> tuple[Fit, list[Step]]:
         """Leave out again what is not needed any more once further effects are in the model."""
@@ -355,20 +232,3 @@ class _Search:
             if without.loss - current.loss < max(self.least_gain, null.needed()):
                 current, taken = without, [other for other in taken if other is not step]
         return current, taken
-
-
-def _at_most(screening: Screening, name: str) -> float:
-    """Return what a fit may gain: far more than its own linear prediction follows noise that the twins do not see."""
-    return 2.0 * screening.gains[name] + 1.0
-
-
-def _settle_one(context: tuple[Fitter, list[Fit], tuple[type[Effect], ...], int], index: int) -> Fit:
-    fitter, fits, effects, sweeps = context
-    return settle(fitter, fits[index], unknowns_of(fits[index].candidate, effects), sweeps)
-
-
-def _fit_one(context: tuple[Fitter, Screening, tuple[type[Effect], ...], int], job: tuple[str, tuple[int, ...]]) -> Fit:
-    fitter, screening, effects, steps = context
-    name, ranks = job
-    effect = next(effect for effect in effects if effect.name == name)
-    return fit_from(fitter, screening, effect, effects, steps, ranks)

@@ -72,7 +72,8 @@ def test_what_gained_only_what_a_stuck_base_had_left_is_not_taken(search: Any, m
         return SimpleNamespace(about=current), null
 
     search._look = look
-    search._step = lambda screening, null, number: step(screening.about, "leakage", fit(465.0, leakage={}))
+    leak = SimpleNamespace(step=lambda screening, *given: step(screening.about, "leakage", fit(465.0, leakage={})))
+    monkeypatch.setattr(diagnose, "StepFitter", lambda *given: leak)
     features = SimpleNamespace(floor=lambda found: np.ones(7))
     search.features, search.evidence = features, SimpleNamespace(repeated=True)
     monkeypatch.setattr(diagnose, "calibrate", lambda *given, **named: (stuck, None))

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from hjcamp.discrepancy.diagnose import _Search
+from hjcamp.discrepancy.step_fits import StepFitter
 
 PREDICTED = {"leakage": 90.0, "tubing_creep": 42.0, "friction_drift": 40.0, "encoder_lag": 5.0}
 
@@ -27,14 +27,14 @@ PREDICTED = {"leakage": 90.0, "tubing_creep": 42.0, "friction_drift": 40.0, "enc
 )
 def test_what_is_fitted(reached: dict[str, float], enough: float, fitted: list[list[str]]) -> None:
     screening: Any = SimpleNamespace(about=SimpleNamespace(loss=200.0), gains=PREDICTED)
-    search: Any = _Search.__new__(_Search)
+    fitting: Any = StepFitter.__new__(StepFitter)
     together: list[list[str]] = []
 
     def fit(_: Any, names: list[str], fits: dict[str, Any], share: float) -> None:
         together.append(names)
         fits.update({name: SimpleNamespace(loss=200.0 - reached[name]) for name in names})
 
-    search._fit = fit
-    found = search._survivors(screening, list(PREDICTED), 0.0, enough)
+    fitting._fit = fit
+    found = fitting._survivors(screening, list(PREDICTED), 0.0, enough)
     assert together == fitted
     assert list(found) == [name for names in fitted for name in names]
