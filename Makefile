@@ -54,7 +54,7 @@ bench: $(WARM)
 	$(BIN)/python benchmarks/loop_timing.py
 
 benchmark: $(WARM)
-	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 90000 --page docs/benchmark.md
+	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 100000 --page docs/benchmark.md
 
 next_value: $(WARM)
 	$(BIN)/python benchmarks/next_value.py --page docs/next_value.md

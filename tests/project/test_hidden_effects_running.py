@@ -108,5 +108,5 @@ def test_only_what_is_left_is_run_and_the_page_is_kept_until_all_is_done(
     assert hidden_effects.main(options) == 0
     ran = [name for name in asked if name != "stop"]
     assert asked[2] == "stop" and sorted(ran) == ["null-1", "null-2", "null-3"]
-    assert "Only" not in (tmp_path / "docs.md").read_text()
+    assert "planned cases are finished" not in (tmp_path / "docs.md").read_text()
     assert not list(tmp_path.glob("*.part")) and os.fspath(tmp_path) in capsys.readouterr().out
