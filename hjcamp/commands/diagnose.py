@@ -120,8 +120,10 @@ def _print(console: Console, told: Told) -> None:
         _table(console, CALIBRATED, rows, right=(1, 2, 3, 4))
         if still:
             console.print(f"  {still} more moved by less than 1 %", style="dim", markup=False)
-    fitted = len({name for step in found.steps for name in step.fits})
-    count = f"screened {len(told.library)} effects, fitted {fitted}, {len(found.null.gains)} twins with nothing missing"
+    weighed = len({name for step in found.steps for name in step.fits})
+    count = (
+        f"screened {len(told.library)} effects, weighed {weighed}, {len(found.null.gains)} twins with nothing missing"
+    )
     console.print(f"{count}   {content['seconds']:.0f} s", markup=False)
     if found.exploratory:
         console.print("exploratory: no test was repeated, so the scatter of the rig is assumed", style="yellow")

@@ -18,6 +18,7 @@ from hjcamp.model.effect import Effect
 
 SCHEMA = "hjcamp.diagnosis/1"
 FOLDS = {"quick": 1, "standard": 3, "thorough": 3}
+NOTHING_ELSE = 0.5
 SHOWN = {"quick": 3, "standard": 5, "thorough": 10}
 Report = Callable[[str, float], None]
 
@@ -102,8 +103,8 @@ def _candidates(
     for step in found.steps:
         taken = step in found.taken
         for name, weight in step.weights.items():
-            # Where no effect was taken, "nothing" is the strongest rival of all.
-            posterior = weight if taken else weight * (1.0 - step.p_value)
+            # Where no effect was taken, "nothing" is the strongest rival of all: at least as likely as all of them.
+            posterior = weight if taken else NOTHING_ELSE * weight * (1.0 - step.p_value)
             first = 0 if taken and name == step.best else 1
             if name not in rows or (first, -posterior) < (rows[name][2], -rows[name][1]):
                 rows[name] = (step, posterior, first)

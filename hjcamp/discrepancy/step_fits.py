@@ -66,6 +66,7 @@ class StepFitter:
         here = unknowns_of(fits[best].candidate, self.effects)
         polished = self.fitter.fit(fits[best].candidate, here, steps=2 * self.work.steps, enough=0.05)
         fits[best] = min(fits[best], polished, key=lambda fit: fit.loss)
+        fits |= self._predicted(screening, [name for name in ranked if name not in fits][: max(PAIR - len(fits), 0)])
         weights = rival_weights(fits, self.fitter.least, self.effects)
         best = max(weights, key=lambda name: weights[name])
         gain = min(screening.about.loss - fits[best].loss, at_most(screening, best))
@@ -73,9 +74,13 @@ class StepFitter:
 
     def _hopeless(self, screening: Screening, null: Null, names: list[str]) -> Step:
         """Return a step of effects that cannot gain enough, as they are predicted, without fits."""
-        fits = {name: best_start(self.fitter, screening, self._library[name]) for name in names}
+        fits = self._predicted(screening, names)
         weights = rival_weights(fits, self.fitter.least, self.effects)
         return Step(screening, fits, weights, max(null.p_value(max(screening.gains.values())), LEVEL), null.gains)
+
+    def _predicted(self, screening: Screening, names: Sequence[str]) -> dict[str, Fit]:
+        """Return effects as they are predicted, not fitted: what a table shows behind one that is far ahead of them."""
+        return {name: best_start(self.fitter, screening, self._library[name]) for name in names}
 
     def _settle(self, screening: Screening, fits: dict[str, Fit]) -> None:
         """Settle the fits that may still turn out best: near the best one, and with a prediction that matters."""

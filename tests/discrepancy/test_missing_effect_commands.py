@@ -31,6 +31,8 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     assert (found["verdict"], found["effects"]) == ("effect", ["leakage"])
     best = found["candidates"][0]
     assert best["effect"] == "leakage" and best["posterior"] > 0.8 and best["heldout_error_ratio"] < 0.5
+    others = [row["posterior"] for row in found["candidates"][1:]]
+    assert others and max(others) <= 0.5
     low, high = best["parameters"]["conductance"]["ci95"]
     assert low < best["parameters"]["conductance"]["value"] < high
     assert best["parameters"]["conductance"]["value"] == pytest.approx(2.2e-16, rel=0.2)
