@@ -210,15 +210,20 @@ class _Search:
         return settle(self.fitter, found, unknowns_of(found.candidate, self.effects), work.sweeps)
 
     def _others(self, taken: list[Step], current: Fit) -> bool:
-        """Whether another effect that gained much beside the model before the last step still promises to after it.
+        """Whether another effect that gained or promised much beside the model before the last step still promises to after it.
 
         Beside a certain first effect it has to promise somewhat more than `_needless` will ask of it.
         """
         step = taken[-1]
         enough = self.least_gain * (1.0 if rivals_of(taken[0], taken) else PROMISING)
-        gains = step.screening.gains | {name: step.gain_of(name) for name in step.fits}
         own = (step.best, *same_as(self.effects, step.best))
-        others = [name for name, gain in gains.items() if gain > self.least_gain and name not in own]
+        # what is shown as it is predicted may gain less at its start than it promises
+        gained = {name: step.gain_of(name) for name in step.fits}
+        others = [
+            name
+            for name, promised in step.screening.gains.items()
+            if max(promised, gained.get(name, promised)) > self.least_gain and name not in own
+        ]
         if not others:
             return False
         screening = screen(self.fitter, current, self.effects, others)

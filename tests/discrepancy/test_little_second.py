@@ -99,6 +99,8 @@ def test_a_hasty_search_does_not_look_for_what_would_be_left_out(
     about: Any = SimpleNamespace(about=SimpleNamespace(loss=200.0), gains={"leakage": 140.0, "tubing_creep": seen})
     one, best = search(), fit(leakage={})
     best.loss = 50.0
-    taken = Step(about, {"leakage": best}, first, 0.01, np.zeros(1))
+    behind = fit(tubing_creep={})
+    behind.loss = 195.0  # a start that is not fitted gains less than it promises
+    taken = Step(about, {"leakage": best, "tubing_creep": behind}, first, 0.01, np.zeros(1))
     one.fitter, one.effects = None, tuple(load_effects().values())
     assert one._others([taken], best) is looks
