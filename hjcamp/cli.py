@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import typer
 
 from hjcamp.commands import Commands
+from hjcamp.commands._session import free_standard_output
 from hjcamp.errors import HjcampError
 
 INTERRUPTED = 130
@@ -80,6 +81,8 @@ def run(arguments: list[str] | None = None) -> int:
         if type(error).__module__.startswith(("click", "typer._click")) and hasattr(error, "format_message"):
             return _say(f"{error.format_message()}  (see hjcamp --help)", 2)
         return _say(f"internal error: {type(error).__name__}: {error}{_keep_traceback()}", 1)
+    finally:
+        free_standard_output()
 
 
 def _say(text: str, code: int) -> int:
@@ -98,6 +101,7 @@ def _keep_traceback() -> str:
 
 
 def _close_stdout() -> None:
+    free_standard_output()
     # Python flushes stdout once more at exit; a closed pipe would print an error there.
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from hjcamp.backends.rig_connection import RigUnavailable
-from hjcamp.errors import HjcampError
+from hjcamp.storage import user_folder, whole_file
 
 DECIDES = ("connection", "inputs", "outputs", "limits", "output_timing", "watchdog", "sensors")
 
 
 def stamp_path(config: Mapping[str, Any]) -> Path:
-    """Return the file that says that this wiring, with these limits, was checked; another wiring has another."""
+    """Return the file that says that this wiring, with these limits, was checked; another wiring has another.
+
+    Raises ``RigUnavailable`` for a user without a home folder.
+    """
     rig = {key: config["rig"].get(key) for key in DECIDES}
     digest = hashlib.sha256(json.dumps(rig, sort_keys=True).encode()).hexdigest()[:16]
-    base = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
+    base = user_folder("XDG_STATE_HOME", ".local", "state")
+    if base is None:
+        raise RigUnavailable("this user has no home folder to keep a rig's check in: set XDG_STATE_HOME to a folder")
     return base / "hjcamp" / "rig_checks" / f"{config['rig'].get('name', 'rig')}_{digest}.json"
 
 
@@ -28,13 +32,8 @@ def write_stamp(config: Mapping[str, Any], findings: Mapping[str, Any]) -> Path:
     """Note that the check has passed; returns the file."""
     path = stamp_path(config)
     content = {"checked_at": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), **findings}
-    part = path.with_name(path.name + ".part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_text(json.dumps(content, indent=1))
-        os.replace(part, path)
-    except OSError as error:
-        raise HjcampError(f"{path}: cannot be written: {error.strerror or error}") from error
+    with whole_file(path) as stream:
+        stream.write(json.dumps(content, indent=1).encode())
     return path
 
 

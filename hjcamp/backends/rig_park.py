@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 from hjcamp.backends.rig_check_stamp import stamp_path
 from hjcamp.backends.rig_connection import RigUnavailable
 from hjcamp.backends.rig_wiring import Wiring
+from hjcamp.storage import write_whole
 
 
 def keeps_its_place(config: Mapping[str, Any], wiring: Wiring) -> bool:
@@ -46,11 +46,8 @@ def note_parked(config: Mapping[str, Any], wiring: Wiring, motor: float | None) 
     if not keeps_its_place(config, wiring):
         return
     path = _path(config)
-    part = path.with_name(path.name + ".part")
     with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_text(json.dumps({"pump_rad": motor}))
-        os.replace(part, path)
+        write_whole(path, json.dumps({"pump_rad": motor}))
 
 
 def _path(config: Mapping[str, Any]) -> Path:

@@ -13,7 +13,7 @@ from hjcamp.calibrate.estimate import Estimate
 from hjcamp.calibrate.identify import Calibration
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.records.write import whole_file
+from hjcamp.storage import whole_file
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 RESERVED = ("published", "virtual")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import re
 import signal
@@ -19,9 +18,9 @@ import yaml
 from hjcamp.campaign.plan import Condition, Plan, PlannedTest
 from hjcamp.campaign.provenance import log_provenance
 from hjcamp.errors import HjcampError, Interrupted, RigStopped
+from hjcamp.storage import FULL, put_in_place
 
 PRIVATE_NAME = re.compile(r"\.mcap\.\d+(\.part)?$")
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 CHOICES = (
     "trajectory", "controller", "payload", "orientation", "friction",
     "pump", "amplifier", "tubing", "backend", "rig", "model",
@@ -125,7 +124,7 @@ def execute(job: Job) -> Outcome:
             columns, extra = backends.run_test(job.config, job.test.seed)
             job.path.parent.mkdir(parents=True, exist_ok=True)
             write_log(private, TestLog(columns, {**job.metadata, **extra}, attachments))
-            os.replace(private, job.path)
+            put_in_place(private, job.path)
         return outcome("done", extra.get("warning", ""))
     except Interrupted as error:
         return outcome("failed", str(error), stops=error.exit_code)

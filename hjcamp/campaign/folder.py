@@ -11,12 +11,13 @@ from typing import Any
 
 import yaml
 
-from hjcamp.campaign.files import disk_errors, read_json, write_atomic, write_json
+from hjcamp.campaign.files import read_json, run_errors, write_json
 from hjcamp.campaign.lock import is_locked
 from hjcamp.campaign.plan import Plan
 from hjcamp.campaign.provenance import code, code_identity, provenance, utc_now
 from hjcamp.campaign.values import leaves
 from hjcamp.errors import UsageError
+from hjcamp.storage import write_whole
 
 RUNS = Path("runs")
 SCHEMA = "hjcamp.manifest/1"
@@ -45,7 +46,7 @@ class RunFolder:
 
     def save(self) -> None:
         """Write the manifest."""
-        with disk_errors(self.path):
+        with run_errors(self.path):
             write_json(self.path / "manifest.json", self.manifest)
         self._saved = time.monotonic()
 
@@ -64,10 +65,10 @@ class RunFolder:
         if state.file_name is None:
             return None
         path = self.path / "provenance" / state.file_name
-        with disk_errors(self.path):
+        with run_errors(self.path):
             path.parent.mkdir(exist_ok=True)
             if not path.exists():
-                write_atomic(path, state.changes)
+                write_whole(path, state.changes)
         return path.relative_to(self.path).as_posix()
 
     def note_rig(self, facts: Mapping[str, str]) -> None:
@@ -87,9 +88,9 @@ def create(path: Path, plan: Plan, asked: Mapping[str, Any], overrides: list[str
     text = "# What was asked; plan.json holds the resolved configuration of each condition.\n" + yaml.safe_dump(
         {"overrides": overrides, **asked}, sort_keys=False, allow_unicode=True
     )
-    with disk_errors(path):
+    with run_errors(path):
         (path / "logs").mkdir(parents=True, exist_ok=True)
-        write_atomic(path / "config.yaml", text)
+        write_whole(path / "config.yaml", text)
         folder = RunFolder(path, plan, _new_manifest(plan))
         folder.save()
         # plan.json comes last: a folder is a run once it is there.

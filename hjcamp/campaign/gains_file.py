@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from hjcamp.campaign.files import write_atomic
 from hjcamp.errors import UsageError
+from hjcamp.storage import write_whole
 
 FOLDER = Path("conf/controller/gains")
 
@@ -25,5 +25,5 @@ def write_gains(name: str, gains: Mapping[str, Mapping[str, float]], source: Seq
     for side, group in gains.items():
         lines.append(f"{side}: {{" + ", ".join(f"{key}: {value:.4g}" for key, value in group.items()) + "}")
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomic(path, "\n".join(lines) + "\n")
+    write_whole(path, "\n".join(lines) + "\n")
     return path

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from hjcamp.backends.rig_stop import StopSignals
 from hjcamp.campaign.execution import PRIVATE_NAME, Outcome, make_jobs
-from hjcamp.campaign.files import disk_errors
+from hjcamp.campaign.files import run_errors
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.lock import run_lock
@@ -49,7 +49,7 @@ def run_plan(
     """
     rule = rule or StopRule()
     say = announce or (lambda text: console.print(text, style="yellow", highlight=False))
-    with disk_errors(folder.path), run_lock(folder.path):
+    with run_errors(folder.path), run_lock(folder.path):
         result = RunResult(folder.path)
         waiting = _waiting(folder, result, say)
         number, fixed = available_workers(workers, str(folder.plan.conditions[0].config["backend"].get("name")))

@@ -49,9 +49,9 @@ def write_pictures(found: Comparison, folder: Path) -> list[Path]:
     """Write overlay, where, horizon and the page that holds them; return their paths, the page last."""
     import numpy as np
 
-    from hjcamp.records.write import whole_file
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.discrepancy_figures import HorizonCurve, draw_horizon, draw_overlay
+    from hjcamp.storage import whole_file
 
     models, last, calibrated = found.models, found.models[-1], found.calibrated
     overlay = worst_overlay(models)

@@ -13,9 +13,9 @@ DETECTABLE = ("effect", "parameter", "smallest that would have been seen")
 
 def write_pictures(told: Told, folder: Path) -> list[Path]:
     """Write the errors, what is unexplained, and the page that holds them; return their paths, the page last."""
-    from hjcamp.records.write import whole_file
     from hjcamp.report.discrepancy_figures import draw_errors
     from hjcamp.report.unexplained_figure import draw_unexplained
+    from hjcamp.storage import whole_file
 
     pictures = {"errors": draw_errors(told.errors())}
     if (curve := told.unexplained) is not None:

@@ -11,8 +11,8 @@ from hjcamp.commands._next_work import Words, Work
 from hjcamp.commands._session import joined
 from hjcamp.discrepancy.next_rivals import NOTHING, Rival
 from hjcamp.discrepancy.next_tests import ALL_PAIRS, REPETITIONS, Proposal, Proposed, weighted
-from hjcamp.records.write import whole_file
 from hjcamp.report.next_figure import Bar, Prediction, draw_predictions
+from hjcamp.storage import whole_file
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from hjcamp.errors import UsageError
 
@@ -14,6 +16,10 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from hjcamp.discrepancy.evidence import Evidence
+
+
+# Standard output, while it is kept for the answer alone.
+_kept: list[IO[str]] = []
 
 
 def evidence_of(paths: Sequence[Path]) -> Evidence:
@@ -25,25 +31,56 @@ def evidence_of(paths: Sequence[Path]) -> Evidence:
 
 
 def check_answer_file(path: Path | None) -> None:
-    """Refuse a place for the answer that cannot take it, before any work is done."""
-    if path is not None and path.is_dir():
-        raise UsageError(f"--json {path}: this is a folder; give a file")
+    """Refuse a place for the answer that cannot take it, before any work is done.
+
+    Where the answer goes to standard output (``-``), what is meant for people goes to standard error from now on.
+    """
+    if path is None:
+        return
+    if path.is_dir():
+        raise UsageError(f"--json {path}: this is a folder; give a file, or - for standard output")
+    if _is_standard_output(path) and sys.stdout is not sys.stderr:
+        _kept.append(sys.stdout)
+        sys.stdout = sys.stderr
 
 
 def write_answer(path: Path | None, answer: dict[str, Any]) -> None:
-    """Write the answer as JSON, whole or not at all."""
-    from hjcamp.records.write import whole_file
+    """Write the answer as JSON, to a file whole or not at all."""
+    from hjcamp.storage import whole_file
 
-    if path is not None:
-        with whole_file(path) as stream:
-            stream.write((json.dumps(answer, indent=2, allow_nan=False) + "\n").encode())
+    if path is None:
+        return
+    text = json.dumps(answer, indent=2, allow_nan=False) + "\n"
+    if _kept:
+        _kept[-1].write(text)
+        _kept[-1].flush()
+        return
+    with whole_file(path) as stream:
+        stream.write(text.encode())
+
+
+def free_standard_output() -> None:
+    """Give standard output back to what is meant for people, at the end of a call."""
+    while _kept:
+        sys.stdout = _kept.pop()
 
 
 def folder_for(name: str, paths: Sequence[Path], answer: Path | None) -> Path:
     """Return where pictures go: a folder ``name`` in the run folder, else beside the answer, else here."""
     if len(paths) == 1 and (paths[0] / "logs").is_dir():
         return paths[0] / name
-    return answer.parent / name if answer is not None else Path(name)
+    has_folder = answer is not None and not _kept and (answer.is_file() or not answer.exists())
+    return answer.parent / name if answer is not None and has_folder else Path(name)
+
+
+def _is_standard_output(path: Path) -> bool:
+    """Return whether ``path`` is ``-`` or another name of standard output, such as /dev/stdout."""
+    if str(path) == "-":
+        return True
+    try:
+        return os.path.samestat(path.stat(), os.fstat(sys.stdout.fileno()))
+    except (OSError, ValueError):
+        return False
 
 
 def calibrated_on(model: str, evidence: Evidence) -> bool:

@@ -35,8 +35,8 @@ def calibrate(
     from hjcamp.campaign.console import make_console
     from hjcamp.configuration.setups import configuration_for
     from hjcamp.records.find import read_logs
-    from hjcamp.records.write import whole_file
     from hjcamp.report.identification_figures import identification_page
+    from hjcamp.storage import whole_file
 
     check_name(name, conf, replace)
     logs = select(read_logs(paths), _pairs(only or []))

@@ -28,7 +28,7 @@ def register(app: typer.Typer) -> None:
 def diagnose(
     paths: Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")],
     model: Annotated[str, typer.Option(help="The model to start from.")] = "published",
-    json: Annotated[Path | None, typer.Option(help="Write the answer for programs to this file.")] = None,
+    json: Annotated[Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")] = None,
     effort: Annotated[str, typer.Option(help="quick, standard or thorough.")] = "standard",
     seed: Annotated[int, typer.Option(help="Seed of the simulated twins.")] = 1,
     workers: Annotated[

@@ -10,7 +10,7 @@ from typing import Any
 from hjcamp.configuration.composer import Composer
 from hjcamp.discrepancy.next_menu import Choice
 from hjcamp.errors import UsageError
-from hjcamp.records.write import whole_file
+from hjcamp.storage import whole_file
 
 FOLDER = Path("campaigns")
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")

@@ -13,7 +13,7 @@ from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.errors import UsageError, unknown
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.records.write import whole_file
+from hjcamp.storage import whole_file
 
 FOLDER = Path("conf") / "model"
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import textwrap
 from collections.abc import Iterable
@@ -11,6 +10,7 @@ from pathlib import Path
 from hjcamp.errors import UsageError
 from hjcamp.model.plant import Plant
 from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.storage import whole_file
 
 TEMPLATE = '''"""A spring on the arm."""
 
@@ -56,10 +56,8 @@ def write_template(name: str, folder: Path, plant: type[Plant], taken: Iterable[
         raise UsageError(f"{path} exists; it is left as it is")
     if name in taken or name in ("new", "test"):
         raise UsageError(f"effect name '{name}' is taken; choose another")
-    folder.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f"{path.name}.part")
-    partial.write_text(template(name, plant), encoding="utf-8")
-    os.replace(partial, path)
+    with whole_file(path) as stream:
+        stream.write(template(name, plant).encode())
     return path
 
 

@@ -17,7 +17,8 @@ from hjcamp.records.salvage import Salvage, decode_salvage, salvage
 from hjcamp.records.samples import MOST_SAMPLES, Samples
 from hjcamp.records.scan import load
 from hjcamp.records.schema import descriptor_set, field_number
-from hjcamp.records.write import CHUNK_BYTES, whole_file
+from hjcamp.records.write import CHUNK_BYTES
+from hjcamp.storage import whole_file
 
 RECOVERY_METADATA = "hjcamp.recovery"
 SAMPLE_NS = 1_000_000

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from types import TracebackType
@@ -18,6 +18,7 @@ from hjcamp.records.container import CHANNEL, Container
 from hjcamp.records.layout import encode
 from hjcamp.records.log import FIELD_NAMES, METADATA_NAME, TOPIC, TestLog
 from hjcamp.records.schema import descriptor_set, field_number
+from hjcamp.storage import disk_errors, put_in_place
 
 CHUNK_BYTES = 64 * 1024
 SAMPLES_BETWEEN_FLUSHES = 100  # 0.1 s: what a power cut may cost
@@ -150,7 +151,7 @@ class LogWriter:
                 self._to_disk()
                 self._stream.close()
                 self._stream = None
-                os.replace(self.part, self.path)
+                put_in_place(self.part, self.path)
         return self.path
 
     def abort(self) -> Path:
@@ -186,30 +187,3 @@ class LogWriter:
             self.close()
         else:
             self.abort()
-
-
-@contextmanager
-def whole_file(path: Path) -> Iterator[IO[bytes]]:
-    """Give a stream to ``NAME.part``, which takes its final name at the end and vanishes on an exception."""
-    part = path.with_name(path.name + ".part")
-    try:
-        with disk_errors(part):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with open(part, "wb") as stream:
-                yield stream
-                stream.flush()
-                os.fsync(stream.fileno())
-            os.replace(part, path)
-    except BaseException:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
-        raise
-
-
-@contextmanager
-def disk_errors(path: Path) -> Iterator[None]:
-    """Turn an OSError into a HjcampError that names the file and the reason."""
-    try:
-        yield
-    except OSError as error:
-        raise HjcampError(f"{path}: cannot be written: {error.strerror or error}") from error

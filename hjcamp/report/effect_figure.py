@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.report.figures import BLUE, GRID, INK, RED
+from hjcamp.storage import whole_file
 
 Columns = Mapping[str, NDArray[np.float64]]
 PANELS = (
@@ -38,10 +38,8 @@ def draw_effect(path: Path, title: str, without: Columns, with_effect: Columns) 
         _dress(one, label)
     axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=8, frameon=False, borderaxespad=0.1)
     axes[-1].set_xlabel("Time (s)", color=INK, fontsize=8.5)
-    partial = path.with_name(f"{path.name}.part")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(partial, dpi=150, format=path.suffix[1:].lower())
-    os.replace(partial, path)
+    with whole_file(path) as stream:
+        figure.savefig(stream, dpi=150, format=path.suffix[1:].lower())
 
 
 def _command_phase(columns: Columns, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -3,27 +3,17 @@
 from __future__ import annotations
 
 import io
-import os
 from pathlib import Path
 
 import polars as pl
 
-from hjcamp.errors import HjcampError
+from hjcamp.storage import whole_file
 
 
 def replace_file(path: Path, content: bytes | str) -> None:
     """Write ``content`` to ``path`` so that the name never holds a part of it; `HjcampError` where that fails."""
-    part = path.with_name(path.name + ".part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with part.open("wb") as file:
-            file.write(content.encode("utf-8") if isinstance(content, str) else content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(part, path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise HjcampError(f"cannot write {path}: {error.strerror or error}") from error
+    with whole_file(path) as stream:
+        stream.write(content.encode("utf-8") if isinstance(content, str) else content)
 
 
 def write_frame(folder: Path, name: str, frame: pl.DataFrame) -> None:

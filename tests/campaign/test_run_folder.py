@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 import yaml
 
-from hjcamp.campaign.files import write_atomic
 from hjcamp.campaign.finding import find_runs
 from hjcamp.campaign.folder import folder_for, open_folder
 from hjcamp.campaign.lock import is_locked, run_lock
@@ -19,6 +18,7 @@ from hjcamp.campaign.plan import Plan
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.storage import write_whole
 
 
 @pytest.fixture(scope="module")
@@ -110,14 +110,14 @@ def test_one_process_at_a_time(empty_folder: Path) -> None:
 
 def test_a_failed_write_leaves_the_old_file(empty_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = empty_folder / "file"
-    write_atomic(target, "old")
+    write_whole(target, "old")
 
     def refuse(descriptor: int) -> None:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.fsync", refuse)
     with pytest.raises(OSError, match="No space"):
-        write_atomic(target, "new")
+        write_whole(target, "new")
     assert target.read_text() == "old"
     assert [path.name for path in empty_folder.iterdir()] == ["file"]
 
