@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import getpass
 import hashlib
+import ipaddress
 import json
 import os
 import platform
 import re
-import sys
 import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
@@ -16,8 +15,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from hjcamp import locks
 from hjcamp.backends.rig_connection import RigUnavailable
 from hjcamp.backends.rig_wiring import read_wiring
+from hjcamp.errors import HjcampError
 
 FOLDER = "hjcamp_rigs"
 _held: dict[str, int] = {}
@@ -28,16 +29,34 @@ def rig_identity(config: Mapping[str, Any]) -> str | None:
     connection = config["rig"]["connection"]
     if connection["kind"] == "in_process":
         return None
-    place = str(connection.get("address")) if connection["kind"] == "address" else "driver"
+    place = one_name(str(connection.get("address"))) if connection["kind"] == "address" else "driver"
     return f"{place} {' '.join(sorted(read_wiring(config).devices))}"
 
 
+def one_name(address: str) -> str:
+    """Return HOST:PORT with one name for this computer, which has many: localhost, 127.0.0.1, [::1], its own name."""
+    host, _, port = re.sub(r"^(dns:(///?)?|ipv4:|ipv6:)", "", address.strip()).rpartition(":")
+    host = host.strip("[]").lower()
+    try:
+        known = ipaddress.ip_address(host)
+        here = known.is_loopback or known.is_unspecified
+    except ValueError:
+        here = host in ("localhost", "ip6-localhost", platform.node().lower())
+    return f"{'localhost' if here else host}:{port}"
+
+
 def lock_folder() -> Path:
-    """Return the folder of all locks, one for all users of this computer."""
+    """Return the folder of all locks, one for all users of this computer; raises ``RigUnavailable`` where it is none."""
     folder = Path(tempfile.gettempdir()) / FOLDER
-    folder.mkdir(exist_ok=True)
-    with suppress(OSError):
+    try:
+        folder.mkdir()
         folder.chmod(0o1777)
+    except FileExistsError:
+        pass
+    except OSError as error:
+        raise RigUnavailable(f"the folder of the rig locks {folder} cannot be made: {error.strerror}") from error
+    if folder.is_symlink() or not folder.is_dir():
+        raise RigUnavailable(f"{folder} is a link or a file, so no lock can be kept there: remove it")
     return folder
 
 
@@ -54,30 +73,30 @@ def take_lock(config: Mapping[str, Any]) -> None:
     if identity is None or identity in _held:
         return
     path = lock_path(identity)
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-    with suppress(OSError):
-        os.chmod(path, 0o666)
-    if not _take(descriptor):
-        holder = read_holder(path)
-        os.close(descriptor)
-        raise RigUnavailable(f"the rig ({identity}) is in use by {describe(holder)}; see: hjcamp rig unlock")
     content = {
         "rig": identity,
         "process": os.getpid(),
-        "user": getpass.getuser(),
+        "user": locks.user_name(),
         "host": platform.node(),
         "since": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         "folder": os.getcwd(),
     }
-    os.ftruncate(descriptor, 0)
-    os.pwrite(descriptor, json.dumps(content).encode(), 0)
+    try:
+        descriptor = locks.take(path, json.dumps(content), 0o666)
+    except HjcampError as error:
+        raise RigUnavailable(str(error)) from error
+    except OSError as error:
+        raise RigUnavailable(f"the lock of the rig {path} cannot be taken: {error.strerror or error}") from error
+    if descriptor is None:
+        holder = describe(read_holder(path))
+        raise RigUnavailable(f"the rig ({identity}) is in use by {holder}; see: hjcamp rig unlock")
     _held[identity] = descriptor
 
 
 def release_locks() -> None:
     """Give all locks of this process free; a process that ends need not."""
     while _held:
-        os.close(_held.popitem()[1])
+        locks.release(_held.popitem()[1])
 
 
 def read_holder(path: Path) -> dict[str, Any]:
@@ -92,13 +111,9 @@ def read_holder(path: Path) -> dict[str, Any]:
 def is_free(path: Path) -> bool:
     """Return whether nobody holds the lock of this file."""
     try:
-        descriptor = os.open(path, os.O_RDWR)
+        return not locks.is_held(path)
     except OSError:
         return False
-    try:
-        return _take(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def describe(holder: Mapping[str, Any]) -> str:
@@ -109,19 +124,3 @@ def describe(holder: Mapping[str, Any]) -> str:
         f"process {holder.get('process')} of {holder.get('user')} on {holder.get('host')}, "
         f"since {holder.get('since')}, started in {holder.get('folder')}"
     )
-
-
-def _take(descriptor: int) -> bool:
-    try:
-        if sys.platform == "win32":
-            import msvcrt
-
-            os.lseek(descriptor, 4096, os.SEEK_SET)  # beyond the text, which others must be able to read
-            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True

@@ -1,13 +1,13 @@
-"""One process at a time in a run folder; the lock ends with the process, however it ends."""
+"""One process at a time in a run folder."""
 
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from hjcamp import locks
 from hjcamp.errors import UsageError
 
 NAME = ".lock"
@@ -16,40 +16,21 @@ NAME = ".lock"
 @contextmanager
 def run_lock(folder: Path) -> Iterator[None]:
     """Hold the lock of a run folder; raises ``UsageError`` where another process holds it."""
-    descriptor = os.open(folder / NAME, os.O_RDWR | os.O_CREAT, 0o644)
+    descriptor = locks.take(folder / NAME, str(os.getpid()))
+    if descriptor is None:
+        holder = ""
+        with suppress(OSError):
+            holder = (folder / NAME).read_text(errors="replace")[:64].strip()
+        raise UsageError(f"another run is at work in {folder}" + (f" (process {holder})" if holder else ""))
     try:
-        if not _take(descriptor):
-            holder = os.pread(descriptor, 64, 0).decode(errors="replace").strip() if hasattr(os, "pread") else ""
-            raise UsageError(f"another run is at work in {folder}" + (f" (process {holder})" if holder else ""))
-        os.ftruncate(descriptor, 0)
-        os.write(descriptor, str(os.getpid()).encode())
         yield
     finally:
-        os.close(descriptor)
+        locks.release(descriptor)
 
 
 def is_locked(folder: Path) -> bool:
     """Return whether a process is at work in the folder."""
     try:
-        descriptor = os.open(folder / NAME, os.O_RDWR)
+        return locks.is_held(folder / NAME)
     except OSError:
         return False
-    try:
-        return not _take(descriptor)
-    finally:
-        os.close(descriptor)
-
-
-def _take(descriptor: int) -> bool:
-    try:
-        if sys.platform == "win32":
-            import msvcrt
-
-            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True

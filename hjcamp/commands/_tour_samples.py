@@ -14,7 +14,8 @@ import numpy as np
 
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.records.log import TestLog
-from hjcamp.storage import whole_file, write_log
+from hjcamp.records.write import write_log
+from hjcamp.storage import whole_file
 
 FOLDER = Path(__file__).parents[1] / "tour"
 SAMPLES = FOLDER / "samples.npz.xz"

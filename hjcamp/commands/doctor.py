@@ -85,7 +85,7 @@ def configuration() -> Iterator[Finding]:
     from hjcamp.model.user_folders import ENVIRONMENT_VARIABLE
 
     for name in filter(None, os.environ.get(ENVIRONMENT_VARIABLE, "").split(os.pathsep)):
-        if not Path(name).expanduser().is_dir():
+        if not Path(os.path.expanduser(name)).is_dir():
             yield "broken", "configuration", f"{ENVIRONMENT_VARIABLE} names {name}, which is no folder"
     composer = Composer()
     composer.compose([])
@@ -99,13 +99,17 @@ def configuration() -> Iterator[Finding]:
 
 def folders() -> Iterator[Finding]:
     """Whether runs, the user's cache and the temporary folder can be written."""
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    from hjcamp.storage import user_folder
+
     for subject, folder, state in (
         ("runs", Path("runs"), "broken"),
-        ("cache", cache, "note"),
-        ("home", Path.home(), "note"),
+        ("cache", user_folder("XDG_CACHE_HOME", ".cache"), "note"),
+        ("home", user_folder("HOME"), "note"),
         ("temporary", Path(tempfile.gettempdir()), "broken"),
     ):
+        if folder is None:
+            yield "note", subject, f"this user has no home folder: kernels go where HJCAMP_CACHE or {tempfile.gettempdir()} is"
+            continue
         existing = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if parent.exists())
         writable = os.access(existing, os.W_OK)
         text = str(folder) if writable else f"{folder} cannot be written; runs can go elsewhere with run_dir=DIR"
@@ -114,7 +118,7 @@ def folders() -> Iterator[Finding]:
 
 def kernel_cache() -> Iterator[Finding]:
     """Whether compiled kernels are kept from call to call."""
-    from hjcamp.model.kernel import TEMPORARY, cache_folder
+    from hjcamp.model.kernel_cache import TEMPORARY, cache_folder
 
     if os.environ.get("NUMBA_DISABLE_JIT") == "1":
         yield "note", "kernels", "NUMBA_DISABLE_JIT=1: nothing is compiled, simulations are slow"
