@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -25,9 +26,12 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
         yield stream
 
 
-def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file as `whole_file` does; raises ``OSError``, for those who know more about the place."""
-    with _atomic(path) as stream:
+def write_whole(path: Path, content: str | bytes, shared: bool = False) -> None:
+    """Write a file as `whole_file` does; raises ``OSError``, for those who know more about the place.
+
+    ``shared``: several processes may write it at once, and the last one wins.
+    """
+    with _atomic(path, f"{uuid.uuid4().hex}.part" if shared else "part") as stream:
         stream.write(content.encode() if isinstance(content, str) else content)
 
 
@@ -64,13 +68,13 @@ def user_folder(variable: str, *below_home: str) -> Path | None:
 
 
 @contextmanager
-def _atomic(path: Path) -> Iterator[IO[bytes]]:
+def _atomic(path: Path, suffix: str = "part") -> Iterator[IO[bytes]]:
     if path.exists() and not path.is_file() and not path.is_dir():
         with open(path, "wb") as stream:
             yield stream
         return
     target = path.resolve() if path.is_symlink() else path
-    part = target.with_name(target.name + ".part")
+    part = target.with_name(f"{target.name}.{suffix}")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with open(part, "wb") as stream:

@@ -87,7 +87,7 @@ def _run(
     say: Callable[[str], None],
 ) -> Outcome | None:
     from hjcamp.campaign.progress import progress_bar
-    from hjcamp.model.kernel import cache_folder
+    from hjcamp.model.kernel_cache import cache_folder
 
     # Chosen here, so that the workers share it where the user's own cannot be written.
     cache_folder()

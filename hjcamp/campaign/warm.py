@@ -17,7 +17,7 @@ from hjcamp.discrepancy.hardware import simulator
 from hjcamp.discrepancy.next_menu import Choice, menu
 from hjcamp.discrepancy.next_trials import Bench
 from hjcamp.effects import load_effects
-from hjcamp.model.kernel import is_compiled
+from hjcamp.model.kernel_cache import is_compiled
 from hjcamp.model.simulator import Course
 from hjcamp.plants.pump_joint import PumpJoint
 

@@ -1,24 +1,14 @@
-"""Write the generated kernel as a readable file named by the hash of its text, and import it with numba's cache."""
+"""Write the text of the generated kernel, which can be read."""
 
 from __future__ import annotations
 
-import atexit
-import functools
-import hashlib
-import importlib.util
 import inspect
 import math
-import os
-import shutil
-import sys
-import tempfile
 import types
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from hjcamp.errors import HjcampError
 from hjcamp.model import integrator
 from hjcamp.model.compose import MATHEMATICS, Composition
 from hjcamp.model.marks import limited
@@ -26,7 +16,6 @@ from hjcamp.model.step_source import correct_source, predict_source
 from hjcamp.model.structure import couplings, nonlinear_rates
 
 LEVELS = 10
-TEMPORARY = "hjcamp_kernels_"
 INTEGRATOR: tuple[str, ...] = (
     "linearise",
     "propagators",
@@ -58,39 +47,6 @@ CREEP = {creep}
 
 
 '''
-# The hot functions do without numba's reference counts (``_nrt``): with them a sample costs 100 ns instead of 20.
-NUMBA = """from numba import njit
-compiled = njit(cache={cache}, error_model="numpy", nogil=True)
-hot = njit(cache={cache}, error_model="numpy", nogil=True, _nrt=False)
-inlined = njit(cache={cache}, error_model="numpy", nogil=True, _nrt=False, forceinline=True)
-"""
-
-
-def cache_folder() -> Path:
-    """Return the folder for generated kernels: $HJCAMP_CACHE, else the user's cache folder, else a temporary one."""
-    chosen = os.environ.get("HJCAMP_CACHE")
-    base = Path(chosen) if chosen else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "hjcamp"
-    try:
-        (base / "kernels").mkdir(parents=True, exist_ok=True)
-        if os.access(base / "kernels", os.W_OK):
-            return base / "kernels"
-    except OSError:
-        pass
-    return _temporary_folder()
-
-
-@functools.cache
-def _temporary_folder() -> Path:
-    base = Path(tempfile.mkdtemp(prefix=TEMPORARY))
-    (base / "kernels").mkdir()
-    # Worker processes share it, and it goes with the process that made it.
-    os.environ["HJCAMP_CACHE"] = str(base)
-    owner = os.getpid()
-    atexit.register(lambda: shutil.rmtree(base, ignore_errors=True) if os.getpid() == owner else None)
-    print("hjcamp: the cache folder cannot be written; kernels are compiled anew in this call", file=sys.stderr)
-    return base / "kernels"
-
-
 def _plain(source: str, names: dict[str, Any]) -> dict[str, Any]:
     scope: dict[str, Any] = {name: getattr(math, name) for name in MATHEMATICS}
     scope.update({"np": np, "inlined": lambda function: function, "hot": lambda function: function, **names})
@@ -137,40 +93,3 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
         rest += predict_source(composition, pattern, curved, everything)
         rest += correct_source(composition, pattern, curved, everything)
     return header + equations + rest + copied(integrator, INTEGRATOR) + extra
-
-
-def kernel_name(source: str) -> str:
-    """Return the name of the kernel's module: the hash of its text."""
-    return f"hjcamp_kernel_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
-
-
-def is_compiled(source: str) -> bool:
-    """Return whether a process has compiled the kernel before; numba keeps an index of each function in the cache folder."""
-    return any((cache_folder() / "__pycache__").glob(f"{kernel_name(source)}.follow-*.nbi"))
-
-
-@functools.lru_cache(maxsize=64)
-def load_kernel(source: str) -> types.ModuleType:
-    """Write ``source`` into the cache folder under the hash of its text and return it as a module.
-
-    The file is in place before it is executed, and the module is in ``sys.modules``, so that numba can cache it.
-    """
-    name = kernel_name(source)
-    if name in sys.modules:
-        return sys.modules[name]
-    folder = cache_folder()
-    path = folder / f"{name}.py"
-    try:
-        if not path.exists():
-            partial = folder / f"{name}.{os.getpid()}.part"
-            partial.write_text(source.replace("{decorator}", NUMBA.format(cache=True)))
-            os.replace(partial, path)
-        spec = importlib.util.spec_from_file_location(name, path)
-        assert spec is not None and spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[name] = module
-        spec.loader.exec_module(module)
-    except OSError as problem:
-        sys.modules.pop(name, None)
-        raise HjcampError(f"the kernel file {path} cannot be written: {problem.strerror}") from problem
-    return module

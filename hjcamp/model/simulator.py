@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from hjcamp.errors import HjcampError, unknown
 from hjcamp.model import driving
 from hjcamp.model.compose import GATES, Composition
-from hjcamp.model.kernel import LEVELS, copied, kernel_source, load_kernel
+from hjcamp.model.kernel import LEVELS, copied, kernel_source
+from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.law import Law, law_source
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from hjcamp.configuration.composer import Composer
 from hjcamp.discrepancy.gram import project
 from hjcamp.discrepancy.hardware import simulator
 from hjcamp.discrepancy.next_menu import menu
-from hjcamp.model.kernel import is_compiled
+from hjcamp.model.kernel_cache import is_compiled
 from hjcamp.plants.pump_joint import PumpJoint
 
 

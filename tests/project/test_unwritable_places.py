@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from hjcamp.campaign.execution import no_place
-from hjcamp.model import kernel
+from hjcamp.model import kernel_cache
 
 
 def test_without_a_cache_kernels_are_kept_for_this_call(
@@ -18,14 +18,15 @@ def test_without_a_cache_kernels_are_kept_for_this_call(
     (tmp_path / "file").touch()
     monkeypatch.setenv("HJCAMP_CACHE", str(tmp_path / "file" / "cache"))
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    monkeypatch.setattr(kernel.tempfile, "tempdir", None)
-    kernel._temporary_folder.cache_clear()
-    folder = kernel.cache_folder()
+    monkeypatch.setattr(kernel_cache.tempfile, "tempdir", None)
+    kernel_cache._temporary_folder.cache_clear()
+    kernel_cache.say_once.cache_clear()
+    folder = kernel_cache.cache_folder()
     assert folder.is_dir() and tmp_path in folder.parents
     assert os.environ["HJCAMP_CACHE"] == str(folder.parent), "worker processes would each make their own"
-    assert kernel.cache_folder() == folder
+    assert kernel_cache.cache_folder() == folder
     assert capsys.readouterr().err.count("cannot be written") == 1
-    kernel._temporary_folder.cache_clear()
+    kernel_cache._temporary_folder.cache_clear()
 
 
 def test_a_full_disk_is_named_even_where_the_error_names_no_file() -> None:

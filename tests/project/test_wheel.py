@@ -67,6 +67,29 @@ def program(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place / "bin" / "hjcamp"
 
 
+RACE = """
+import sys, threading
+from concurrent.futures import ThreadPoolExecutor
+from hjcamp.model.kernel_cache import load_kernel
+
+def load(number):
+    together.wait()
+    return load_kernel(sys.argv[1]).prepare(float(number))
+
+together = threading.Barrier(4)
+with ThreadPoolExecutor(4) as pool:
+    print(list(pool.map(load, range(4))))
+"""
+SLOW_KERNEL = """import time
+{decorator}
+time.sleep(0.1)
+
+@compiled
+def prepare(x):
+    return x + 1.0
+"""
+
+
 def called(program: Path, folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Call the installed program in ``folder``; nothing is compiled, the tests of these campaigns are short."""
     environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "HJCAMP"))}
@@ -102,3 +125,13 @@ def test_campaign_trajectory_and_effect_of_the_user(program: Path, tmp_path: Pat
     logs = sorted(path.parent.name for path in (tmp_path / "first").rglob("*.mcap"))
     assert logs == ["as_published", "sticky"]
     assert (tmp_path / "first" / "report.html").stat().st_size > 10_000
+
+
+def test_the_first_call_may_load_a_kernel_in_threads(program: Path, tmp_path: Path) -> None:
+    """As `diagnose`, `add` and `next` do with a cold cache."""
+    kept = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "HJCAMP", "NUMBA"))}
+    environment = kept | {"HJCAMP_CACHE": str(tmp_path / "cache")}
+    command = [str(program.with_name("python")), "-c", RACE, SLOW_KERNEL]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stdout) == (0, "[1.0, 2.0, 3.0, 4.0]\n"), done.stderr
+    assert list((tmp_path / "cache").rglob("*.nbc"))

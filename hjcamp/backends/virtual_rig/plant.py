@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hjcamp.backends.simulation import prepare
 from hjcamp.backends.virtual_rig import tick
 from hjcamp.controllers.procedure import Procedure
-from hjcamp.model.kernel import load_kernel
+from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
 
