@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
@@ -108,5 +109,5 @@ def _settings(content: Any, place: str) -> dict[str, Any]:
 
 
 def _refuse_run_key(key: str, place: str) -> None:
-    if key.lstrip("+~").split(".")[0] in RUN_KEYS:
+    if re.split(r"[./@]", key.lstrip("+~"))[0] in RUN_KEYS:
         raise UsageError(f"{place}: '{key}' belongs to the run, not to a condition; give it on the command line")

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 CHECKED_JOBS = 50
 # The keys may be absent from a user's own configuration, so they are set or added.
 SWITCHES = {"--keep-going": "keep_going=true", "--fail-fast": "fail_fast=true"}
+# With these Hydra would begin with a configuration, or a pickled job, from anywhere.
+NOT_OURS = ("config-path", "config-name", "experimental-rerun")
 PASS_EVERYTHING = {"ignore_unknown_options": True, "allow_extra_args": True, "help_option_names": []}
 
 
@@ -54,16 +56,21 @@ def call_hydra(arguments: list[str]) -> None:
     from hjcamp.configuration.composer import COMPOSE_ERRORS, Composer, free, parse_overrides
     from hjcamp.configuration.explain import explain
     from hjcamp.configuration.search_path import packaged_root
+    from hjcamp.configuration.trust import check_overrides
 
     parser = get_args_parser()
     parser.prog = "hjcamp run"
     parser.error = refuse  # type: ignore[method-assign, assignment]
     parsed = parser.parse_intermixed_args(arguments)
+    for flag in NOT_OURS:
+        if getattr(parsed, flag.replace("-", "_"), None):
+            raise UsageError(f"--{flag} is not taken: the main configuration is part of the program; see --config-dir")
     overrides = [free(line) for line in parsed.overrides]
     flags = without(arguments, parsed.overrides)
     folder = Path(parsed.config_dir) if parsed.config_dir else None
     if not (parsed.help or parsed.hydra_help or parsed.shell_completion):
         lines = parse_overrides(overrides)
+        check_overrides(overrides, parse_overrides)
         if parsed.multirun:
             check_sweep(lines, Composer(folder=folder))
     jobs.JobEnd.error = None

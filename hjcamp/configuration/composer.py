@@ -26,6 +26,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from hjcamp.configuration import hydra_plugins
 from hjcamp.configuration.search_path import packaged_root
+from hjcamp.configuration.trust import check_overrides
 from hjcamp.errors import UsageError
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
@@ -95,6 +96,7 @@ class Composer:
         """
         from hjcamp.configuration.explain import explain
 
+        check_overrides(overrides, parse_overrides)
         try:
             composed = self._loader.load_configuration("config", list(overrides), RunMode.RUN)
             choices = {str(group): choice for group, choice in composed.hydra.runtime.choices.items()}

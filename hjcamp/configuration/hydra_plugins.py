@@ -1,9 +1,14 @@
-"""What hjcamp adds to Hydra: campaign files as a configuration group, the user's folders first, two resolvers."""
+"""What hjcamp adds to Hydra: campaign files as a configuration group, the user's folders first, two resolvers, and what is trusted."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
+from hydra._internal.core_plugins.file_config_source import FileConfigSource as HydrasFileConfigSource
+from hydra._internal.sources_registry import SourcesRegistry
 from hydra.core.config_search_path import ConfigSearchPath, SearchPathQuery
 from hydra.core.object_type import ObjectType
 from hydra.core.plugins import Plugins
@@ -12,9 +17,33 @@ from hydra.plugins.search_path_plugin import SearchPathPlugin
 from omegaconf import OmegaConf
 
 from hjcamp.configuration.search_path import campaign_folders, configuration_folders, packaged_root
+from hjcamp.configuration.trust import check_file, check_group, with_our_hydra
 from hjcamp.errors import UsageError
 
 GROUP = "campaign"
+PRIMARY = "config"
+
+
+class FileConfigSource(HydrasFileConfigSource):
+    """A folder of configuration files. Ours are trusted; any other may hold values, and nothing that names code to run.
+
+    It stands for Hydra's own source of that name wherever a folder is given, on whichever way.
+    """
+
+    def load_config(self, config_path: str) -> ConfigResult:
+        """Return what a file holds; raises ``UsageError`` with file and line where it may not hold that."""
+        file = Path(self.path, self._normalize_file_name(config_path)).resolve()
+        ours = (packaged_root() / "conf").resolve()
+        if file.is_relative_to(ours):
+            return super().load_config(config_path)
+        check_group(file, config_path)
+        with readable(file):
+            result = super().load_config(config_path)
+            if config_path == PRIMARY:
+                config = with_our_hydra(file, result.config, OmegaConf.load(ours / f"{PRIMARY}.yaml"))
+                return replace(result, config=config)
+        check_file(file, result.config, result.header["package"])
+        return result
 
 
 class CampaignSource(ConfigSource):
@@ -30,7 +59,9 @@ class CampaignSource(ConfigSource):
         file = self._file(config_path)
         if file is None or not file.is_file():
             raise ConfigLoadError(f"Config not found : {config_path}")
-        content = OmegaConf.load(file)
+        with readable(file):
+            content = OmegaConf.load(file)
+        check_file(file, content, None)
         if not OmegaConf.is_dict(content):
             raise UsageError(f"campaign file {file} holds no keys; it needs at least 'name' and 'vary'")
         return ConfigResult(config=content, path=str(file), provider=self.provider, header={"package": None})
@@ -77,6 +108,20 @@ class UserFoldersFirst(SearchPathPlugin):
         search_path.append("hjcamp", f"campaigns://{packaged_root() / 'campaigns'}", anchor=SearchPathQuery("main"))
 
 
+@contextmanager
+def readable(file: Path) -> Iterator[None]:
+    """Turn what makes a file unreadable into one message with its name."""
+    try:
+        yield
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise UsageError(f"{file}: line {line}: this is not UTF-8 text") from None
+    except OSError as error:
+        if error.errno is None:
+            raise  # one of Hydra's own
+        raise UsageError(f"{file}: cannot be read: {error.strerror}") from error
+
+
 def milli(value: float) -> float:
     """Return a thousandth: g to kg, mm to m."""
     return float(value) / 1000.0
@@ -90,6 +135,8 @@ def first(*values: object) -> object:
 def register() -> None:
     """Make the plugins known to Hydra; harmless when repeated."""
     plugins = Plugins.instance()
+    # Hydra has no way to exchange a source; under another name it would take its own for a second one.
+    SourcesRegistry.instance().types["file"] = FileConfigSource
     plugins.register(CampaignSource)
     plugins.register(UserFoldersFirst)
     OmegaConf.register_new_resolver("milli", milli, replace=True)
