@@ -9,6 +9,7 @@ import typer
 
 from hjcamp.errors import HjcampError, UsageError
 
+RUN_S = 15.0  # a test of the checks takes well under a second
 FORMATS = (".pdf", ".png", ".svg")
 USAGE = "hjcamp effects [NAME [OVERRIDE...]] | effects new NAME | effects test NAME"
 # Fast and slow moves, reversals and rests at a high preload with dither: every effect has its moment. Open loop, for in
@@ -136,13 +137,15 @@ def draw(name: str, config: dict[str, Any], path: Path) -> None:
     """Simulate one test without and with the effect and write the picture."""
     from hjcamp.backends.simulation import run_test
     from hjcamp.campaign.console import make_console
+    from hjcamp.model.time_limit import RunLimit
     from hjcamp.report.effect_figure import draw_effect
 
     own: dict[str, Any] = {**(config["effects"] or {})}
     given = {**(own.pop(name, None) or {})}
     without, _ = run_test({**config, "effects": own}, seed=1)
     try:
-        with_effect, _ = run_test({**config, "effects": {**own, name: given}}, seed=1)
+        with RunLimit(RUN_S, f"effect {name}: the test of its picture")():
+            with_effect, _ = run_test({**config, "effects": {**own, name: given}}, seed=1)
     except HjcampError as problem:
         raise HjcampError(f"no picture: with {name} at these parameters {problem}") from None
     choices = f"{config['controller']['name']}, {config['trajectory']['name']}, payload {config['payload']['name']}"
@@ -169,12 +172,14 @@ def test_effect(name: str) -> None:
     from hjcamp.effects import find_effect
     from hjcamp.model.effect_checks import CHECKS, EffectBench, bench_simulator
     from hjcamp.model.effect_units import check_units
+    from hjcamp.model.time_limit import RunLimit
     from hjcamp.plants.pump_joint import PumpJoint
     from hjcamp.plants.pump_joint_menu import pump_courses
 
     effect = find_effect(name)
     check_units(effect, PumpJoint)
-    bench = EffectBench(effect, bench_simulator(PumpJoint, (effect,)), pump_courses())
+    watch = RunLimit(RUN_S, f"effect {name}: one test of its checks")
+    bench = EffectBench(effect, bench_simulator(PumpJoint, (effect,)), pump_courses(), watch)
     console = make_console()
     for check, passes in CHECKS.items():
         console.print(f"  {check:<26} {passes(bench)}", markup=False)

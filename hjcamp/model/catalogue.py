@@ -2,45 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
-import importlib.util
+import importlib
 import inspect
-import sys
-import types
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from hjcamp.errors import HjcampError, UsageError
+from hjcamp.errors import UsageError
+from hjcamp.model.user_file import load_module
 
 Kind = TypeVar("Kind")
-
-
-def load_module(path: Path) -> types.ModuleType:
-    """Import the file at ``path`` under a name of its own; a mistake in it is one clear message."""
-    digest = hashlib.sha256(str(path.resolve()).encode() + path.read_bytes()).hexdigest()[:12]
-    name = f"hjcamp_file_{path.stem}_{digest}"
-    if name in sys.modules:
-        return sys.modules[name]
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except SyntaxError as problem:
-        del sys.modules[name]
-        raise UsageError(f"{path}: line {problem.lineno}: {problem.msg}") from None
-    except HjcampError as problem:
-        del sys.modules[name]
-        raise UsageError(f"{path}: {problem}") from None
-    except Exception as problem:
-        del sys.modules[name]
-        # Python 3.11 wraps what a declaration (__set_name__) refuses in a RuntimeError.
-        if isinstance(problem.__cause__, HjcampError):
-            raise UsageError(f"{path}: {problem.__cause__}") from None
-        raise UsageError(f"{path}: cannot be loaded: {type(problem).__name__}: {problem}") from None
-    return module
 
 
 def class_in(path: Path, base: type[Kind], package: str | None = None) -> type[Kind] | None:

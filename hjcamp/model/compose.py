@@ -16,6 +16,7 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.model.effect import Effect, arguments
 from hjcamp.model.parameter import Cut, Parameter, State
 from hjcamp.model.plant import Plant
+from hjcamp.model.term_checks import check_calls
 from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
 
 MATHEMATICS = [
@@ -283,6 +284,7 @@ def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
                     raise unknown("name", argument, allowed, f"{where}, method '{prefix}{own}'")
     for function in (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()):
         _check_globals(function, where)
+    check_calls(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
 
 
 def _check_globals(function: Callable[..., float], where: str) -> None:

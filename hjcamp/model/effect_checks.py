@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -17,7 +18,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
 from hjcamp.model.parameter import Parameter
 from hjcamp.model.plant import Plant
-from hjcamp.model.simulator import Course, Simulator
+from hjcamp.model.simulator import Course, Followed, Simulator
 
 Array = NDArray[np.float64]
 WINDOW = 200
@@ -37,6 +38,12 @@ class EffectBench:
     effect: type[Effect]
     simulator: Simulator
     courses: Mapping[str, Course]
+    watch: Callable[[], AbstractContextManager[None]] = nullcontext
+
+    def follow(self, p: Array, course: Course) -> Followed:
+        """Drive the model along a course, in the time that ``watch`` allows."""
+        with self.watch():
+            return self.simulator.follow(p, course)
 
     @property
     def plant(self) -> type[Plant]:
@@ -62,7 +69,7 @@ class EffectBench:
 
     def readings(self, course: Course, gate: float, values: Mapping[str, float] | None = None) -> Array:
         """Return the readings (n, channels) of one test, SI."""
-        return self.simulator.follow(self.vector(gate, values or {}), course).readings
+        return self.follow(self.vector(gate, values or {}), course).readings
 
     def difference(self, name: str, values: Mapping[str, float] | None = None) -> Array:
         """Return the rms difference that the effect makes to each channel, in what its sensor resolves."""
@@ -116,7 +123,7 @@ def off_is_absent(bench: EffectBench) -> str:
     near = {name: min(max(p.off or 0.0, p.bounds[0]), p.bounds[1]) for name, p in off.items()}
     exact = all(near[name] == p.off for name, p in off.items())
     for name, course in bench.courses.items():
-        windows = _windowed(course, bench.simulator.follow(bench.vector(0.0, {}), course).ideal)
+        windows = _windowed(course, bench.follow(bench.vector(0.0, {}), course).ideal)
         absent = bench.readings(windows, 0.0)
         apart, usual = (bench.usual_size(bench.readings(windows, 1.0, values) - absent) for values in (near, {}))
         if apart > (1e-6 if exact else max(0.5 * usual, 1.0)):
@@ -160,9 +167,9 @@ def amplitude_recovered(bench: EffectBench, tolerance: float = 0.05) -> str:
         raise UsageError(f"effect {bench.effect.name}: {parameter.name} has the default 0; give it a visible one")
     true = _within(parameter, 1.2 * parameter.default)
     test = bench.courses[bench.clearest[0]]
-    measured = bench.simulator.follow(bench.vector(1.0, {parameter.name: true}), test)
+    measured = bench.follow(bench.vector(1.0, {parameter.name: true}), test)
     windows = _windowed(test, measured.ideal)
-    wanted = bench.simulator.follow(bench.vector(1.0, {parameter.name: true}), windows).readings
+    wanted = bench.follow(bench.vector(1.0, {parameter.name: true}), windows).readings
 
     def residual(factor: Array) -> Any:
         guess = {parameter.name: _within(parameter, float(factor[0]) * parameter.default)}

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError, unknown
 from hjcamp.model import driving
-from hjcamp.model.compose import GATES, Composition
+from hjcamp.model.compose import GATES, MATHEMATICS, Composition
 from hjcamp.model.kernel import LEVELS, copied, kernel_source
 from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.law import Law, law_source
+from hjcamp.model.term_checks import check_compiles, compiling
 
 Array = NDArray[np.float64]
 PERIOD = 1e-3
@@ -113,7 +114,9 @@ class Simulator:
 
     @cached_property
     def kernel(self) -> ModuleType:
-        """The imported kernel."""
+        """The imported kernel; raises ``UsageError`` for a user's effect that cannot be compiled."""
+        for effect in self.composition.effects:
+            check_compiles(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
         return load_kernel(self.source)
 
     @property
@@ -173,11 +176,12 @@ class Simulator:
         work = self.scratch()
         procedure_memory = self.procedure.fresh_memory()
         whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
-        count = self.kernel.closed_loop(
-            z, self.inputs(), p, steps, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
-            procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
-            test.counts, test.phases, test.noise, test.scatter, record, work,
-        )  # fmt: skip
+        with compiling(self.controller):
+            count = self.kernel.closed_loop(
+                z, self.inputs(), p, steps, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
+                procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
+                test.counts, test.phases, test.noise, test.scatter, record, work,
+            )  # fmt: skip
         phase = int(procedure_memory[list(self.procedure.memories).index("phase")])
         if count < 0 or phase > 5:
             reached = record[: count if count >= 0 else None, 0]

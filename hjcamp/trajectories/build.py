@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
+import importlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, fields
 from functools import lru_cache
@@ -12,6 +11,7 @@ from types import ModuleType
 from typing import Any
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.model.user_file import load_module
 from hjcamp.model.user_folders import extension_folders
 from hjcamp.trajectories.base import Trajectory
 
@@ -53,7 +53,7 @@ def find_kinds(folders: Sequence[Path] = ()) -> dict[str, type[Trajectory]]:
     kinds = dict(_own_kinds())
     for folder in folders:
         for path in _files(Path(folder)):
-            found = _classes_of(_load(path, path.stat().st_mtime_ns))
+            found = _classes_of(load_module(path))
             if not found:
                 raise UsageError(f"{path} defines no trajectory: a class that inherits hjcamp.trajectories.Trajectory")
             if path.stem in kinds:
@@ -79,23 +79,3 @@ def _classes_of(module: ModuleType) -> list[type[Trajectory]]:
         if isinstance(value, type) and issubclass(value, Trajectory) and value.__module__ == module.__name__
         if value is not Trajectory
     ]
-
-
-@lru_cache(maxsize=256)
-def _load(path: Path, changed: int) -> ModuleType:
-    """Import a user's file; ``changed`` is its time of change, so that an edited file is read anew."""
-    name = f"hjcamp_user_trajectories.{path.stem}"
-    specification = importlib.util.spec_from_file_location(name, path)
-    if specification is None or specification.loader is None:
-        raise UsageError(f"{path} cannot be read as Python")
-    module = importlib.util.module_from_spec(specification)
-    sys.modules[name] = module
-    try:
-        specification.loader.exec_module(module)
-    except SyntaxError as error:
-        raise UsageError(f"{path}, line {error.lineno}: {error.msg}") from error
-    except Exception as error:
-        raise UsageError(f"{path} cannot be loaded: {type(error).__name__}: {error}") from error
-    finally:
-        sys.modules.pop(name, None)
-    return module

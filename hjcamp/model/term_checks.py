@@ -1,0 +1,135 @@
+"""Try each method of a user's effect by itself, where a mistake can still be told by file and line."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import math
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import CodeType, FunctionType
+from typing import Any
+
+from hjcamp.errors import UsageError
+from hjcamp.model.effect import Effect, arguments
+from hjcamp.model.time_limit import time_limit
+from hjcamp.model.user_file import is_users, line_in
+
+CALLING_S = 5.0
+TRIED = (0.0, 1.0, -1.0, 0.3, -1e-3, 1e6)
+
+
+def functions_of(effect: type[Effect]) -> list[Callable[..., float]]:
+    """Return every method of an effect that a kernel runs."""
+    return [*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()]
+
+
+@functools.cache
+def check_calls(effect: type[Effect], mathematics: tuple[str, ...]) -> None:
+    """Refuse a user's effect with a method that does not end, or that gives no number: called as plain Python."""
+    if not is_users(effect.__module__):
+        return
+    for function in functions_of(effect):
+        code = function.__code__
+        where = f"{code.co_filename}: line {code.co_firstlineno}: effect {effect.name}, method '{function.__name__}'"
+        with time_limit(CALLING_S, where):
+            for value in TRIED:
+                _call(effect, function, _alone(function, mathematics), value)
+
+
+def _call(effect: type[Effect], function: Callable[..., float], alone: Callable[..., Any], value: float) -> None:
+    """Call a method with its parameters at their defaults and ``value`` for all else."""
+    given = [effect.parameters[name].default if name in effect.parameters else value for name in arguments(function)]
+    try:
+        result = alone(*given)
+    except (ArithmeticError, ValueError):
+        return  # no value there, as 1/0: `effects test` looks at that
+    except (Exception, SystemExit) as problem:
+        line = line_in(function.__code__.co_filename, problem) or function.__code__.co_firstlineno
+        raise UsageError(_told(line, effect, function, f"{type(problem).__name__}: {problem}")) from None
+    if not isinstance(result, int | float):
+        kind = "nothing" if result is None else f"a {type(result).__name__}"
+        raise UsageError(_told(_last_return(function), effect, function, f"it gives {kind}; a number is needed"))
+
+
+@functools.cache
+def check_compiles(effect: type[Effect], mathematics: tuple[str, ...]) -> None:
+    """Refuse a user's effect with a method that numba cannot compile to a number, saying which line of whose file."""
+    if not is_users(effect.__module__):
+        return
+    from numba import njit, types
+
+    for function in functions_of(effect):
+        compiled: Any = njit(error_model="numpy")(_alone(function, mathematics))
+        if not hasattr(compiled, "compile"):
+            return  # NUMBA_DISABLE_JIT
+        signature = (types.float64,) * len(arguments(function))
+        try:
+            compiled.compile(signature)
+        except Exception as problem:  # numba has several families of errors
+            line = _line_of(problem, function)
+            raise UsageError(
+                _told(line, effect, function, f"numba cannot compile it: {_first_reason(problem)}")
+            ) from None
+        kind = compiled.overloads[signature].signature.return_type
+        if not isinstance(kind, types.Number | types.Boolean):
+            said = f"it gives {kind}; a number is needed on every way through it"
+            raise UsageError(_told(_last_return(function), effect, function, said))
+
+
+@contextmanager
+def compiling(law: type) -> Iterator[None]:
+    """Turn what numba says of a user's controller into a ``UsageError`` with its file."""
+    try:
+        yield
+    except Exception as problem:
+        if not is_users(law.__module__) or not type(problem).__module__.startswith("numba."):
+            raise
+        raise UsageError(f"{inspect.getfile(law)}: numba cannot compile this: {_first_reason(problem)}") from None
+
+
+def _alone(function: Callable[..., float], mathematics: tuple[str, ...]) -> Callable[..., Any]:
+    """Return the function with the names that a kernel gives it, whatever its file imports."""
+    names = {name: getattr(math, name) for name in mathematics}
+    assert isinstance(function, FunctionType)
+    return FunctionType(function.__code__, {**names, "__name__": function.__module__}, function.__name__)
+
+
+def _told(line: int, effect: type[Effect], function: Callable[..., float], reason: str) -> str:
+    place = f"{function.__code__.co_filename}: line {line}"
+    return f"{place}: effect {effect.name}, method '{function.__name__}': {reason}"
+
+
+def _first_reason(problem: BaseException) -> str:
+    """Return the sentence of numba's long text that says what is wrong."""
+    lines = [line.strip(" -") for line in str(problem).splitlines()]
+    skipped = (
+        "Failed in",
+        "File ",
+        "During:",
+        "[1]",
+        "[2]",
+        "No implementation of",
+        "There are",
+        "<source",
+        "def ",
+        "Overload",
+    )
+    said = [line for line in lines if line and not line.startswith(skipped)]
+    named = [line for line in lines if line.startswith("No implementation of")]
+    return " ".join((named or said or [type(problem).__name__])[0].split())[:200]
+
+
+def _line_of(problem: BaseException, function: Callable[..., float]) -> int:
+    """Return the line that numba names, in one of its two ways, else where the function begins."""
+    line = getattr(getattr(problem, "loc", None), "line", None)
+    named = re.search(re.escape(function.__code__.co_filename) + r"\D{0,9}(\d+)", str(problem))
+    return line or int(named[1] if named else function.__code__.co_firstlineno)
+
+
+def _last_return(function: Callable[..., float]) -> int:
+    code: CodeType = function.__code__
+    lines, first = inspect.getsourcelines(function)
+    found = [first + number for number, text in enumerate(lines) if text.strip().startswith("return")]
+    return found[-1] if found else code.co_firstlineno

@@ -1,0 +1,89 @@
+"""Read a Python file of the user's (effect, controller, trajectory): whatever is wrong is one message with file and line."""
+
+from __future__ import annotations
+
+import hashlib
+import keyword
+import sys
+import threading
+import traceback
+import types
+from pathlib import Path
+
+from hjcamp.errors import HjcampError, UsageError
+from hjcamp.model.time_limit import time_limit
+
+PREFIX = "hjcamp_file_"
+LOADING_S = 15.0
+_loading = threading.RLock()
+
+
+def is_users(module: str) -> bool:
+    """Return whether a module of that name is a file of the user's."""
+    return module.startswith(PREFIX)
+
+
+def load_module(path: Path) -> types.ModuleType:
+    """Import the file at ``path`` under a name of its own; a mistake in it is one clear message."""
+    check_name(path)
+    content = _read(path)
+    digest = hashlib.sha256(str(path.resolve()).encode() + content.encode()).hexdigest()[:12]
+    name = f"{PREFIX}{path.stem}_{digest}"
+    with _loading:
+        if name in sys.modules:
+            return sys.modules[name]
+        module = types.ModuleType(name)
+        module.__file__ = str(path)
+        # A dataclass asks for the module of its class while that is being made.
+        sys.modules[name] = module
+        try:
+            with time_limit(LOADING_S, f"{path}: loading this file"):
+                exec(compile(content, str(path), "exec"), vars(module))
+        except BaseException as problem:
+            del sys.modules[name]
+            if isinstance(problem, KeyboardInterrupt):
+                raise
+            raise UsageError(_what_is_wrong(path, problem)) from None
+        return module
+
+
+def check_name(path: Path) -> None:
+    """Raise ``UsageError`` for a file whose name could not be written in a configuration or in Python."""
+    if not path.stem.isidentifier() or not path.stem.isascii() or keyword.iskeyword(path.stem):
+        why = "is a word of Python" if keyword.iskeyword(path.stem) else "cannot be a name"
+        raise UsageError(
+            f"{path}: '{path.stem}' {why}. Allowed: letters, digits and _, beginning with a letter, such as "
+            f"{''.join(letter if letter.isascii() and letter.isalnum() else '_' for letter in path.stem).strip('_')}_1.py"
+        )
+
+
+def line_in(path: str, problem: BaseException) -> int | None:
+    """Return the line of the file at which a problem arose."""
+    lines = [frame.lineno for frame in traceback.extract_tb(problem.__traceback__) if frame.filename == path]
+    return lines[-1] if lines else None
+
+
+def _read(path: Path) -> str:
+    try:
+        content = path.read_bytes()
+        return content.decode()
+    except UnicodeDecodeError as problem:
+        line = content[: problem.start].count(b"\n") + 1
+        raise UsageError(f"{path}: line {line}: this is not UTF-8 text") from None
+    except OSError as problem:
+        raise UsageError(f"{path}: cannot be read: {problem.strerror or problem}") from None
+
+
+def _what_is_wrong(path: Path, problem: BaseException) -> str:
+    if isinstance(problem, SyntaxError) and problem.filename == str(path):
+        return f"{path}: line {problem.lineno}: {problem.msg}"
+    line = line_in(str(path), problem)
+    where = f"{path}: line {line}" if line else str(path)
+    # Python 3.11 wraps what a declaration (__set_name__) refuses in a RuntimeError.
+    for known in (problem, problem.__cause__):
+        if isinstance(known, HjcampError):
+            said = str(known)
+            return said if said.startswith(str(path)) else f"{where}: {said}"
+    if isinstance(problem, SystemExit):
+        return f"{where}: this file ends the program ({type(problem).__name__}: {problem}); it may only define things"
+    return f"{where}: cannot be loaded: {type(problem).__name__}: {problem}"
