@@ -61,7 +61,7 @@ BODIES = {
     "sometimes a text": ("return x if arm_angle < 1e9 else [x]", 14, "numba cannot compile it: Cannot unify"),
     "a type that changes": (
         "x = x if arm_angle < 1e9 else 'a'\n        return x + 1.0",
-        15,
+        14,
         "numba cannot compile it: ",
     ),
     "a bytecode": ("a, *b = (x, x)\n        return a", 14, "numba cannot compile it: Use of unsupported opcode"),
