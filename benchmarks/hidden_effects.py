@@ -26,6 +26,8 @@ from hidden_effects_ledger import ROOT, Ledger, code_version
 from hidden_effects_page import page
 from hidden_effects_run import alone, run_case
 
+from hjcamp.storage import write_whole
+
 LEDGER = ROOT / "benchmarks" / "results" / "hidden_effects.jsonl"
 EFFORTS = ("quick", "standard", "thorough")
 STOPPED = 130
@@ -53,7 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     complete = {case.name for case in cases} <= set(ledger.finished(given.tag, given.effort))
     # a committed page is never replaced by one of half the cases
     target = given.page if given.page is not None and (complete or given.score) else given.ledger.with_suffix(".md")
-    replaced(target, text)
+    write_whole(target, text)
     print(f"page    {target}")
     return 0 if whole else STOPPED
 
@@ -151,14 +153,6 @@ def stop(pool: ProcessPoolExecutor) -> None:
     for worker in workers:
         if worker.pid is not None and worker.is_alive():
             os.kill(worker.pid, signal.SIGTERM)
-
-
-def replaced(path: Path, text: str) -> None:
-    """Write a file whole, or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, path)
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hidden_effects import THREADS, replaced, stop
+from hidden_effects import THREADS, stop
 from hidden_effects_ledger import Ledger, code_version
 from hidden_effects_run import alone
 from next_value_duel import APART, MOST, Duel
@@ -33,6 +33,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from hjcamp.discrepancy.next_menu import menu
 from hjcamp.effects import load_effects
+from hjcamp.storage import write_whole
 
 PAIRS = (
     ("leakage", "tubing_creep"),
@@ -106,7 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.page is None:
         print(text, end="")
     else:
-        replaced(options.page, text)
+        write_whole(options.page, text)
     return 0
 
 

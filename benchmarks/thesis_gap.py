@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 from pathlib import Path
 
 import thesis_gap_checks as checks
@@ -12,6 +11,8 @@ from thesis_gap_forward import forward
 from thesis_gap_page import PICTURE, draw, page
 from thesis_gap_results import results
 from thesis_gap_study import Study
+
+from hjcamp.storage import write_whole
 
 HERE = Path(__file__).parent
 DOCS = HERE.parent / "docs"
@@ -39,16 +40,9 @@ def main() -> None:
     given.ledger.parent.mkdir(parents=True, exist_ok=True)
     done = study(given.ledger)
     found = results(done.ledger.found, done.cells)
-    replaced(DOCS / "thesis_gap.json", json.dumps(found, indent=1) + "\n")
+    write_whole(DOCS / "thesis_gap.json", json.dumps(found, indent=1) + "\n")
     draw(found, DOCS / PICTURE)
-    replaced(DOCS / "thesis_gap.md", page(found, (HERE / "thesis_gap_reading.md").read_text(encoding="utf-8")))
-
-
-def replaced(path: Path, text: str) -> None:
-    """Write a file whole, or not at all."""
-    part = path.with_name(path.name + ".part")
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, path)
+    write_whole(DOCS / "thesis_gap.md", page(found, (HERE / "thesis_gap_reading.md").read_text(encoding="utf-8")))
 
 
 if __name__ == "__main__":

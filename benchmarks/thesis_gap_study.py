@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from thesis_gap_rig import OPENINGS, Rig, gated_simulator, planned
 from thesis_gap_search import Fit, Quantity, Task, base_quantities, candidate_quantities, fit, surprise
 
 from hjcamp.effects import load_effects
+from hjcamp.storage import write_whole
 
 Array = NDArray[np.float64]
 FITTED = ("5.4.1", "5.4.2")
@@ -39,9 +39,7 @@ class Ledger:
         """Return what is known under ``name``, else compute and keep it."""
         if name not in self.found:
             self.found[name] = compute()
-            part = self.path.with_suffix(".part")
-            part.write_text(json.dumps(self.found, indent=1), encoding="utf-8")
-            os.replace(part, self.path)
+            write_whole(self.path, json.dumps(self.found, indent=1))
             print(name, flush=True)
         return self.found[name]
 

@@ -10,6 +10,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from hjcamp.storage import write_whole
+
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "tour.md"
 PICTURE = ROOT / "docs" / "images" / "tour_overlay.svg"
@@ -64,9 +66,7 @@ def main() -> None:
         answer = subprocess.run(call, cwd=folder, check=True, capture_output=True, text=True)
         text = page_of(answer.stdout.replace(folder.as_uri(), "file:///..."), time.perf_counter() - began)
         shutil.copyfile(folder / "tour" / "compare" / "overlay.svg", PICTURE)
-    part = PAGE.with_name(PAGE.name + ".part")
-    part.write_text(text, encoding="utf-8")
-    part.replace(PAGE)
+    write_whole(PAGE, text)
 
 
 if __name__ == "__main__":
