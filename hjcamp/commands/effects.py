@@ -72,13 +72,13 @@ def show_catalogue() -> None:
 
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import load_effects
-    from hjcamp.model.effect import SUBSYSTEMS
+    from hjcamp.plants.pump_joint import PumpJoint
 
     table = Table(box=None, header_style="bold", pad_edge=False)
     for column in ("subsystem", "effect", "what the published model leaves out", "parameters"):
         table.add_column(column, no_wrap=column == "effect")
     library = load_effects()
-    for name, effect in sorted(library.items(), key=lambda item: SUBSYSTEMS.index(item[1].subsystem)):
+    for name, effect in sorted(library.items(), key=lambda item: PumpJoint.subsystems.index(item[1].subsystem)):
         table.add_row(effect.subsystem, name, effect.sentence(), ", ".join(effect.parameters))
     console = make_console()
     console.print(table)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import inspect
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -67,8 +66,8 @@ def _shows_otherwise(effect: Any) -> bool:
 
 def _balances_itself(effect: Any) -> bool:
     """Whether an effect takes its force from the acceleration, which the force balance is there to explain."""
-    functions = (*effect.terms.values(), *effect.rates.values(), *effect.updates.values())
-    return any("slider_acceleration" in inspect.signature(function).parameters for function in functions)
+    terms = (*effect.terms.values(), *effect.rates.values(), *effect.updates.values())
+    return any("slider_acceleration" in term.arguments for term in terms)
 
 
 def _weighs(hardware: Any) -> bool:

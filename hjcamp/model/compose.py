@@ -13,16 +13,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.model.effect import Effect, arguments
+from hjcamp.model.amount_formula import MATHEMATICS
+from hjcamp.model.effect import Effect, Term
 from hjcamp.model.parameter import Cut, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.term_checks import check_calls
 from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
 
-MATHEMATICS = [
-    "acos", "asin", "atan", "atan2", "ceil", "copysign", "cos", "cosh", "erf", "exp", "expm1", "floor", "fmod",
-    "hypot", "log", "log10", "log1p", "pi", "pow", "sin", "sinh", "sqrt", "tan", "tanh",
-]  # fmt: skip
 GATES = "gates"
 MOST_GATED = 52
 BUILTINS = ("abs", "min", "max", "float", "int")
@@ -81,9 +78,15 @@ class Composition:
 
     @cached_property
     def has_contact(self) -> bool:
-        """Whether the contact is simulated (its velocity is not driven)."""
-        velocity = self.plant.contact.velocity
-        return velocity not in self.cut.slopes and velocity not in self.cut.driven
+        """Whether a contact is simulated (its velocity is not driven)."""
+        driven = {*self.cut.slopes, *self.cut.driven}
+        return any(contact.velocity not in driven for contact in self.vocabulary.contacts)
+
+    @property
+    def held(self) -> int:
+        """Position of the state that a contact holds at 0, -1 where there is no contact."""
+        found = [contact.velocity for contact in self.vocabulary.contacts]
+        return list(self.states).index(found[0]) if found else -1
 
     def rates_source(self) -> str:
         """Return the source of ``rates(time, direction, z, u, p, f)``."""
@@ -95,10 +98,10 @@ class Composition:
 
     def contact_source(self) -> str:
         """Return the source of ``contact(time, direction, z, u, p)``: push, limit, locks, and 1 if a limiter acts."""
-        contact = self.plant.contact
         tests = [f"not ({low} <= {value} <= {high})" for value, low, high in self.vocabulary.limits]
         lines = [f"limits = 1.0 if {' or '.join(tests) or 'False'} else 0.0"]
-        lines.append(f"return {contact.push}, {contact.limit}, {contact.locks}, limits")
+        found = [f"{one.push}, {one.limit}, {one.locks}" for one in self.vocabulary.contacts]
+        lines.append(f"return {found[0] if found else '0.0, 0.0, 0.0'}, limits")
         return function_source("contact(time, direction, z, u, p)", self.body(lines))
 
     def readings_source(self) -> str:
@@ -176,7 +179,7 @@ class Composition:
         for effect in self.effects:
             groups = {"": effect.terms, "d_": effect.rates, "next_": effect.updates, "start_": effect.starts}
             for prefix, functions in groups.items():
-                parts += [_copied(f"{effect.name}__{prefix}{name}", function) for name, function in functions.items()]
+                parts += [_copied(f"{effect.name}__{prefix}{name}", term.function) for name, term in functions.items()]
         return "\n".join(parts)
 
     def body(self, last: Sequence[str]) -> list[str]:
@@ -212,10 +215,10 @@ class Composition:
         for effect in self.effects:
             if line.target not in effect.terms:
                 continue
-            function = effect.terms[line.target]
-            call = self._call(effect, line.target, function)
+            term = effect.terms[line.target]
+            call = self._call(effect, line.target, term)
             gate = f"if {self._gate(effect)}: " if self.gated else ""
-            if line.target in arguments(function):
+            if line.target in term.arguments:
                 changing.append(f"{gate}{line.target} = {call}")
             else:
                 adding.append(f"{gate}{line.target} = {line.target} + {call}")
@@ -240,9 +243,9 @@ class Composition:
             return "0.0"
         return self._call(effect, f"d_{own}", effect.rates[own])
 
-    def _call(self, effect: type[Effect], term: str, function: Callable[..., float]) -> str:
-        names = [self._resolve(effect, argument) for argument in arguments(function)]
-        return f"{effect.name}__{term}({', '.join(names)})"
+    def _call(self, effect: type[Effect], name: str, term: Term) -> str:
+        names = [self._resolve(effect, argument) for argument in term.arguments]
+        return f"{effect.name}__{name}({', '.join(names)})"
 
     def _resolve(self, effect: type[Effect], argument: str) -> str:
         if argument in effect.states:
@@ -262,28 +265,32 @@ def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
     """Refuse an effect whose slots, arguments or order do not fit the plant, with the nearest allowed name."""
     vocabulary = read_vocabulary(plant)
     where = f"effect {effect.name or effect.__name__}"
+    if effect.acts_on:
+        raise UsageError(f"{where}: acts on every {effect.acts_on}; bind it to a place of plant {plant.name} first")
+    if plant.subsystems and effect.subsystem not in plant.subsystems:
+        raise unknown("subsystem", effect.subsystem, plant.subsystems, where)
     everywhere = {*effect.states, *effect.parameters, *plant.states, *plant.parameters, *plant.inputs}
-    for term, function in effect.terms.items():
-        if term not in vocabulary.slots:
-            raise unknown("slot", term, vocabulary.slots, where)
-        before = {*vocabulary.known_before(term), term}
-        for argument in arguments(function):
+    for slot, term in effect.terms.items():
+        if slot not in vocabulary.slots:
+            raise unknown("slot", slot, vocabulary.slots, where)
+        before = {*vocabulary.known_before(slot), slot}
+        for argument in term.arguments:
             if argument in everywhere or argument in before:
                 continue
             if argument in vocabulary.signals:
                 raise UsageError(
-                    f"{where}: term '{term}' uses '{argument}', which is computed later than the slot '{term}'. "
+                    f"{where}: term '{slot}' uses '{argument}', which is computed later than the slot '{slot}'. "
                     f"Allowed there: {', '.join(sorted(before | everywhere))}"
                 )
-            raise unknown("name", argument, before | everywhere, f"{where}, term '{term}'")
+            raise unknown("name", argument, before | everywhere, f"{where}, term '{slot}'")
     for prefix, group in (("d_", effect.rates), ("next_", effect.updates), ("start_", effect.starts)):
-        for own, function in group.items():
-            for argument in arguments(function):
+        for own, term in group.items():
+            for argument in term.arguments:
                 allowed = everywhere | set(vocabulary.signals)
                 if argument not in allowed:
                     raise unknown("name", argument, allowed, f"{where}, method '{prefix}{own}'")
-    for function in (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()):
-        _check_globals(function, where)
+    for term in (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()):
+        _check_globals(term.function, where)
     check_calls(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
 
 

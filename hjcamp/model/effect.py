@@ -5,25 +5,45 @@ from __future__ import annotations
 import functools
 import inspect
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.parameter import Parameter, State, declared
+from hjcamp.model.port import KINDS
 
-SUBSYSTEMS = ("pump", "lines", "joint", "sensors")
-RESERVED = ("subsystem", "same_as", "examples")
+RESERVED = ("subsystem", "same_as", "examples", "acts_on", "together")
 
 
 @functools.cache
-def arguments(function: Callable[..., float]) -> tuple[str, ...]:
+def parameters_of(function: Callable[..., float]) -> tuple[str, ...]:
     """Return the names of a function's arguments in order."""
     return tuple(inspect.signature(function).parameters)
 
 
-def _used(functions: Iterable[Callable[..., float]]) -> set[str]:
+@dataclass(frozen=True)
+class Term:
+    """A function of an effect; ``names`` maps its arguments to names of the plant where they differ."""
+
+    function: Callable[..., float]
+    names: tuple[tuple[str, str], ...] = ()
+
+    @cached_property
+    def arguments(self) -> tuple[str, ...]:
+        """The names of the plant or effect that it is called with, in order."""
+        other = dict(self.names)
+        return tuple(other.get(name, name) for name in parameters_of(self.function))
+
+    def on(self, names: Mapping[str, str]) -> Term:
+        """Return the term with the names of a place in a plant."""
+        return Term(self.function, tuple(names.items()))
+
+
+def _used(functions: Iterable[Term]) -> set[str]:
     """Return the names of all arguments."""
-    return {name for function in functions for name in arguments(function)}
+    return {name for term in functions for name in term.arguments}
 
 
 class Effect:
@@ -33,9 +53,16 @@ class Effect:
     method per slot that it acts on. The method's name is the slot; its arguments are named after the signals, states,
     inputs and parameters that it uses. A term that takes its slot's own name transforms it, otherwise it adds.
     ``d_z`` gives the rate of the own state ``z``, ``next_z`` its new value once a sample, ``start_z`` where it starts.
+
+    A generic effect ``acts_on`` a kind of place (``hjcamp.model.port.KINDS``) instead: its slots and arguments are the
+    names of that kind, the units of its parameters and states products of them ("loss/level"), and their numbers
+    multiples of what these usually are. It is bound to each such place of a plant; where it is declared ``together``,
+    to all places of a group at once.
     """
 
     subsystem: ClassVar[str] = ""
+    acts_on: ClassVar[str] = ""
+    together: ClassVar[bool] = False
     name: ClassVar[str] = ""
     parameters: ClassVar[dict[str, Parameter]] = {}
     states: ClassVar[dict[str, State]] = {}
@@ -43,18 +70,25 @@ class Effect:
     same_as: ClassVar[tuple[str, ...]] = ()
     # Drivers in which the law is exact: where what it leaves still depends on one, it was not this effect.
     exact_in: ClassVar[tuple[str, ...]] = ()
-    terms: ClassVar[dict[str, Callable[..., float]]] = {}
-    rates: ClassVar[dict[str, Callable[..., float]]] = {}
-    updates: ClassVar[dict[str, Callable[..., float]]] = {}
-    starts: ClassVar[dict[str, Callable[..., float]]] = {}
+    terms: ClassVar[dict[str, Term]] = {}
+    rates: ClassVar[dict[str, Term]] = {}
+    updates: ClassVar[dict[str, Term]] = {}
+    starts: ClassVar[dict[str, Term]] = {}
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         where = f"effect {cls.__name__}"
-        if cls.subsystem not in SUBSYSTEMS:
-            raise unknown("subsystem", cls.subsystem, SUBSYSTEMS, where)
+        if cls.acts_on and cls.acts_on not in KINDS:
+            raise unknown("kind of place", cls.acts_on, KINDS, f"{where}, acts_on")
+        if not cls.acts_on and not cls.subsystem:
+            raise UsageError(
+                f"{where}: write subsystem = ..., the part of the plant that it belongs to, or acts_on = ..., "
+                f"a kind of place ({', '.join(KINDS)})"
+            )
         cls.parameters = declared(cls, Parameter)
         cls.states = declared(cls, State)
+        if "terms" in vars(cls):
+            return
         cls.terms, cls.rates, cls.updates, cls.starts = {}, {}, {}, {}
         groups = {"d_": cls.rates, "next_": cls.updates, "start_": cls.starts}
         for name, value in vars(cls).items():
@@ -64,7 +98,7 @@ class Effect:
                 if callable(value):
                     raise UsageError(f"{where}: '{name}' must be a static method (write @staticmethod above it)")
                 continue
-            function = value.__func__
+            function = Term(value.__func__)
             for prefix, group in groups.items():
                 if name.startswith(prefix):
                     owned = name.removeprefix(prefix)
@@ -82,7 +116,9 @@ class Effect:
         if not cls.parameters:
             raise UsageError(f"{where}: no Parameter; an effect needs at least one")
         for parameter in cls.parameters.values():
-            if parameter.each_test and (cls.subsystem != "lines" or parameter.name not in _used(cls.starts.values())):
+            if parameter.each_test and (
+                cls.subsystem not in ("", "lines") or parameter.name not in _used(cls.starts.values())
+            ):
                 raise UsageError(
                     f"{where}: {parameter.name} is marked each_test, which is for what a state of the lines starts with; "
                     "the lines' pressures tell it, nothing else"

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import ast
-import inspect
-import math
 import random
-import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from hjcamp.errors import UsageError
-from hjcamp.model.amount import Amount, dimension, pure, text
-from hjcamp.model.compose import MATHEMATICS, check_effect
-from hjcamp.model.effect import Effect
+from hjcamp.model.amount import Amount, dimension, text
+from hjcamp.model.amount_formula import with_amounts
+from hjcamp.model.compose import check_effect
+from hjcamp.model.effect import Effect, Term
 from hjcamp.model.plant import Plant
 from hjcamp.model.vocabulary import read_vocabulary
 
 DRAWS = 12
-SAME = ("copysign", "fmod")
 
 
 def check_units(effect: type[Effect], plant: type[Plant]) -> None:
@@ -57,9 +53,9 @@ def _units(effect: type[Effect], plant: type[Plant], where: str) -> dict[str, st
     return units
 
 
-def _check_function(function: Callable[..., float], unit: str, units: dict[str, str], where: str, said: str) -> None:
-    names = list(inspect.signature(function).parameters)
-    callable_ = _with_amounts(function)
+def _check_function(term: Term, unit: str, units: dict[str, str], where: str, said: str) -> None:
+    names = term.arguments
+    callable_ = with_amounts(term.function)
     generator = random.Random(1)
     for _ in range(DRAWS):
         given = [
@@ -74,61 +70,3 @@ def _check_function(function: Callable[..., float], unit: str, units: dict[str, 
         # A bare 0.0 fits every slot.
         if result.dims != dimension(unit) and not (result.literal and result.value == 0.0):
             raise UsageError(f"{where} gives {text(result.dims)}, but {said} {unit} = {text(dimension(unit))}")
-
-
-class _Numbers(ast.NodeTransformer):
-    def visit_Constant(self, node: ast.Constant) -> ast.AST:
-        if isinstance(node.value, int | float) and not isinstance(node.value, bool):
-            return ast.copy_location(ast.Call(ast.Name("amount_of", ast.Load()), [node], []), node)
-        return node
-
-
-def _with_amounts(function: Callable[..., float]) -> Callable[..., Any]:
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    definition = tree.body[0]
-    assert isinstance(definition, ast.FunctionDef)
-    definition.decorator_list, definition.returns = [], None
-    for argument in definition.args.args:
-        argument.annotation = None
-    tree = ast.fix_missing_locations(_Numbers().visit(tree))
-    scope: dict[str, Any] = {name: _mathematics(name) for name in MATHEMATICS}
-    scope.update(
-        {"amount_of": Amount.of, "min": _smallest, "max": _largest, "abs": abs, "float": Amount.of, "int": Amount.of}
-    )
-    exec(compile(tree, "<units>", "exec"), scope)
-    return scope[definition.name]
-
-
-def _mathematics(name: str) -> Any:
-    value = getattr(math, name)
-    if not callable(value):
-        return Amount(value, dimension("1"))
-
-    def call(*arguments: Any) -> Amount:
-        first = Amount.of(arguments[0])
-        if name == "sqrt":
-            return first**0.5
-        if name == "pow":
-            return first ** arguments[1]
-        if name in ("hypot", "atan2", *SAME):
-            second = arguments[1] if name == "copysign" else first.alike(arguments[1], f"{name} of")
-            dims = dimension("1") if name == "atan2" else first.dims
-            return Amount(value(first.value, Amount.of(second).value), dims)
-        return Amount(value(*(pure(argument, f"the argument of {name}") for argument in arguments)), dimension("1"))
-
-    return call
-
-
-def _chosen(arguments: tuple[Any, ...], pick: Callable[..., float]) -> Amount:
-    total = Amount.of(arguments[0])
-    for other in arguments[1:]:
-        total = total + other
-    return Amount(pick(Amount.of(argument).value for argument in arguments), total.dims, total.literal)
-
-
-def _smallest(*arguments: Any) -> Amount:
-    return _chosen(arguments, min)
-
-
-def _largest(*arguments: Any) -> Amount:
-    return _chosen(arguments, max)

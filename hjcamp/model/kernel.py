@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import inspect
-import math
 import types
-from typing import Any
-
-import numpy as np
 
 from hjcamp.model import integrator
-from hjcamp.model.compose import MATHEMATICS, Composition
+from hjcamp.model.amount_formula import MATHEMATICS, plain_functions
+from hjcamp.model.compose import Composition
 from hjcamp.model.marks import limited
 from hjcamp.model.step_source import correct_source, predict_source
 from hjcamp.model.structure import couplings, nonlinear_rates
@@ -47,11 +44,6 @@ CREEP = {creep}
 
 
 '''
-def _plain(source: str, names: dict[str, Any]) -> dict[str, Any]:
-    scope: dict[str, Any] = {name: getattr(math, name) for name in MATHEMATICS}
-    scope.update({"np": np, "inlined": lambda function: function, "hot": lambda function: function, **names})
-    exec(compile(source, "<composition>", "exec"), scope)
-    return scope
 
 
 def copied(module: types.ModuleType, names: tuple[str, ...]) -> str:
@@ -66,7 +58,7 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
     """Return the whole text of the kernel: the effects' terms, the equations, the integrator, and ``extra``."""
     equations = "@inlined\n" + inspect.getsource(limited).replace(": float", "").replace(" -> float", "") + "\n\n"
     equations += composition.terms_source() + composition.rates_source()
-    plain = _plain(equations, {})
+    plain = plain_functions(equations)
     pattern = couplings(composition, plain["rates"])
     states = composition.states.values()
     # Without the limiters: they are looked for in every step, and corrected in all rates where they act.
@@ -78,7 +70,7 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
         mathematics=", ".join(MATHEMATICS),
         decorator="{decorator}",
         n=len(states),
-        velocity=list(composition.states).index(composition.plant.contact.velocity),
+        velocity=composition.held,
         levels=LEVELS,
         affine=not curved.any(),
         contact=composition.has_contact,

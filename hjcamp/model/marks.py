@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 
 def slot(value: float, unit: str, text: str) -> float:
     """Return ``value`` unchanged: a quantity that an effect may add to or transform."""
@@ -16,3 +18,71 @@ def signal(value: float, unit: str, text: str) -> float:
 def limited(value: float, low: float, high: float) -> float:
     """Return ``value`` held between ``low`` and ``high``."""
     return min(max(value, low), high)
+
+
+def outside(unit: str, text: str = "outside force") -> float:
+    """Return 0: a force from outside, which only effects give."""
+    return 0.0
+
+
+# The elements: `hjcamp.model.element` writes each of them out as slots and signals and makes a place (a port) of it.
+
+
+def contact(
+    velocity: float,
+    push: float,
+    coulomb: float | tuple[float, float],
+    viscous: float | tuple[float, float] = 0.0,
+    static: float | tuple[float, float] | None = None,
+    travel: float | None = None,
+    load: float | None = None,
+    name: str = "",
+    group: str = "",
+    subsystem: str = "",
+) -> float:
+    """Return the friction that holds a velocity (a state) at 0 while the ``push`` is within the static friction.
+
+    A pair is the value of the positive and of the negative direction; without ``static`` the static friction is the
+    Coulomb friction. ``travel`` and ``load`` are what effects may let friction depend on.
+    """
+    return math.copysign(1.0, velocity) * (coulomb[0] if isinstance(coulomb, tuple) else coulomb)
+
+
+def body(
+    force: float, mass: float, load: float = 0.0, position: float | None = None,
+    name: str = "", group: str = "", subsystem: str = "",
+) -> float:  # fmt: skip
+    """Return the rate of a velocity: the whole ``force`` over the ``mass``; effects add to the slot ``load`` and to the mass."""
+    return force / mass
+
+
+def store(inflow: float, capacity: float = 1.0, name: str = "", group: str = "", subsystem: str = "") -> float:
+    """Return the rate of a level: what flows in over the ``capacity``; effects take a loss from it."""
+    return inflow / capacity
+
+
+def path(
+    flow: float, upstream: float | None = None, downstream: float | None = None,
+    name: str = "", group: str = "", subsystem: str = "",
+) -> float:  # fmt: skip
+    """Return a flow from one place to another, which effects may change."""
+    return flow
+
+
+def actuator(
+    command: float, supply: float | None = None, name: str = "", group: str = "", subsystem: str = ""
+) -> float:
+    """Return what a command drives: a force, a flow, a speed; effects give it a dead band, a delay, a limit."""
+    return command
+
+
+def transmission(
+    output: float, torque: float | None = None, name: str = "", group: str = "", subsystem: str = ""
+) -> float:
+    """Return a motion that is passed on; effects give it play, stretch, eccentricity."""
+    return output
+
+
+def sensor(true: float, name: str = "", group: str = "", subsystem: str = "") -> float:
+    """Return what is measured; effects give it an offset, a gain, a lag, a drift."""
+    return true

@@ -22,6 +22,8 @@ class Parameter:
     ``shape`` marks a parameter that enters non-linearly (a length, a time constant): it is fitted from several starts.
     ``off`` is the value at which the effect that owns it vanishes, if there is one. ``each_test`` marks what a test begins
     with and no rig repeats: every measured test then has a value of its own, told by its lines, and the parameter is their mean.
+    A plant's ``base`` parameter is another one on each rig: it is calibrated before anything is called missing. One that is
+    ``given`` stands in the metadata of each test, under that name (a mass, a supply pressure).
     """
 
     unit: str
@@ -32,6 +34,8 @@ class Parameter:
     shape: bool = False
     off: float | None = None
     each_test: bool = False
+    base: bool = False
+    given: str = ""
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -66,17 +70,24 @@ class Parameter:
 class State:
     """A quantity that the model integrates.
 
-    ``resolution`` is the local error that one sample may make, ``typical`` the size at which the model is linearised.
+    ``resolution`` is the local error that one sample may make (a millionth of ``typical`` unless given), ``typical`` the
+    size at which the model is linearised. ``low`` is what it cannot fall below (a level, an absolute pressure).
+    ``start`` may be "unknown": each test then has a value of its own.
     An effect's state that is ``known`` at rest starts anew where the observed states are set to measurements at rest.
     """
 
     unit: str
-    resolution: float
-    typical: float
-    start: float = 0.0
+    resolution: float = 0.0
+    typical: float = 1.0
+    start: float | str = 0.0
     text: str = ""
     known: bool = False
+    low: float = float("-inf")
     name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.resolution == 0.0:
+            object.__setattr__(self, "resolution", 1e-6 * abs(self.typical))
 
     def __set_name__(self, owner: type, name: str) -> None:
         object.__setattr__(self, "name", name)
@@ -84,11 +95,38 @@ class State:
 
 @dataclass(frozen=True)
 class Input:
-    """A quantity that is given for each sample: a command, a flow, a measured motion."""
+    """A quantity that is given for each sample: a command, a flow, a measured motion.
+
+    ``field`` is what the logs call it (by default its name and SI unit, such as ``voltage_v``); between samples it
+    holds its "previous" value or runs "linear"-ly to the next.
+    """
 
     unit: str
     default: float = 0.0
     text: str = ""
+    typical: float = 1.0
+    hold: str = "previous"
+    field: str = ""
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A sensor whose reading the logs hold; the attribute's name is the field, a quantity and its unit (``position_m``).
+
+    ``sensor`` names a slot or signal of the equations, ``of`` the state that it shows. ``counts`` is one count of a
+    counting sensor and ``noise`` the standard deviation of an analog one, both in SI and read off the logs unless given.
+    """
+
+    sensor: str
+    of: str = ""
+    counts: float | None = None
+    noise: float | None = None
+    text: str = ""
+    required: bool = True
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:

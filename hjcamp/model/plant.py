@@ -4,16 +4,30 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from hjcamp.model.parameter import Channel, Contact, Cut, Input, Parameter, State, declared
+from hjcamp.model.parameter import Channel, Contact, Cut, Input, Measured, Parameter, State, declared
+from hjcamp.model.port import Port
+
+# What every plant's equations may use: the regime of its one contact, the time, and what friction scatters by.
+ALWAYS = {
+    "friction_scatter": Input(
+        "1", 1.0, "factor on static and Coulomb friction at this instant", name="friction_scatter"
+    ),
+    "direction": Input("1", text="friction regime: 0 held, +1 and -1 moving", name="direction"),
+    "time": Input("s", text="time since the start of the command phase", name="time"),
+}
 
 
 class Plant:
-    """A machine whose equations effects may extend; a subclass is one file beside the chapter that it follows."""
+    """A machine whose equations effects may extend; a subclass is one file.
+
+    ``loop`` is "foreign" where somebody else's controller holds the measured motion: then forces are judged.
+    """
 
     name: ClassVar[str] = ""
+    loop: ClassVar[str] = "own"
     subsystems: ClassVar[tuple[str, ...]] = ()
     channels: ClassVar[tuple[Channel, ...]] = ()
-    contact: ClassVar[Contact]
+    contact: ClassVar[Contact | None] = None
     balance: ClassVar[tuple[str, ...]] = ()
     cuts: ClassVar[tuple[Cut, ...]] = ()
     observed: ClassVar[dict[str, tuple[str, str | None]]] = {}
@@ -22,12 +36,19 @@ class Plant:
     states: ClassVar[dict[str, State]] = {}
     parameters: ClassVar[dict[str, Parameter]] = {}
     inputs: ClassVar[dict[str, Input]] = {}
+    measured: ClassVar[dict[str, Measured]] = {}
+    ports: ClassVar[dict[str, Port]] = {}
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         cls.states = declared(cls, State)
         cls.parameters = declared(cls, Parameter)
         cls.inputs = declared(cls, Input)
+        cls.inputs |= {name: item for name, item in ALWAYS.items() if name not in cls.inputs}
+        cls.measured = declared(cls, Measured)
+        cls.ports = declared(cls, Port)
+        if not cls.base_parameters:
+            cls.base_parameters = tuple(name for name, item in cls.parameters.items() if item.base)
 
     @classmethod
     def cut(cls, name: str) -> Cut:

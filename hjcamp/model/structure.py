@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-import inspect
-import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -12,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.model.compose import GATES, Composition, names_in
-from hjcamp.model.effect import Effect
 
 
 def _draws(composition: Composition, generator: np.random.Generator) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
@@ -55,17 +51,6 @@ def couplings(composition: Composition, rates: Callable[..., None], draws: int =
     for _ in range(n):
         reach = reach | ((reach.astype(int) @ direct.astype(int)) > 0)
     return reach
-
-
-def _functions(effect: type[Effect]) -> list[Callable[..., float]]:
-    return [*effect.terms.values(), *effect.rates.values(), *effect.updates.values()]
-
-
-def _has_kink(function: Callable[..., float]) -> bool:
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    kinked = (ast.IfExp, ast.If, ast.Compare)
-    names = ("max", "min", "abs", "floor", "ceil", "copysign")
-    return any(isinstance(node, kinked) or (isinstance(node, ast.Name) and node.id in names) for node in ast.walk(tree))
 
 
 def nonlinear_rates(composition: Composition, rates: Callable[..., None], draws: int = 60) -> NDArray[np.bool_]:

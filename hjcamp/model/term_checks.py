@@ -12,7 +12,7 @@ from types import CodeType, FunctionType
 from typing import Any
 
 from hjcamp.errors import UsageError
-from hjcamp.model.effect import Effect, arguments
+from hjcamp.model.effect import Effect, parameters_of
 from hjcamp.model.time_limit import time_limit
 from hjcamp.model.user_file import is_users, line_in
 
@@ -22,7 +22,8 @@ TRIED = (0.0, 1.0, -1.0, 0.3, -1e-3, 1e6)
 
 def functions_of(effect: type[Effect]) -> list[Callable[..., float]]:
     """Return every method of an effect that a kernel runs."""
-    return [*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()]
+    terms = (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values())
+    return [term.function for term in terms]
 
 
 @functools.cache
@@ -40,7 +41,7 @@ def check_calls(effect: type[Effect], mathematics: tuple[str, ...]) -> None:
 
 def _call(effect: type[Effect], function: Callable[..., float], alone: Callable[..., Any], value: float) -> None:
     """Call a method with its parameters at their defaults and ``value`` for all else."""
-    given = [effect.parameters[name].default if name in effect.parameters else value for name in arguments(function)]
+    given = [effect.parameters[name].default if name in effect.parameters else value for name in parameters_of(function)]
     try:
         result = alone(*given)
     except (ArithmeticError, ValueError):
@@ -64,7 +65,7 @@ def check_compiles(effect: type[Effect], mathematics: tuple[str, ...]) -> None:
         compiled: Any = njit(error_model="numpy")(_alone(function, mathematics))
         if not hasattr(compiled, "compile"):
             return  # NUMBA_DISABLE_JIT
-        signature = (types.float64,) * len(arguments(function))
+        signature = (types.float64,) * len(parameters_of(function))
         try:
             compiled.compile(signature)
         except Exception as problem:  # numba has several families of errors

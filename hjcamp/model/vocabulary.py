@@ -5,35 +5,45 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Any
 
-from hjcamp.errors import HjcampError
+from hjcamp.errors import UsageError
+from hjcamp.model.element import CONTACT, ELEMENTS, called, expand
+from hjcamp.model.parameter import Contact
 from hjcamp.model.plant import Plant
+from hjcamp.model.port import Port
 
 NAMESPACES = {"state": "s_", "parameter": "p_", "drive": "u_", "rate": "d_"}
 
 
 @dataclass(frozen=True)
 class Statement:
-    """One line of the equations: ``target`` = ``expression``; ``mark`` is "slot", "signal", "rate" or "plain"."""
+    """One line of the equations: ``target`` = ``expression``; ``mark`` is "slot", "signal", "rate" or "plain".
+
+    ``line`` is its number in the plant's file.
+    """
 
     target: str
     expression: str
     mark: str
     unit: str = ""
     text: str = ""
+    line: int = 0
 
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What a plant offers to effects: its statements in order, and the names each place may use."""
+    """What a plant offers to effects: its statements in order, its places, and the names each place may use."""
 
     plant: type[Plant]
     statements: tuple[Statement, ...]
     readings: tuple[str, ...]
     limits: tuple[tuple[str, str, str], ...]
+    contacts: tuple[Contact, ...] = ()
+    ports: Mapping[str, Port] = field(default_factory=dict)
 
     @cached_property
     def slots(self) -> dict[str, Statement]:
@@ -64,47 +74,143 @@ class _Rename(ast.NodeTransformer):
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         node = ast.Call(node.func, [self.visit(argument) for argument in node.args], node.keywords)
-        if isinstance(node.func, ast.Name) and node.func.id == "limited":
+        if called(node) == "limited":
             value, low, high = (ast.unparse(argument) for argument in node.args)
             self.limits.append((value, low, high))
         return node
 
 
 def read_vocabulary(plant: type[Plant]) -> Vocabulary:
-    """Parse ``plant.equations`` into statements; the docstring and comments are skipped."""
+    """Parse ``plant.equations`` into statements; the docstring and comments are skipped.
+
+    Raises ``UsageError`` for what is no assignment, an element that is not as it should be, and a unit that does not fit.
+    """
     hashable: Any = plant
     return _parsed(hashable)
 
 
 @cache
 def _parsed(plant: Any) -> Vocabulary:
-    tree = ast.parse(textwrap.dedent(inspect.getsource(plant.equations)))
-    function = tree.body[0]
+    lines, first = inspect.getsourcelines(plant.equations)
+    function = ast.parse(textwrap.dedent("".join(lines))).body[0]
     assert isinstance(function, ast.FunctionDef)
-    rename = _Rename()
-    statements: list[Statement] = []
-    readings: tuple[str, ...] = ()
+    reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
     for node in function.body:
+        reader.read(node)
+    return reader.vocabulary()
+
+
+class _Reader:
+    """Reads the equations of a plant line by line; elements are written out where they stand."""
+
+    def __init__(self, plant: type[Plant], first: int, calls: list[str]) -> None:
+        self.plant, self.first = plant, first
+        self.several = calls.count(CONTACT.name) > 1
+        self.rename = _Rename()
+        self.statements: list[Statement] = []
+        self.readings: tuple[str, ...] = ()
+        self.contacts: list[Contact] = [plant.contact] if plant.contact else []
+        self.held: dict[str, str] = {}
+        self.ports = dict(plant.ports)
+        self.units: Any = None
+
+    def read(self, node: ast.stmt) -> None:
+        """Take one line of the equations."""
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            continue
+            return
+        number = self.first + node.lineno - 1
+        where = f"plant {self.plant.name or self.plant.__name__}, line {number}"
         if isinstance(node, ast.Return):
-            assert isinstance(node.value, ast.Tuple)
-            readings = tuple(ast.unparse(element) for element in node.value.elts)
-            continue
-        if not isinstance(node, ast.Assign):
-            raise HjcampError(f"plant {plant.name}: equations may hold assignments only, not line {node.lineno}")
-        statements.append(_statement(node, rename))
-    return Vocabulary(plant, tuple(statements), readings, tuple(rename.limits))
+            elements = node.value.elts if isinstance(node.value, ast.Tuple) else [node.value]
+            self.readings = tuple(ast.unparse(element) for element in elements if element is not None)
+            return
+        if not isinstance(node, ast.Assign) or len(node.targets) != 1:
+            raise UsageError(f"{where}: equations may hold assignments only (NAME = ..., rate.STATE = ...)")
+        target = node.targets[0]
+        of_rate = isinstance(target, ast.Attribute)
+        if of_rate and not (isinstance(target.value, ast.Name) and target.value.id == "rate"):  # type: ignore[attr-defined]
+            raise UsageError(
+                f"{where}: '{ast.unparse(target)}' cannot be assigned; write rate.STATE = ... or NAME = ..."
+            )
+        if not of_rate and not isinstance(target, ast.Name):
+            raise UsageError(f"{where}: '{ast.unparse(target)}' cannot be assigned; one name for each line")
+        name = target.attr if isinstance(target, ast.Attribute) else ast.unparse(target)
+        if called(node.value) in ELEMENTS:
+            self._element(node.value, name, of_rate, where, number)  # type: ignore[arg-type]
+        else:
+            self._add(name, node.value, "rate" if of_rate else "plain", where, number)
 
+    def _element(self, call: ast.Call, name: str, of_rate: bool, where: str, number: int) -> None:
+        place = expand(call, name, name if of_rate else "", self.several, where)
+        port = place.port
+        if port.name in self.ports:
+            raise UsageError(f"{where}: two places are called '{port.name}'; give one of them name='...'")
+        self.ports[port.name] = port
+        for target, line in place.lines:
+            unit = self._unit_of(line.unit, place.given, where) if line.unit else ""
+            value = ast.parse(line.expression, mode="eval").body
+            self._store(Statement(target, self._renamed(value), line.mark, unit, line.text, number), where)
+        if called(call) == CONTACT.name:
+            names = port.names
+            self.contacts.append(Contact(names["velocity"], names["push"], names["static"], names["locks"]))
+            self.held[names["velocity"]] = names["direction"]
+        if of_rate:
+            self._add(name, ast.parse(place.rate, mode="eval").body, "rate", where, number)
 
-def _statement(node: ast.Assign, rename: _Rename) -> Statement:
-    target = node.targets[0]
-    value = node.value
-    if isinstance(target, ast.Attribute):
-        return Statement(target.attr, ast.unparse(rename.visit(value)), "rate")
-    assert isinstance(target, ast.Name)
-    if isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id in ("slot", "signal"):
-        expression = ast.unparse(rename.visit(value.args[0]))
-        unit, text = (ast.literal_eval(argument) for argument in value.args[1:3])
-        return Statement(target.id, expression, value.func.id, unit, text)
-    return Statement(target.id, ast.unparse(rename.visit(value)), "plain")
+    def _add(self, name: str, value: ast.expr, mark: str, where: str, number: int) -> None:
+        kind = called(value)
+        unit = text = ""
+        if isinstance(value, ast.Call) and kind in ("slot", "signal", "outside"):
+            mark = "slot" if kind == "outside" else kind
+            given = value.args if kind == "outside" else value.args[1:]
+            try:
+                words = [str(ast.literal_eval(argument)) for argument in given]
+            except ValueError:
+                raise UsageError(f"{where}: unit and text of {kind}(...) must be texts in quotes") from None
+            if not words:
+                raise UsageError(
+                    f'{where}: {kind}(...) lacks its unit, such as {kind}({"" if kind == "outside" else "VALUE, "}"N")'
+                )
+            unit, text = words[0], words[1] if len(words) > 1 else "outside force" if kind == "outside" else ""
+            value = ast.Constant(0.0) if kind == "outside" else value.args[0]
+        self._store(Statement(name, self._renamed(value), mark, unit, text, number), where)
+
+    def _renamed(self, value: ast.expr) -> str:
+        return ast.unparse(self.rename.visit(value))
+
+    def _store(self, statement: Statement, where: str) -> None:
+        if any(
+            one.target == statement.target and (one.mark == "rate") == (statement.mark == "rate")
+            for one in self.statements
+        ):
+            raise UsageError(f"{where}: '{statement.target}' is assigned twice")
+        self.statements.append(statement)
+
+    def _unit_of(self, rule: str, given: Mapping[str, str], where: str) -> str:
+        from hjcamp.model.equation_units import Units
+
+        self.units = self.units or Units(self.plant)
+        self.units.follow(self.statements)
+        return str(
+            self.units.of_rule(
+                rule,
+                {
+                    key: self._renamed(ast.parse(text, mode="eval").body)
+                    for key, text in given.items()
+                    if text and key in rule
+                },
+                where,
+            )
+        )
+
+    def vocabulary(self) -> Vocabulary:
+        """Return what has been read."""
+        statements = [self._guarded(one) for one in self.statements]
+        readings = self.readings or tuple(item.sensor for item in self.plant.measured.values())
+        limits = tuple(self.rename.limits)
+        return Vocabulary(self.plant, tuple(statements), readings, limits, tuple(self.contacts), self.ports)
+
+    def _guarded(self, one: Statement) -> Statement:
+        if one.mark == "rate" and one.target in self.held:
+            return replace(one, expression=f"{one.expression} if u_{self.held[one.target]} != 0.0 else 0.0")
+        return one

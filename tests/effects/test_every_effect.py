@@ -96,7 +96,7 @@ def test_each_check_can_fail(benches: dict[str, EffectBench], check: str) -> Non
     class Wrong(Effect):
         subsystem = "lines"
         conductance = WRONG[check]
-        cross_flow = staticmethod(good.effect.terms["cross_flow"])
+        cross_flow = staticmethod(good.effect.terms["cross_flow"].function)
 
     Wrong.name = "cross_leakage"
     with pytest.raises(UsageError, match="cross_leakage"):

@@ -1,0 +1,250 @@
+"""Elements of a plant's equations: one line that stands for a place of a known kind and its marked lines."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from hjcamp.errors import UsageError, unknown
+from hjcamp.model.port import KINDS, Port
+
+OPTIONS = ("name", "group", "subsystem")
+
+
+@dataclass(frozen=True)
+class Line:
+    """One marked line of an element: its name after the element's own, mark, expression, unit and meaning.
+
+    Braces hold arguments of the element, ``{name}`` the element's own name; ``unit`` is a product of arguments.
+    """
+
+    suffix: str
+    mark: str
+    expression: str
+    unit: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Element:
+    """What an element takes and becomes: ``offers`` maps names of its kind to its lines, in the words of ``Line``.
+
+    ``reads`` are arguments that an effect may read; ``rate`` is the line that is the rate of a state, empty where the
+    element is a quantity of its own.
+    """
+
+    name: str
+    needs: tuple[str, ...]
+    takes: tuple[str, ...]
+    reads: tuple[str, ...]
+    lines: tuple[Line, ...]
+    offers: Mapping[str, str]
+    rate: str = ""
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """Names of all arguments, in order."""
+        return (*self.needs, *self.takes, *self.reads)
+
+
+CONTACT = Element(
+    "contact",
+    ("velocity", "push", "coulomb"),
+    ("viscous", "static"),
+    ("travel", "load"),
+    (
+        Line("_push", "signal", "{push}", "push", "force before friction"),
+        Line("_forward", "signal", "1.0 if {direction} > 0.0 or ({direction} == 0.0 and {name}_push > 0.0) else 0.0", "1",
+             "1 where the friction of the positive direction applies"),
+        Line("_speed", "signal", "abs({velocity})", "velocity", "speed without sign"),
+        Line("_static", "slot", "drive.friction_scatter * ({static})", "push", "static friction"),
+        Line("_coulomb", "slot", "drive.friction_scatter * ({coulomb})", "push", "Coulomb friction"),
+        Line("_viscous", "slot", "{viscous}", "push/velocity", "viscous friction"),
+        Line("_locks", "slot", "1.0", "1", "0 where friction passes rest without a leap, and holds nothing"),
+        Line("", "slot", "{direction} * {name}_coulomb + {name}_viscous * {velocity}", "push", "friction"),
+    ),
+    {"static": "{name}_static", "coulomb": "{name}_coulomb", "viscous": "{name}_viscous", "locks": "{name}_locks",
+     "friction": "{name}", "velocity": "{velocity}", "speed": "{name}_speed", "push": "{name}_push",
+     "direction": "{direction}"},
+)  # fmt: skip
+BODY = Element(
+    "body",
+    ("force", "mass"),
+    ("load",),
+    ("position",),
+    (
+        Line("_force", "signal", "{force}", "force", "force on the mass"),
+        Line("_mass", "slot", "{mass}", "mass", "moving mass"),
+        Line("_acceleration", "signal", "{name}_force / {name}_mass", "force/mass", "acceleration"),
+    ),
+    {"force": "{load}", "mass": "{name}_mass", "velocity": "{state}", "acceleration": "{name}_acceleration",
+     "push": "{name}_force"},
+    rate="{name}_acceleration",
+)  # fmt: skip
+STORE = Element(
+    "store",
+    ("inflow",),
+    ("capacity",),
+    (),
+    (
+        Line("_inflow", "signal", "{inflow}", "inflow", "net flow in"),
+        Line("_loss", "slot", "0.0", "inflow", "flow lost"),
+        Line("_capacity", "slot", "{capacity}", "capacity", "what flows in for one unit of level"),
+        Line(
+            "_rate", "signal", "({name}_inflow - {name}_loss) / {name}_capacity", "inflow/capacity", "rate of the level"
+        ),
+    ),
+    {"loss": "{name}_loss", "capacity": "{name}_capacity", "level": "{state}", "inflow": "{name}_inflow"},
+    rate="{name}_rate",
+)
+PATH = Element(
+    "path",
+    ("flow",),
+    (),
+    ("upstream", "downstream"),
+    (Line("_free", "signal", "{flow}", "flow", "flow by the published law"),
+     Line("", "slot", "{name}_free", "flow", "flow")),
+    {"flow": "{name}"},
+)  # fmt: skip
+ACTUATOR = Element(
+    "actuator",
+    ("command",),
+    (),
+    ("supply",),
+    (
+        Line("_demand", "signal", "{command}", "command", "what is commanded"),
+        Line("", "slot", "{name}_demand", "command", "what the actuator delivers"),
+    ),
+    {"command": "{name}", "demand": "{name}_demand"},
+)
+TRANSMISSION = Element(
+    "transmission",
+    ("output",),
+    (),
+    ("torque",),
+    (
+        Line("_input", "signal", "{output}", "output", "motion without play or stretch"),
+        Line("", "slot", "{name}_input", "output", "motion that is passed on"),
+    ),
+    {"output": "{name}", "input": "{name}_input"},
+)
+SENSOR = Element(
+    "sensor",
+    ("true",),
+    (),
+    (),
+    (
+        Line("_true", "signal", "{true}", "true", "true value"),
+        Line("", "slot", "{name}_true", "true", "reading"),
+    ),
+    {"reading": "{name}", "true": "{name}_true"},
+)
+ELEMENTS = {one.name: one for one in (CONTACT, BODY, STORE, PATH, ACTUATOR, TRANSMISSION, SENSOR)}
+assert all(set(one.offers) | set(one.reads) <= set(KINDS[one.name].names) for one in ELEMENTS.values())
+
+
+@dataclass(frozen=True)
+class Place:
+    """An element written out: its lines by name, its port, what it was given, and the signal that is a state's rate."""
+
+    lines: tuple[tuple[str, Line], ...]
+    port: Port
+    given: Mapping[str, str]
+    rate: str
+
+
+def called(node: ast.AST) -> str:
+    """Return the name of the element or mark that ``node`` calls; empty where it is no call of a plain name."""
+    return node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+
+
+def expand(call: ast.Call, target: str, state: str, several: bool, where: str) -> Place:
+    """Return the lines and the port that an element stands for.
+
+    ``target`` is what it is called if it has no ``name``; ``state`` the state whose rate it is assigned to, empty for
+    a plain name; with ``several`` contacts each has a regime of its own. Raises ``UsageError`` for an unknown,
+    missing or repeated argument and for an element that is assigned to the wrong thing.
+    """
+    element = ELEMENTS[called(call)]
+    if bool(element.rate) != bool(state):
+        form = "rate.STATE = " if element.rate else "NAME = "
+        raise UsageError(f"{where}: write {form}{element.name}(...)")
+    given, options = _given(element, call, where)
+    name = options.get("name", target)
+    pieces = dict.fromkeys(element.arguments, "") | given
+    direction = f"drive.direction_{name}" if several else "drive.direction"
+    pieces |= {"name": name, "direction": direction, "state": f"state.{state}" if state else ""}
+    if element is CONTACT:
+        _complete_contact(pieces, where)
+    if element is STORE:
+        pieces["capacity"] = pieces["capacity"] or "1.0"
+    lines, names = [], {}
+    for read in element.reads:
+        if pieces[read]:
+            names[read] = bare_name(pieces[read]) or f"{name}_{read}"
+            if not bare_name(pieces[read]):
+                lines.append((f"{name}_{read}", Line("", "signal", pieces[read], read, f"{name}: {read}")))
+    for line in element.lines:
+        text = Line("", line.mark, line.expression.format_map(pieces), line.unit, f"{name}: {line.text}")
+        lines.append((name + line.suffix, text))
+    for local, template in element.offers.items():
+        if text_of := template.format_map(pieces):
+            names[local] = bare_name(text_of) or ""
+            if not names[local]:
+                raise UsageError(
+                    f"{where}: '{local}' of {element.name} '{name}' is the expression '{text_of}'; it must be a name"
+                )
+    port = Port(
+        element.name, name=name, group=options.get("group", ""), subsystem=options.get("subsystem", ""), **names
+    )
+    return Place(tuple(lines), port, pieces, element.rate.format_map(pieces))
+
+
+def _given(element: Element, call: ast.Call, where: str) -> tuple[dict[str, str], dict[str, str]]:
+    place = f"{where}: {element.name}(...)"
+    if len(call.args) > len(element.arguments):
+        raise UsageError(f"{place} takes at most {len(element.arguments)} arguments: {', '.join(element.arguments)}")
+    found = dict(zip(element.arguments, map(ast.unparse, call.args), strict=False))
+    options: dict[str, str] = {}
+    for keyword in call.keywords:
+        key = str(keyword.arg)
+        if key not in (*element.arguments, *OPTIONS):
+            raise unknown("argument", key, (*element.arguments, *OPTIONS), f"{where}, {element.name}(...)")
+        if key in found or key in options:
+            raise UsageError(f"{place} gets '{key}' twice")
+        if key in OPTIONS:
+            value = keyword.value.value if isinstance(keyword.value, ast.Constant) else None
+            if not isinstance(value, str) or not value.isidentifier():
+                raise UsageError(f"{place}: {key} must be a name in quotes, not {ast.unparse(keyword.value)}")
+            options[key] = value
+        else:
+            found[key] = ast.unparse(keyword.value)
+    for need in element.needs:
+        if need not in found:
+            raise UsageError(f"{place} lacks '{need}'; it takes {', '.join(element.arguments)}")
+    return found, options
+
+
+def _complete_contact(pieces: dict[str, str], where: str) -> None:
+    name = pieces["name"]
+    if not pieces["velocity"].startswith("state."):
+        raise UsageError(
+            f"{where}: the velocity of contact '{name}' must be a state (state.NAME), not {pieces['velocity']}"
+        )
+    pieces["static"] = pieces["static"] or pieces["coulomb"]
+    pieces["viscous"] = pieces["viscous"] or "0.0"
+    for key in ("static", "coulomb", "viscous"):
+        node = ast.parse(pieces[key], mode="eval").body
+        if isinstance(node, ast.Tuple):
+            if len(node.elts) != 2:
+                raise UsageError(f"{where}: {key} of contact '{name}': give one value, or two: (positive, negative)")
+            positive, negative = map(ast.unparse, node.elts)
+            pieces[key] = f"{positive} if {name}_forward > 0.0 else {negative}"
+
+
+def bare_name(text: str) -> str | None:
+    """Return the name that ``state.x``, ``parameter.x``, ``drive.x`` or ``x`` stands for, None for an expression."""
+    for space in ("state.", "parameter.", "drive."):
+        text = text.removeprefix(space)
+    return text if text.isidentifier() else None

@@ -1,0 +1,130 @@
+"""Units of a plant's equations: each line is evaluated with amounts that carry their dimension."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.errors import UsageError, unknown
+from hjcamp.model.amount import Amount, dimension, text
+from hjcamp.model.amount_formula import evaluated, names
+from hjcamp.model.plant import Plant
+
+if TYPE_CHECKING:
+    from hjcamp.model.vocabulary import Statement
+
+USUAL = (
+    "1",
+    "m",
+    "m/s",
+    "m/s^2",
+    "1/s",
+    "kg",
+    "N",
+    "N/m",
+    "N*s/m",
+    "N*m",
+    "Pa",
+    "m^3",
+    "m^3/s",
+    "m^3/Pa",
+    "V",
+    "V/s",
+    "A",
+    "W",
+    "K",
+)
+_PREFIXES = {"s_": "state", "p_": "parameter", "u_": "input"}
+
+
+class Units:
+    """The unit of every name in a plant's equations, found line by line."""
+
+    def __init__(self, plant: type[Plant]) -> None:
+        self.plant = plant
+        self.scope: dict[str, Any] = names()
+        self._known = len(self.scope)
+        self._done = 0
+        self._written: dict[Any, str] = {}
+        groups: tuple[tuple[str, Mapping[str, Any]], ...]
+        groups = (("s_", plant.states), ("p_", plant.parameters), ("u_", plant.inputs))
+        for prefix, group in groups:
+            for position, (name, item) in enumerate(group.items()):
+                try:
+                    dims = dimension(item.unit)
+                except UsageError as problem:
+                    raise UsageError(f"plant {plant.name or plant.__name__}, {name}: {problem}") from None
+                self._written.setdefault(dims, item.unit)
+                self.scope[prefix + name] = Amount(0.5 + 0.01 * position, dims)
+        for unit in USUAL:
+            self._written[dimension(unit)] = unit
+        for velocity in plant.inputs:
+            self.scope.setdefault(f"u_{velocity}", Amount(1.0, dimension("1")))
+
+    def follow(self, statements: Sequence[Statement]) -> None:
+        """Evaluate the lines that are new since the last call; refuse a unit that does not fit."""
+        for one in statements[self._done :]:
+            self._done += 1
+            where = f"plant {self.plant.name or self.plant.__name__}, line {one.line}"
+            amount = self.value(one.expression, f"{where}, '{one.target}'")
+            if one.mark == "rate":
+                self._rate(one, amount, where)
+                continue
+            if one.unit and one.unit != text(amount.dims):
+                wanted = dimension(one.unit)
+                if wanted != amount.dims and not amount.literal:
+                    raise UsageError(
+                        f"{where}: '{one.target}' is in {self.written(amount.dims)}, but it should be in {one.unit}"
+                    )
+                amount = Amount(amount.value, wanted)
+            self.scope[one.target] = amount
+
+    def _rate(self, one: Statement, amount: Amount, where: str) -> None:
+        if one.target not in self.plant.states:
+            raise unknown("state", one.target, self.plant.states, where)
+        unit = self.plant.states[one.target].unit
+        wanted = dimension(f"({unit})/s" if unit != "1" else "1/s")
+        if wanted != amount.dims and not amount.literal:
+            raise UsageError(
+                f"{where}: rate.{one.target} is in {self.written(amount.dims)}, but the state '{one.target}' is in {unit}, "
+                f"so its rate must be in {self.written(wanted)}"
+            )
+
+    def value(self, expression: str, where: str) -> Amount:
+        """Return the amount of an expression in the lines' own names."""
+        for name in dict.fromkeys(re.findall(r"\b[A-Za-z_]\w*", expression)):
+            if name in self.scope or name in ("if", "else", "and", "or", "not", "True", "False"):
+                continue
+            if name.startswith("u_direction_"):
+                self.scope[name] = Amount(1.0, dimension("1"))
+                continue
+            raise self._unknown(name, where)
+        try:
+            return evaluated(expression, self.scope)
+        except UsageError as problem:
+            raise UsageError(f"{where}: {problem}") from None
+        except (ArithmeticError, ValueError) as problem:
+            raise UsageError(f"{where}: cannot be evaluated at ordinary values: {problem}") from None
+
+    def _unknown(self, name: str, where: str) -> UsageError:
+        kind = _PREFIXES.get(name[:2])
+        if kind == "state":
+            return unknown("state", name[2:], self.plant.states, where)
+        if kind == "parameter":
+            return unknown("parameter", name[2:], self.plant.parameters, where)
+        if kind == "input":
+            return unknown("input", name[2:], self.plant.inputs, where)
+        own = [one for one in list(self.scope)[self._known :] if one[:2] not in _PREFIXES]
+        return unknown("name", name, own, f"{where} (a name must be computed in a line above: no algebraic loops)")
+
+    def of_rule(self, rule: str, given: Mapping[str, str], where: str) -> str:
+        """Return the unit that a product of arguments has, such as ``push/velocity``."""
+        if rule == "1":
+            return "1"
+        scope = {name: self.value(expression, where) for name, expression in given.items()}
+        return self.written(evaluated(rule, {**self.scope, **scope}).dims)
+
+    def written(self, dims: Any) -> str:
+        """Return a dimension as people write it."""
+        return self._written.get(dims) or text(dims)

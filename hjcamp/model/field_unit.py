@@ -1,0 +1,84 @@
+"""Units at the end of a log's field names, such as ``position_m`` and ``pressure1_mpa``, and their SI units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from hjcamp.errors import UsageError, unknown
+
+
+@dataclass(frozen=True)
+class FieldUnit:
+    """A unit of a field: how people write it, its SI unit, and ``scale``, its number for one SI unit."""
+
+    suffix: str
+    shown: str
+    si: str
+    scale: float
+
+
+FIELD_UNITS: dict[str, FieldUnit] = {
+    unit.suffix: unit
+    for unit in (
+        FieldUnit("s", "s", "s", 1.0),
+        FieldUnit("ms", "ms", "s", 1e3),
+        FieldUnit("deg", "deg", "rad", 180.0 / math.pi),
+        FieldUnit("rad", "rad", "rad", 1.0),
+        FieldUnit("turn", "turn", "rad", 0.5 / math.pi),
+        FieldUnit("rad_per_s", "rad/s", "rad/s", 1.0),
+        FieldUnit("deg_per_s", "deg/s", "rad/s", 180.0 / math.pi),
+        FieldUnit("rpm", "rpm", "rad/s", 30.0 / math.pi),
+        FieldUnit("m", "m", "m", 1.0),
+        FieldUnit("mm", "mm", "m", 1e3),
+        FieldUnit("m_per_s", "m/s", "m/s", 1.0),
+        FieldUnit("mm_per_s", "mm/s", "m/s", 1e3),
+        FieldUnit("m_per_s2", "m/s^2", "m/s^2", 1.0),
+        FieldUnit("n", "N", "N", 1.0),
+        FieldUnit("nm", "N m", "N*m", 1.0),
+        FieldUnit("mnm", "mN m", "N*m", 1e3),
+        FieldUnit("pa", "Pa", "Pa", 1.0),
+        FieldUnit("kpa", "kPa", "Pa", 1e-3),
+        FieldUnit("mpa", "MPa", "Pa", 1e-6),
+        FieldUnit("bar", "bar", "Pa", 1e-5),
+        FieldUnit("kg", "kg", "kg", 1.0),
+        FieldUnit("g", "g", "kg", 1e3),
+        FieldUnit("m3", "m^3", "m^3", 1.0),
+        FieldUnit("l", "L", "m^3", 1e3),
+        FieldUnit("m3_per_s", "m^3/s", "m^3/s", 1.0),
+        FieldUnit("l_per_min", "L/min", "m^3/s", 6e4),
+        FieldUnit("v", "V", "V", 1.0),
+        FieldUnit("mv", "mV", "V", 1e3),
+        FieldUnit("a", "A", "A", 1.0),
+        FieldUnit("ma", "mA", "A", 1e3),
+        FieldUnit("w", "W", "W", 1.0),
+        FieldUnit("k", "K", "K", 1.0),
+        FieldUnit("percent", "%", "1", 100.0),
+        FieldUnit("ratio", "1", "1", 1.0),
+    )
+}
+
+
+def unit_of_field(name: str, where: str) -> FieldUnit:
+    """Return the unit that a field's name ends with; the longest that fits. Raises ``UsageError`` where there is none."""
+    parts = name.split("_")
+    for first in range(1, len(parts)):
+        if (suffix := "_".join(parts[first:])) in FIELD_UNITS:
+            return FIELD_UNITS[suffix]
+    raise unknown("unit at the end of the field", name, [f"{parts[0]}_{suffix}" for suffix in FIELD_UNITS], where)
+
+
+def field_of(name: str, si: str, where: str) -> str:
+    """Return the field of an input ``name`` in the SI unit ``si``: the name itself where it ends with a unit of that kind."""
+    parts = name.split("_")
+    for first in range(1, len(parts)):
+        found = FIELD_UNITS.get("_".join(parts[first:]))
+        if found is not None and found.si == si:
+            return name
+    for unit in FIELD_UNITS.values():
+        if unit.si == si and unit.scale == 1.0:
+            return f"{name}_{unit.suffix}"
+    raise UsageError(
+        f"{where}: no field can hold the unit {si} of '{name}'; give field='{name}_UNIT' with one of "
+        + ", ".join(FIELD_UNITS)
+    )

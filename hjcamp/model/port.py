@@ -1,0 +1,83 @@
+"""Places of a known kind in a plant's equations, on which a generic effect may act: a contact, a store, a sensor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from hjcamp.errors import unknown
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of place: the names that an effect may change (``slots``) or read, and what is of equal size to what.
+
+    ``sizes`` maps a slot that is 0 without effects (a loss, an outside force) to the name that has its usual size.
+    """
+
+    name: str
+    text: str
+    slots: tuple[str, ...]
+    reads: tuple[str, ...]
+    sizes: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every name that an effect on this kind may use."""
+        return (*self.slots, *self.reads)
+
+
+KINDS: dict[str, Kind] = {
+    kind.name: kind
+    for kind in (
+        Kind(
+            "contact",
+            "dry friction between two bodies",
+            ("static", "coulomb", "viscous", "locks", "friction"),
+            ("velocity", "speed", "push", "direction", "travel", "load"),
+            {"speed": "velocity"},
+        ),
+        Kind(
+            "body",
+            "a mass that forces move",
+            ("force", "mass"),
+            ("position", "velocity", "acceleration", "push"),
+            {"force": "push"},
+        ),
+        Kind(
+            "store", "what holds a volume", ("loss", "capacity", "stiffness"), ("level", "inflow"), {"loss": "inflow"}
+        ),
+        Kind("path", "what a flow passes", ("flow",), ("upstream", "downstream")),
+        Kind("sensor", "what is measured", ("reading",), ("true",)),
+        Kind("actuator", "what a command drives", ("command",), ("demand", "supply")),
+        Kind("transmission", "what turns one motion into another", ("output",), ("input", "torque")),
+    )
+}
+
+
+class Port:
+    """One place of a plant: its kind, and the plant's name for each name of the kind that it offers.
+
+    Declared as a class attribute, ``seal = Port("contact", velocity="slider_velocity", ...)``, or made by an element
+    of the equations. Ports of one ``group`` are alike (two lines of one make): an effect that is declared ``together``
+    acts on all of them with one set of parameters.
+    """
+
+    def __init__(self, kind: str, *, name: str = "", group: str = "", subsystem: str = "", **names: str) -> None:
+        if kind not in KINDS:
+            raise unknown("kind of port", kind, KINDS)
+        for local in names:
+            if local not in KINDS[kind].names:
+                raise unknown("name", local, KINDS[kind].names, f"a port of the kind '{kind}'")
+        self.kind, self.name, self.group, self.subsystem = kind, name, group, subsystem
+        self.names: Mapping[str, str] = names
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = self.name or name
+
+    def lacks(self, wanted: set[str]) -> set[str]:
+        """Return those of the wanted names that this place does not offer."""
+        return wanted - set(self.names)
+
+    def __repr__(self) -> str:
+        return f"Port({self.kind} {self.name})"

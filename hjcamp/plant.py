@@ -1,0 +1,28 @@
+"""All that a plant's file needs: ``from hjcamp.plant import Input, Measured, Parameter, Plant, State, contact, sensor``."""
+
+from __future__ import annotations
+
+from math import atan2, copysign, cos, exp, hypot, log, pi, sin, sqrt, tan, tanh
+
+from hjcamp.model.marks import (
+    actuator,
+    body,
+    contact,
+    limited,
+    outside,
+    path,
+    sensor,
+    signal,
+    slot,
+    store,
+    transmission,
+)
+from hjcamp.model.parameter import Contact, Cut, Input, Measured, Parameter, State
+from hjcamp.model.plant import Plant
+from hjcamp.model.port import Port
+
+__all__ = [
+    "Contact", "Cut", "Input", "Measured", "Parameter", "Plant", "Port", "State", "actuator", "atan2", "body", "contact",
+    "copysign", "cos", "exp", "hypot", "limited", "log", "outside", "path", "pi", "sensor", "signal", "sin", "slot",
+    "sqrt", "store", "tan", "tanh", "transmission",
+]  # fmt: skip
