@@ -1,0 +1,27 @@
+"""The plants: one file (or folder) each, ours here and the user's in a folder ``plants``; there is no list."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from hjcamp.errors import unknown
+from hjcamp.model.catalogue import scan
+from hjcamp.model.plant import Plant
+from hjcamp.model.user_folders import extension_folders
+
+DEFAULT = "pump_joint"
+
+
+def load_plants(folders: Sequence[Path] | None = None) -> dict[str, type[Plant]]:
+    """Return every plant by name, ours and the user's; a faulty file is refused, saying what is allowed."""
+    chosen = extension_folders("plants") if folders is None else list(folders)
+    return scan(Path(__file__).parent, __name__, Plant, chosen)
+
+
+def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | None = None) -> type[Plant]:
+    """Return the plant called ``name``; ``where`` says what names it. Raises ``UsageError`` with the nearest match."""
+    plants = load_plants(folders)
+    if name not in plants:
+        raise unknown("plant", name, plants, where)
+    return plants[name]

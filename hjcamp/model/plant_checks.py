@@ -1,0 +1,158 @@
+"""What a plant must be before anything is done with it: its equations are whole, fit in units, finite and passive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from hjcamp.errors import UsageError, unknown
+from hjcamp.model.amount import dimension
+from hjcamp.model.amount_formula import plain_functions
+from hjcamp.model.binding import usual_input, usual_state
+from hjcamp.model.equation_units import Units
+from hjcamp.model.field_unit import field_of, unit_of_field
+from hjcamp.model.plant import ALWAYS, Plant
+from hjcamp.model.vocabulary import Statement, read_vocabulary
+
+DRAWS = 200
+
+
+def check_equations(plant: type[Plant]) -> str:
+    """Refuse a state without a rate, a name with two meanings, and a rate of what is no state."""
+    where = f"plant {plant.name}"
+    vocabulary = read_vocabulary(plant)
+    rates = {line.target for line in vocabulary.statements if line.mark == "rate"}
+    for state in plant.states:
+        if state not in rates:
+            raise UsageError(f"{where}: the state '{state}' has no rate; write rate.{state} = ... in its equations")
+    # a line may have the name of a state: what effects then read and change under that name is the line
+    declared = {**plant.parameters, **plant.inputs}
+    for line in vocabulary.statements:
+        if line.mark != "rate" and line.target in declared:
+            raise UsageError(f"{where}, line {line.line}: '{line.target}' is declared above; give the line another name")
+    for group in (plant.states, plant.parameters, plant.inputs):
+        for name in group:
+            if sum(name in other for other in (plant.states, plant.parameters, plant.inputs)) > 1:
+                raise UsageError(f"{where}: '{name}' is declared twice, as a state, parameter or input")
+    return f"{len(plant.states)} states, {len(vocabulary.statements)} lines, {len(vocabulary.ports)} places"
+
+
+def check_units_of(plant: type[Plant]) -> str:
+    """Refuse a line whose unit does not fit; the message names the line."""
+    units = Units(plant)
+    units.follow(read_vocabulary(plant).statements)
+    return f"{len(read_vocabulary(plant).signals)} lines with units"
+
+
+def check_measured(plant: type[Plant]) -> str:
+    """Refuse a plant of which nothing is measured, a sensor that is no line, and a field in another unit."""
+    where = f"plant {plant.name}"
+    vocabulary = read_vocabulary(plant)
+    if plant.channels:
+        return f"{len(plant.channels)} channels"
+    if not plant.measured:
+        raise UsageError(f"{where}: nothing is measured; write FIELD_UNIT = Measured(\"SENSOR\", of=\"STATE\")")
+    units = Units(plant)
+    units.follow(vocabulary.statements)
+    for name, item in plant.measured.items():
+        if item.sensor not in vocabulary.signals:
+            raise unknown("sensor", item.sensor, vocabulary.signals, f"{where}, {name}")
+        if item.of and item.of not in plant.states:
+            raise unknown("state", item.of, plant.states, f"{where}, {name}")
+        field = unit_of_field(name, f"{where}, Measured")
+        dims = units.value(item.sensor, where).dims
+        if dimension(field.si) != dims:
+            raise UsageError(f"{where}: '{name}' says {field.shown}, but '{item.sensor}' is in {units.written(dims)}")
+    for name, given in plant.inputs.items():
+        if name not in ALWAYS and not given.field:
+            field_of(name, given.unit, where)
+    return f"{len(plant.measured)} channels"
+
+
+def check_finite(plant: type[Plant]) -> str:
+    """Refuse a plant with a rate that is not finite at ordinary states; the message names the line."""
+    vocabulary = read_vocabulary(plant)
+    for place in _places(plant):
+        bad = _first_not_finite(plant, vocabulary.statements, place)
+        if bad is not None:
+            line, problem = bad
+            states = ", ".join(f"{name} = {place[f's_{name}']:.4g}" for name in plant.states)
+            raise UsageError(
+                f"plant {plant.name}, line {line.line}: '{line.target} = {line.expression}' {problem} at {states}; "
+                "hold what is under a root or logarithm in its range, with max(x, 0.0), or give the state its low=..."
+            )
+    return f"{DRAWS} places"
+
+
+def check_passive(plant: type[Plant]) -> str:
+    """Refuse a contact whose friction drives the motion that it should brake."""
+    vocabulary = read_vocabulary(plant)
+    contacts = [port for port in vocabulary.ports.values() if port.kind == "contact"]
+    for place in _places(plant):
+        values = evaluate(plant, vocabulary.statements, place)
+        for port in contacts:
+            velocity, friction = values[f"s_{port.names['velocity']}"], values[port.names["friction"]]
+            if velocity * friction < 0.0:
+                raise UsageError(
+                    f"plant {plant.name}: the friction of '{port.name}' is {friction:.3g} at a velocity of {velocity:.3g}: "
+                    "it drives the motion instead of braking it (signs of coulomb and viscous?)"
+                )
+    return f"{len(contacts)} contacts"
+
+
+CHECKS: dict[str, Callable[[type[Plant]], str]] = {
+    "equations are whole": check_equations,
+    "units": check_units_of,
+    "something is measured": check_measured,
+    "finite": check_finite,
+    "friction brakes": check_passive,
+}
+
+
+def check_plant(plant: type[Plant]) -> None:
+    """Refuse a plant that fails one of the checks that need no simulation."""
+    for check in CHECKS.values():
+        check(plant)
+
+
+def evaluate(plant: type[Plant], statements: tuple[Statement, ...], place: dict[str, float]) -> dict[str, Any]:
+    """Return every name of the equations at one place, as plain Python computes them."""
+    scope = plain_functions("") | place
+    for line in statements:
+        scope["d_" + line.target if line.mark == "rate" else line.target] = eval(line.expression, scope)
+    return scope
+
+
+def _first_not_finite(
+    plant: type[Plant], statements: tuple[Statement, ...], place: dict[str, float]
+) -> tuple[Statement, str] | None:
+    scope = plain_functions("") | place
+    for line in statements:
+        try:
+            value = float(eval(line.expression, scope))
+        except (ArithmeticError, ValueError, TypeError) as problem:
+            return line, f"cannot be computed ({problem})"
+        if not np.isfinite(value):
+            return line, f"is {value}"
+        scope["d_" + line.target if line.mark == "rate" else line.target] = value
+    return None
+
+
+def _places(plant: type[Plant]) -> list[dict[str, float]]:
+    """Return ordinary states, inputs and parameters by their names in the lines; contacts move as their velocity says."""
+    generator = np.random.default_rng(20090404)
+    vocabulary = read_vocabulary(plant)
+    found = []
+    for _ in range(DRAWS):
+        place = {f"s_{name}": usual_state(state, generator) for name, state in plant.states.items()}
+        place |= {f"u_{name}": usual_input(given, generator) for name, given in plant.inputs.items()}
+        place |= {f"p_{name}": item.default for name, item in plant.parameters.items()}
+        for port in vocabulary.ports.values():
+            if port.kind == "contact":
+                place[f"u_{port.names.get('direction', 'direction')}"] = float(np.sign(place[f"s_{port.names['velocity']}"]))
+        found.append(place)
+    return found
+
+
