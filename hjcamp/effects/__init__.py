@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.model.binding import Library, library_for
 from hjcamp.model.catalogue import scan
 from hjcamp.model.effect import Effect
+from hjcamp.model.plant import Plant
 from hjcamp.model.user_folders import extension_folders
 
 
@@ -15,6 +17,11 @@ def load_effects(folders: Sequence[Path] | None = None) -> dict[str, type[Effect
     """Return every effect by name, ours and the user's; a faulty file is refused, saying what is allowed."""
     chosen = extension_folders("effects") if folders is None else list(folders)
     return scan(Path(__file__).parent, __name__, Effect, chosen)
+
+
+def library_of(plant: type[Plant], folders: Sequence[Path] | None = None) -> Library:
+    """Return the effects that fit a plant, generic ones bound to its places, and why the others do not."""
+    return library_for(plant, load_effects(folders))
 
 
 def find_effect(name: str, folders: Sequence[Path] | None = None) -> type[Effect]:

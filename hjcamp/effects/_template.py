@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
 import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 
-from hjcamp.errors import UsageError
 from hjcamp.model.plant import Plant
+from hjcamp.model.template_file import class_name, write_user_file
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.storage import whole_file
 
 TEMPLATE = '''"""A spring on the arm."""
 
@@ -43,22 +41,12 @@ class {title}(Effect):
 
 def template(name: str, plant: type[Plant]) -> str:
     """Return the text of the file ``name``.py for effects on ``plant``."""
-    title = "".join(part.capitalize() for part in name.split("_"))
-    return TEMPLATE.format(names=_names(plant), title=title)
+    return TEMPLATE.format(names=_names(plant), title=class_name(name))
 
 
 def write_template(name: str, folder: Path, plant: type[Plant], taken: Iterable[str]) -> Path:
     """Write the template as ``folder``/``name``.py and return its path; refuse a bad or taken name."""
-    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
-        raise UsageError(f"effect name '{name}': write it in small letters, digits and _, such as arm_spring")
-    path = folder / f"{name}.py"
-    if path.exists():
-        raise UsageError(f"{path} exists; it is left as it is")
-    if name in taken or name in ("new", "test"):
-        raise UsageError(f"effect name '{name}' is taken; choose another")
-    with whole_file(path) as stream:
-        stream.write(template(name, plant).encode())
-    return path
+    return write_user_file("effect", name, folder, template(name, plant), taken, "arm_spring")
 
 
 def _names(plant: type[Plant]) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import functools
 import math
 import re
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from hjcamp.errors import HjcampError, UsageError, unknown
+from hjcamp.model.amount import Amount, dimension
 from hjcamp.model.amount_formula import evaluated, plain_functions
 from hjcamp.model.compose import Composition, check_effect
 from hjcamp.model.effect import Effect, Term
@@ -23,6 +23,7 @@ from hjcamp.model.port import KINDS, Port
 from hjcamp.model.vocabulary import read_vocabulary
 
 EVERYWHERE = ("time",)
+PERIOD = "period"
 DRAWS = 64
 
 
@@ -161,13 +162,17 @@ class Quantities:
         return replace(item, unit=unit, typical=item.typical * size, resolution=1e-6 * item.typical * size)
 
     def _resolved(self, unit: str) -> tuple[str, float]:
-        names = _in_unit(unit, self.port.names)
-        if not names:
+        """Return the SI unit and the size of a product of names of the place, of the period and of units."""
+        words = set(re.findall(r"\b[A-Za-z_]\w*", unit))
+        own = words & {*self.port.names, PERIOD}
+        if not own:
             return unit, 1.0
-        dims = {name: self.units.value(self._local(name), self.port.name) for name in names}
+        dims = {word: Amount(1.0, dimension(word)) for word in words - own}
+        dims |= {word: self.units.value(self._local(word), self.port.name) for word in own - {PERIOD}}
+        dims |= {PERIOD: Amount(1.0, dimension("s"))}
         whole = evaluated(unit, {**self.units.scope, **dims})
-        size = eval(compile(ast.parse(unit, mode="eval"), "<size>", "eval"), {name: self.sizes[name] for name in names})
-        return self.units.written(whole.dims), float(size)
+        sizes = {word: self.sizes.get(word, 1.0) for word in words} | {PERIOD: self.units.plant.period}
+        return self.units.written(whole.dims), float(eval(unit, {"__builtins__": {}}, sizes))
 
     def _local(self, name: str) -> str:
         full = self.port.names[name]
@@ -177,16 +182,24 @@ class Quantities:
         raise HjcampError(f"place '{self.port.name}': '{full}' has no unit")
 
 
-@functools.cache
 def _units(plant: Any) -> Units:
+    return _units_found(plant)
+
+
+@functools.cache
+def _units_found(plant: Any) -> Units:
     units = Units(plant)
     units.follow(read_vocabulary(plant).statements)
     return units
 
 
-@functools.cache
 def usual_sizes(plant: Any) -> Mapping[str, float]:
     """Return how large each name of a plant usually is, SI: what is declared as typical, else the rms over such states."""
+    return _sizes_found(plant)
+
+
+@functools.cache
+def _sizes_found(plant: Any) -> Mapping[str, float]:
     vocabulary = read_vocabulary(plant)
     composition = Composition(plant)
     scope = plain_functions(composition.signals_source())

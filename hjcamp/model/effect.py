@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import ClassVar
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.parameter import Parameter, State, declared
 from hjcamp.model.port import KINDS
 
@@ -127,23 +128,12 @@ class Effect:
     @classmethod
     def sentence(cls) -> str:
         """Return the first sentence of the docstring."""
-        return " ".join(inspect.cleandoc(cls.__doc__ or "").partition("\n\n")[0].split())
+        return docstring_sentence(cls)
 
     @classmethod
     def equation(cls) -> str:
         """Return the equation of the docstring (the text of its ``.. math::`` block), or an empty string."""
-        lines = inspect.cleandoc(cls.__doc__ or "").splitlines()
-        text: list[str] = []
-        inside = False
-        for line in lines:
-            if line.startswith(".. math::"):
-                inside = True
-                text.append(line.removeprefix(".. math::").strip())
-            elif inside and line.startswith("   "):
-                text.append(line.strip())
-            elif inside and line.strip():
-                break
-        return " ".join(part for part in text if part)
+        return docstring_equation(cls)
 
     @classmethod
     def defaults(cls) -> dict[str, float]:

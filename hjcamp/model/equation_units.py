@@ -49,6 +49,7 @@ class Units:
         self._written: dict[Any, str] = {}
         groups: tuple[tuple[str, Mapping[str, Any]], ...]
         groups = (("s_", plant.states), ("p_", plant.parameters), ("u_", plant.inputs))
+        item: Any
         for prefix, group in groups:
             for position, (name, item) in enumerate(group.items()):
                 try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.parameter import Channel, Contact, Cut, Input, Measured, Parameter, State, declared
 from hjcamp.model.port import Port
 
@@ -20,11 +21,13 @@ ALWAYS = {
 class Plant:
     """A machine whose equations effects may extend; a subclass is one file.
 
+    ``period`` is the usual time between samples of its logs, s: the unit of what effects call a ``period``.
     ``loop`` is "foreign" where somebody else's controller holds the measured motion: then forces are judged.
     """
 
     name: ClassVar[str] = ""
     loop: ClassVar[str] = "own"
+    period: ClassVar[float] = 1e-3
     subsystems: ClassVar[tuple[str, ...]] = ()
     channels: ClassVar[tuple[Channel, ...]] = ()
     contact: ClassVar[Contact | None] = None
@@ -49,6 +52,16 @@ class Plant:
         cls.ports = declared(cls, Port)
         if not cls.base_parameters:
             cls.base_parameters = tuple(name for name, item in cls.parameters.items() if item.base)
+
+    @classmethod
+    def sentence(cls) -> str:
+        """Return the first sentence of the docstring."""
+        return docstring_sentence(cls)
+
+    @classmethod
+    def equation(cls) -> str:
+        """Return the equation of the docstring (the text of its ``.. math::`` block), or an empty string."""
+        return docstring_equation(cls)
 
     @classmethod
     def cut(cls, name: str) -> Cut:

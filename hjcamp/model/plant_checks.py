@@ -31,7 +31,9 @@ def check_equations(plant: type[Plant]) -> str:
     declared = {**plant.parameters, **plant.inputs}
     for line in vocabulary.statements:
         if line.mark != "rate" and line.target in declared:
-            raise UsageError(f"{where}, line {line.line}: '{line.target}' is declared above; give the line another name")
+            raise UsageError(
+                f"{where}, line {line.line}: '{line.target}' is declared above; give the line another name"
+            )
     for group in (plant.states, plant.parameters, plant.inputs):
         for name in group:
             if sum(name in other for other in (plant.states, plant.parameters, plant.inputs)) > 1:
@@ -53,7 +55,7 @@ def check_measured(plant: type[Plant]) -> str:
     if plant.channels:
         return f"{len(plant.channels)} channels"
     if not plant.measured:
-        raise UsageError(f"{where}: nothing is measured; write FIELD_UNIT = Measured(\"SENSOR\", of=\"STATE\")")
+        raise UsageError(f'{where}: nothing is measured; write FIELD_UNIT = Measured("SENSOR", of="STATE")')
     units = Units(plant)
     units.follow(vocabulary.statements)
     for name, item in plant.measured.items():
@@ -151,8 +153,8 @@ def _places(plant: type[Plant]) -> list[dict[str, float]]:
         place |= {f"p_{name}": item.default for name, item in plant.parameters.items()}
         for port in vocabulary.ports.values():
             if port.kind == "contact":
-                place[f"u_{port.names.get('direction', 'direction')}"] = float(np.sign(place[f"s_{port.names['velocity']}"]))
+                place[f"u_{port.names.get('direction', 'direction')}"] = float(
+                    np.sign(place[f"s_{port.names['velocity']}"])
+                )
         found.append(place)
     return found
-
-

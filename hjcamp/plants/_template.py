@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from pathlib import Path
+
+from hjcamp.model.template_file import class_name, write_user_file
+
 TEMPLATE = '''"""A carriage that a motor pushes along its guide. (Say here what your machine is.)"""
 
 from __future__ import annotations
@@ -44,3 +49,8 @@ class {title}(Plant):
         rate.velocity = body(force + load - friction, mass=parameter.mass, load=load, position=state.position)
         encoder = sensor(state.position)
 '''
+
+
+def write_template(name: str, folder: Path, taken: Iterable[str]) -> Path:
+    """Write the template as ``folder``/``name``.py and return its path; refuse a bad or taken name."""
+    return write_user_file("plant", name, folder, TEMPLATE.format(title=class_name(name)), taken, "linear_axis")

@@ -1,0 +1,176 @@
+"""Show the plants, or one of them with its places and the effects that fit; write and test a plant of one's own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hjcamp.errors import UsageError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from hjcamp.model.plant import Plant
+
+USAGE = "hjcamp plants [NAME] | plants new NAME | plants test NAME"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("plants")(plants)
+
+
+def plants(
+    words: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[NAME | new NAME | test NAME]", help="A plant; none for the list.", show_default=False),
+    ] = None,
+    figure: Annotated[
+        Path | None,
+        typer.Option(help="Write the block diagram of NAME to this .svg, .png or .pdf.", show_default=False),
+    ] = None,
+) -> None:
+    """Show the plants, or one of them; write and test a plant of one's own."""
+    match words or []:
+        case []:
+            show_list()
+        case ["new", name]:
+            write_new(name)
+        case ["test", name]:
+            run_tests(name)
+        case ["new" | "test", *_]:
+            raise UsageError(f"give one name: {USAGE}")
+        case [name]:
+            show_plant(name, figure)
+        case _:
+            raise UsageError(f"give one name: {USAGE}")
+
+
+def show_list() -> None:
+    """Print every plant: what it is, what is measured, how many effects fit."""
+    from rich.table import Table
+
+    from hjcamp.campaign.console import make_console
+    from hjcamp.effects import library_of
+    from hjcamp.plants import load_plants
+
+    table = Table(box=None, header_style="bold", pad_edge=False)
+    for column in ("plant", "what it is", "measured", "effects that fit"):
+        table.add_column(column, no_wrap=column == "plant")
+    found = load_plants()
+    for name, plant in found.items():
+        measured = [channel.field for channel in plant.channels] or list(plant.measured)
+        table.add_row(name, plant.sentence(), ", ".join(measured), str(len(library_of(plant).effects)))
+    console = make_console()
+    console.print(table)
+    console.print(
+        "  one of them: hjcamp plants NAME; one of your own: hjcamp plants new NAME", style="dim", markup=False
+    )
+
+
+def show_plant(name: str, figure: Path | None) -> None:
+    """Print one plant: states, inputs, parameters, lines, places, and which effects fit."""
+    from hjcamp.campaign.console import make_console
+    from hjcamp.model.plant_checks import check_plant
+    from hjcamp.plants import find_plant
+
+    plant = find_plant(name)
+    check_plant(plant)
+    console = make_console()
+    console.print(f"[bold]{name}[/bold]  {plant.sentence()}")
+    if plant.equation():
+        console.print(f"  {plant.equation()}", markup=False)
+    _declared(console, plant)
+    _lines(console, plant)
+    _places(console, plant)
+    _effects(console, plant)
+    if figure is not None:
+        from hjcamp.report.plant_figure import draw_plant
+
+        draw_plant(figure, plant)
+        console.print(f"\n  picture  {figure}", markup=False, soft_wrap=True)
+
+
+def _declared(console: Console, plant: type[Plant]) -> None:
+    from rich.table import Table
+
+    from hjcamp.model.plant import ALWAYS
+
+    table = Table(box=None, header_style="bold", padding=(0, 2, 0, 0))
+    for column in ("", "name", "unit", "value", "meaning"):
+        table.add_column(column, no_wrap=column in ("", "name", "unit"))
+    for state in plant.states.values():
+        table.add_row("state", state.name, state.unit, f"about {state.typical:g}", state.text)
+    for given in (one for one in plant.inputs.values() if one.name not in ALWAYS or one is not ALWAYS[one.name]):
+        table.add_row("input", given.name, given.unit, "", given.text)
+    for item in plant.parameters.values():
+        kind = "base" if item.name in plant.base_parameters else "parameter"
+        table.add_row(kind, item.name, item.unit, f"{item.default:g}", item.text)
+    for channel in plant.channels:
+        table.add_row("measured", channel.field, "", "", f"shows {channel.signal}")
+    for measured in plant.measured.values():
+        table.add_row("measured", measured.name, "", "", measured.text or f"shows {measured.sensor}")
+    console.print()
+    console.print(table)
+
+
+def _lines(console: Console, plant: type[Plant]) -> None:
+    from hjcamp.model.vocabulary import read_vocabulary
+
+    console.print("\n  [bold]equations[/bold], elements written out; an effect may change a slot and read all")
+    marks = {"slot": "slot", "signal": "", "plain": "", "rate": "rate"}
+    for line in read_vocabulary(plant).statements:
+        unit = f"  [{line.unit}]" if line.unit else ""
+        target = f"rate.{line.target}" if line.mark == "rate" else line.target
+        console.print(f"  {marks[line.mark]:<5} {target} = {line.expression}{unit}", markup=False, soft_wrap=True)
+
+
+def _places(console: Console, plant: type[Plant]) -> None:
+    from hjcamp.model.vocabulary import read_vocabulary
+
+    ports = read_vocabulary(plant).ports.values()
+    if ports:
+        console.print("\n  [bold]places[/bold]")
+    for port in ports:
+        names = ", ".join(f"{local}={name}" if local != name else name for local, name in port.names.items())
+        console.print(f"  {port.kind:<12} {port.name}: {names}", markup=False, soft_wrap=True)
+
+
+def _effects(console: Console, plant: type[Plant]) -> None:
+    from hjcamp.effects import library_of
+
+    library = library_of(plant)
+    console.print(f"\n  [bold]effects that fit[/bold] ({len(library.effects)})")
+    for name, effect in library.effects.items():
+        console.print(f"  {name}: {effect.sentence()}", markup=False, soft_wrap=True)
+    if library.unfit:
+        console.print(f"\n  [bold]effects that do not[/bold] ({len(library.unfit)})", style="dim")
+    for reason in library.unfit.values():
+        console.print(f"  {reason}", style="dim", markup=False, soft_wrap=True)
+
+
+def write_new(name: str) -> None:
+    """Write the template of a plant into ./plants."""
+    from hjcamp.campaign.console import make_console
+    from hjcamp.plants import load_plants
+    from hjcamp.plants._template import write_template
+
+    path = write_template(name, Path("plants"), load_plants())
+    console = make_console()
+    console.print(f"  written  {path}", markup=False)
+    console.print(f"  next     hjcamp plants test {name}", markup=False)
+
+
+def run_tests(name: str) -> None:
+    """Run the checks that every plant passes on one plant."""
+    from hjcamp.campaign.console import make_console
+    from hjcamp.model.plant_checks import CHECKS
+    from hjcamp.plants import find_plant
+
+    plant = find_plant(name)
+    console = make_console()
+    for check, passes in CHECKS.items():
+        console.print(f"  {check:<26} {passes(plant)}", markup=False)
+    console.print(f"[bold]{name}[/bold] passes; see what fits it: hjcamp plants {name}")

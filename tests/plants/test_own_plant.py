@@ -1,0 +1,240 @@
+"""A plant of a user's own is one file: its elements become slots and places, and each mistake is one clear message."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hjcamp import cli
+from hjcamp.effects import library_of
+from hjcamp.errors import UsageError
+from hjcamp.model.amount_formula import plain_functions
+from hjcamp.model.binding import bind, usual_sizes
+from hjcamp.model.compose import Composition
+from hjcamp.model.effect import Effect
+from hjcamp.model.effect_units import check_units
+from hjcamp.model.parameter import Parameter, State
+from hjcamp.model.plant_checks import check_plant
+from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.plants import find_plant
+
+MISTAKES = {
+    "a state without a rate": ("        rate.position = state.velocity\n", "", "the state 'position' has no rate"),
+    "a rate in a wrong unit": ("rate.position = state.velocity", "rate.position = state.position", "must be in m/s"),
+    "an unknown argument": ("viscous=parameter", "viscos=parameter", "did you mean 'viscous'"),
+    "a missing argument": ("            push=force + load,\n", "", "contact(...) lacks 'push'"),
+    "an algebraic loop": ("gain * drive.voltage)", "gain * drive.voltage + friction)", "no algebraic loops"),
+    "an unknown parameter": ("mass=parameter.mass", "mass=parameter.mas", "did you mean 'mass'"),
+    "an unknown input": ("* drive.voltage", "* drive.volt", "did you mean 'voltage'"),
+    "an unknown state": ("= state.velocity", "= state.velocty", "did you mean 'velocity'"),
+    "an unknown element": ("actuator(parameter", "actuater(parameter", "unknown name 'actuater'"),
+    "a sensor that measures nothing": ('Measured("encoder"', 'Measured("encodr"', "did you mean 'encoder'"),
+    "a field in another unit": ("position_m =", "position_v =", "says V, but 'encoder' is in m"),
+    "friction of a force": ("            state.velocity,\n", "            force,\n", "must be a state"),
+    "friction that drives": ("coulomb=parameter", "coulomb=-parameter", "drives the motion instead of braking it"),
+    "a loop": ("        force =", "        for i in range(3):\n            pass\n        force =", "assignments only"),
+    "a body that is no rate": ("rate.velocity = body", "speed = body", "write rate.STATE = body(...)"),
+    "a force without a unit": ('outside("N")', "outside()", "lacks its unit"),
+    "mixed units": ("gain * drive.voltage)", "gain * drive.voltage + state.position)", "adds"),
+    "two places of one name": ("sensor(state.position)", 'sensor(state.position, name="force")', "two places"),
+    "a line twice": ('load = outside("N")', 'load = outside("N")\n        load = outside("N")', "assigned twice"),
+    "a root out of its range": (
+        "gain * drive.voltage)",
+        "gain * drive.voltage * (state.position / 0.1 - 2.0) ** 0.5)",
+        "line",
+    ),
+    "nothing measured": ('    position_m = Measured("encoder", of="position")\n', "", "nothing is measured"),
+    "no SI unit": ('"N*s/m"', '"N*s/mm"', "is not an SI unit"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_is_one_message_with_its_line(folder: Path, mistake: str, capsys: pytest.CaptureFixture[str]) -> None:
+    old, new, told = MISTAKES[mistake]
+    path = folder / "plants" / "axis.py"
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new, 1))
+    assert cli.run(["plants", "test", "axis"]) == 2
+    message = capsys.readouterr().err
+    assert told in message and "internal error" not in message and len(message) < 700
+
+
+def test_elements_stand_for_marked_lines(folder: Path) -> None:
+    vocabulary = read_vocabulary(find_plant("axis"))
+    assert [line.target for line in vocabulary.slots.values()] == [
+        "force", "load", "friction_static", "friction_coulomb", "friction_viscous", "friction_locks", "friction",
+        "velocity_mass", "encoder",
+    ]  # fmt: skip
+    assert vocabulary.signals["friction_viscous"].unit == "N*s/m" and vocabulary.signals["friction_push"].unit == "N"
+    assert vocabulary.signals["velocity_acceleration"].unit == "m/s^2"
+    assert vocabulary.contacts[0].velocity == "velocity" and vocabulary.contacts[0].limit == "friction_static"
+    assert vocabulary.ports["friction"].names["travel"] == "position"
+    assert vocabulary.ports["velocity"].names["force"] == "load"
+
+
+def test_rates_are_those_of_the_equations(folder: Path) -> None:
+    plant = find_plant("axis")
+    composition = Composition(plant)
+    rates = plain_functions(composition.rates_source())["rates"]
+    u = np.zeros(len(composition.inputs))
+    u[composition.inputs.index("voltage")], u[composition.inputs.index("friction_scatter")] = 2.0, 1.0
+    p = np.array([item.default for item in plant.parameters.values()])
+    out = np.zeros(2)
+    for direction, acceleration in ((1.0, (70.0 - 20.0 - 200.0 * 0.1) / 95.0), (0.0, 0.0)):
+        rates(0.0, direction, np.array([0.3, 0.1]), u, p, out)
+        assert out == pytest.approx([0.1, acceleration])
+
+
+def test_friction_may_differ_between_the_directions(folder: Path) -> None:
+    path = folder / "plants" / "axis.py"
+    path.write_text(
+        path.read_text().replace(
+            "coulomb=parameter.coulomb", "coulomb=(parameter.coulomb, parameter.coulomb + parameter.coulomb)"
+        )
+    )
+    plant = find_plant("axis")
+    check_plant(plant)
+    signals = plain_functions(Composition(plant).signals_source())["signals"]
+    names = list(read_vocabulary(plant).signals)
+    out = np.zeros(len(names))
+    p = [item.default for item in plant.parameters.values()]
+    for direction, coulomb in ((1.0, 20.0), (-1.0, 40.0)):
+        signals(0.0, direction, [0.0, 0.01 * direction], [0.0, 1.0], p, out)
+        assert out[names.index("friction_coulomb")] == coulomb
+
+
+class Drag(Effect):
+    """A drag that grows with the square of the speed."""
+
+    acts_on = "contact"
+    drag = Parameter(
+        "friction/speed**2", 0.1, (0.0, 2.0), text="force at the usual speed, over the usual friction", off=0.0
+    )
+
+    @staticmethod
+    def friction(velocity, speed, drag):
+        return drag * velocity * speed
+
+
+class Late(Effect):
+    """A sensor that lags."""
+
+    acts_on = "sensor"
+    lag = Parameter("s", 5e-3, (1e-4, 0.2), "log-uniform", off=0.0)
+    caught = State("true")
+
+    @staticmethod
+    def d_caught(true, caught, lag):
+        return (true - caught) / lag
+
+    @staticmethod
+    def reading(reading, caught):
+        return caught
+
+
+class Loss(Effect):
+    """A store that leaks."""
+
+    acts_on = "store"
+    together = True
+    conductance = Parameter("loss/level", 0.1, (0.0, 1.0), off=0.0)
+    lost = State("loss*s")
+
+    @staticmethod
+    def d_lost(level, conductance):
+        return conductance * level
+
+    @staticmethod
+    def loss(level, conductance):
+        return conductance * level
+
+
+def named(effect: type[Effect], name: str) -> type[Effect]:
+    effect.name = name
+    return effect
+
+
+def test_a_generic_effect_is_bound_in_the_units_and_sizes_of_its_place(folder: Path) -> None:
+    plant = find_plant("axis")
+    [drag] = bind(named(Drag, "drag"), plant)
+    parameter = drag.parameters["drag"]
+    size = usual_sizes(plant)["friction"] / 0.05**2
+    assert parameter.default == pytest.approx(0.1 * size) and parameter.bounds == pytest.approx((0.0, 2.0 * size))
+    check_units(drag, plant)
+    assert list(drag.terms) == ["friction"] and drag.terms["friction"].arguments == (
+        "velocity",
+        "friction_speed",
+        "drag",
+    )
+    [late] = bind(named(Late, "late"), plant)
+    check_units(late, plant)
+    assert late.states["caught"].unit == "m"
+
+
+def test_an_effect_is_named_after_its_place_where_there_are_several(folder: Path) -> None:
+    path = folder / "plants" / "tanks.py"
+    tanks = find_plant("tanks")
+    assert [one.name for one in bind(named(Loss, "loss"), tanks)] == ["loss_at_upper", "loss_at_lower"]
+    path.write_text(
+        path.read_text()
+        .replace("store(inflow - between)", 'store(inflow - between, group="tanks")')
+        .replace("store(between - outflow)", 'store(between - outflow, group="tanks")')
+    )
+    [both] = bind(named(Loss, "loss"), find_plant("tanks"))
+    assert list(both.terms) == ["upper_loss", "lower_loss"] and list(both.states) == ["lost_upper", "lost_lower"]
+    assert list(both.parameters) == ["conductance"]
+
+
+def test_what_does_not_fit_says_why(folder: Path) -> None:
+    with pytest.raises(UsageError, match=r"needs a contact .* plant tanks has none"):
+        bind(named(Drag, "drag"), find_plant("tanks"))
+
+    class Loaded(Effect):
+        """Friction that grows with a load."""
+
+        acts_on = "contact"
+        share = Parameter("coulomb/load", 0.1, (0.0, 1.0), off=0.0)
+
+        @staticmethod
+        def coulomb(load, share):
+            return share * load
+
+    with pytest.raises(UsageError, match=r"needs load, .* contact\(\.\.\., load=\.\.\.\)"):
+        bind(named(Loaded, "loaded"), find_plant("axis"))
+
+
+def test_the_pump_joint_has_all_its_effects(folder: Path) -> None:
+    assert len(library_of(find_plant("pump_joint")).effects) == 22
+
+
+@pytest.mark.parametrize("name", ["axis", "tanks", "pump_joint"])
+def test_plants_shows_lines_places_and_what_fits(folder: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["plants", name]) == 0
+    told = capsys.readouterr().out
+    assert "effects that fit" in told and "rate." in told
+    assert cli.run(["plants"]) == 0
+    assert name in capsys.readouterr().out
+
+
+def test_a_new_plant_passes_its_tests(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["plants", "new", "my_axis"]) == 0
+    assert cli.run(["plants", "test", "my_axis"]) == 0
+    assert "my_axis passes" in capsys.readouterr().out
+    for words, told in (
+        (["new", "my_axis"], "exists; it is left as it is"),
+        (["new", "My-Axis"], "write it in small letters"),
+        (["new", "tanks"], "exists; it is left as it is"),
+        (["new", "pump_joint"], "is taken"),
+        (["my_axs"], "did you mean 'my_axis'"),
+        (["test"], "give one name"),
+    ):
+        assert cli.run(["plants", *words]) == 2
+        assert told in capsys.readouterr().err
+
+
+def test_two_plants_of_one_name_are_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "plants" / "pump_joint.py").write_text((folder / "plants" / "axis.py").read_text())
+    assert cli.run(["plants"]) == 2
+    assert "'pump_joint' is taken" in capsys.readouterr().err
