@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,10 +11,12 @@ from typing import Any
 
 import yaml
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
-from hydra._internal.config_repository import ConfigRepository
+from hydra._internal.config_repository import CachingConfigRepository, ConfigRepository
 from hydra._internal.config_search_path_impl import ConfigSearchPathImpl
+from hydra._internal.defaults_list import create_defaults_list
 from hydra._internal.utils import create_config_search_path
 from hydra.core.config_search_path import ConfigSearchPath
+from hydra.core.default_element import GroupDefault, InputDefault
 from hydra.core.object_type import ObjectType
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
@@ -21,16 +24,18 @@ from hydra.core.utils import setup_globals
 from hydra.errors import HydraException
 from hydra.plugins.config_source import ConfigResult
 from hydra.types import RunMode
-from omegaconf import OmegaConf, open_dict
+from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from hjcamp.configuration import hydra_plugins
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.configuration.trust import check_overrides
+from hjcamp.configuration.variation import Loaded, NotJoinedError, Variations
 from hjcamp.errors import UsageError
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
 COMPOSE_ERRORS = (HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError)
+MAIN = "config"
 FREE_KEYS = ("effects.", "model.effects.", "model.parameters.")
 
 
@@ -65,6 +70,25 @@ class _FilesReadOnce(ConfigRepository):
         return twin
 
 
+class _WithoutHydra(CachingConfigRepository):
+    """A repository in which the main file says nothing of Hydra's own configuration."""
+
+    def load_config(self, config_path: str) -> ConfigResult | None:
+        result = super().load_config(config_path)
+        if result is None or result.defaults_list is None:
+            return result
+        if any("${" in str(getattr(entry, "value", "")) for entry in result.defaults_list):
+            raise NotJoinedError  # what one group brings depends on the choice of another
+        if config_path == MAIN and isinstance(result.config, DictConfig) and "hydra" in result.config:
+            result.config.pop("hydra")
+            result.defaults_list = [one for one in result.defaults_list if not _of_hydra(one)]
+        return result
+
+
+def _of_hydra(entry: InputDefault) -> bool:
+    return isinstance(entry, GroupDefault) and (entry.group or "").split("/")[0] == "hydra"
+
+
 class Composer:
     """Composes configurations over one search path.
 
@@ -88,6 +112,7 @@ class Composer:
         self._models: dict[str, dict[str, Any]] = {}
         self._loader = ConfigLoaderImpl(path)
         self._loader.repository = _FilesReadOnce(path)
+        self._variations = Variations(self._load, self.is_group)
 
     def compose(self, overrides: Sequence[str]) -> Composition:
         """Return the configuration under ``overrides`` (Hydra's grammar).
@@ -98,7 +123,12 @@ class Composer:
 
         check_overrides(overrides, parse_overrides)
         try:
-            composed = self._loader.load_configuration("config", list(overrides), RunMode.RUN)
+            found = self._variations.compose([_parsed(line) for line in overrides])
+            return Composition(found.config, found.choices)
+        except (NotJoinedError, *COMPOSE_ERRORS):
+            pass
+        try:
+            composed = self._loader.load_configuration(MAIN, list(overrides), RunMode.RUN)
             choices = {str(group): choice for group, choice in composed.hydra.runtime.choices.items()}
             with open_dict(composed):
                 composed.pop("hydra")
@@ -110,6 +140,18 @@ class Composer:
             {str(key): value for key, value in config.items()},
             {group: choice for group, choice in choices.items() if not group.startswith("hydra/")},
         )
+
+    def _load(self, overrides: Sequence[Override]) -> Loaded:
+        """Compose without Hydra's own configuration, which takes half the time."""
+        repository = _WithoutHydra(self._loader.repository)
+        found = create_defaults_list(repository, MAIN, list(overrides), prepend_hydra=False, skip_missing=False)
+        composed = self._loader._compose_config_from_defaults_list(found.defaults, repository)
+        OmegaConf.set_struct(composed, True)
+        self._loader._apply_overrides_to_config(found.config_overrides, composed)
+        config = OmegaConf.to_container(composed)
+        assert isinstance(config, dict)
+        choices: dict[str, Any] = {str(group): choice for group, choice in found.overrides.known_choices.items()}
+        return Loaded({str(key): value for key, value in config.items()}, choices)
 
     def model(self, name: str) -> dict[str, Any]:
         """Return the group ``model`` as saved under ``name``, for a controller that calculates with it."""
@@ -154,6 +196,11 @@ class Composer:
         return [
             f"{source.scheme()}://{source.path}" for source in sources if source.provider not in ("hydra", "schema")
         ]
+
+
+@functools.lru_cache(maxsize=1024)
+def _parsed(line: str) -> Override:
+    return OverridesParser.create().parse_override(line)
 
 
 def parse_overrides(lines: Sequence[str]) -> list[Override]:

@@ -1,0 +1,144 @@
+"""Join configurations that differ from one base in choices and single values: each part is composed once."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hydra.core.override_parser.types import Override, OverrideType
+from omegaconf import OmegaConf
+
+PLAIN_KEY = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
+INTERPOLATED = "${"
+
+
+class NotJoinedError(Exception):
+    """The overrides do more than choose options and set values: they are composed from the beginning."""
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A composed configuration with its interpolations unresolved, and the choice of each group, in Hydra's order."""
+
+    config: dict[str, Any]
+    choices: dict[str, str]
+
+
+class Variations:
+    """Configurations of one search path, joined from the base and from what choices of groups change in it.
+
+    ``load`` composes overrides by Hydra; ``is_group`` tells a group from a parameter. Choices that change the same part
+    of the configuration are composed together, once.
+    """
+
+    def __init__(self, load: Callable[[Sequence[Override]], Loaded], is_group: Callable[[str], bool]) -> None:
+        self._load, self._is_group = load, is_group
+        self._loaded: dict[tuple[str, ...], tuple[Loaded, frozenset[str]]] = {}
+
+    def compose(self, overrides: Sequence[Override]) -> Loaded:
+        """Return the resolved configuration and the choices; raises ``NotJoinedError`` and Hydra's errors."""
+        chosen: dict[str, list[Override]] = {}
+        values: list[Override] = []
+        for override in overrides:
+            if override.package is not None or override.is_hydra_override() or override.is_sweep_override():
+                raise NotJoinedError
+            if not self._is_group(override.key_or_group):
+                values.append(override)
+            elif override.type == OverrideType.CHANGE and isinstance(override.value(), str):
+                chosen.setdefault(_group(override.key_or_group), []).append(override)
+            else:
+                raise NotJoinedError
+        base, _ = self._part([])
+        config, choices = dict(base.config), _by_group(base.choices)
+        for groups in self._together(chosen):
+            loaded, changed = self._part([override for group in groups for override in chosen[group]])
+            config |= {key: loaded.config[key] for key in changed}
+            own = _by_group(loaded.choices)
+            choices |= {group: own[group] for group in groups}
+        config = copy.deepcopy(config)
+        for override in values:
+            _set(config, override)
+        return Loaded(resolved(config), {name: choice for found in choices.values() for name, choice in found.items()})
+
+    def _together(self, chosen: Mapping[str, list[Override]]) -> list[list[str]]:
+        """Return the groups whose choices change the same part of the configuration, together; others alone."""
+        parts: list[tuple[list[str], frozenset[str]]] = []
+        for group, overrides in chosen.items():
+            groups, changed = [group], self._part(overrides)[1]
+            for other in [part for part in parts if part[1] & changed]:
+                parts.remove(other)
+                groups = [*other[0], *groups]
+                changed |= other[1]
+            parts.append((groups, changed))
+        return [groups for groups, _ in parts]
+
+    def _part(self, overrides: Sequence[Override]) -> tuple[Loaded, frozenset[str]]:
+        """Return what is composed of the overrides, and the keys of the configuration that differ from the base."""
+        key = tuple(override.input_line or "" for override in overrides)
+        if key not in self._loaded:
+            loaded = self._load(overrides)
+            changed: frozenset[str] = frozenset()
+            if overrides:
+                base, _ = self._part([])
+                if list(base.config) != list(loaded.config):
+                    raise NotJoinedError
+                changed = frozenset(
+                    key for key, part in loaded.config.items() if _text(part) != _text(base.config[key])
+                )
+            self._loaded[key] = loaded, changed
+        return self._loaded[key]
+
+
+def _group(name: str) -> str:
+    return name.split("/")[0]
+
+
+def _by_group(choices: Mapping[str, str]) -> dict[str, dict[str, str]]:
+    found: dict[str, dict[str, str]] = {}
+    for name, choice in choices.items():
+        found.setdefault(_group(name), {})[name] = choice
+    return found
+
+
+def _text(part: Any) -> str:
+    # keeps the order of keys and tells 1 from 1.0 and true
+    return json.dumps(part, default=repr)
+
+
+def _set(config: dict[str, Any], override: Override) -> None:
+    """Set one value as Hydra would; raises ``NotJoinedError`` for all but plain values in their place."""
+    value = override.value()
+    if not PLAIN_KEY.fullmatch(override.key_or_group) or isinstance(value, dict | list) or override.is_delete():
+        raise NotJoinedError
+    *parents, name = override.key_or_group.split(".")
+    place: Any = config
+    for parent in parents:
+        if override.is_force_add() and parent not in place:
+            place[parent] = {}
+        place = place.get(parent)
+        if not isinstance(place, dict):
+            raise NotJoinedError
+    fits = override.is_force_add() or (name in place) != override.is_add()
+    if not fits or isinstance(place.get(name), dict | list):
+        raise NotJoinedError
+    place[name] = value
+
+
+def resolved(config: dict[str, Any]) -> dict[str, Any]:
+    """Return the configuration with its interpolations resolved; only the parts that hold or name one pass OmegaConf."""
+    texts = {key: _text(part) for key, part in config.items()}
+    holding = {key for key, text in texts.items() if INTERPOLATED in text}
+    named = {
+        word
+        for key in holding
+        for found in re.findall(r"\$\{[^}]*\}", texts[key])
+        for word in re.findall(r"\w+", found)
+    }
+    concerned = {key: part for key, part in config.items() if key in holding | named}
+    part = OmegaConf.to_container(OmegaConf.create(concerned), resolve=True)
+    assert isinstance(part, dict)
+    return {key: part.get(key, value) for key, value in config.items()}

@@ -1,0 +1,101 @@
+"""Configurations joined from parts are those that Hydra composes, to the order of their keys."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hjcamp.campaign.campaign_file import read_campaign
+from hjcamp.campaign.conditions import draft_conditions
+from hjcamp.configuration.composer import Composer, Composition, parse_overrides
+from hjcamp.configuration.search_path import packaged_root
+from hjcamp.configuration.variation import NotJoinedError, Variations
+
+CAMPAIGNS = sorted(path.stem for path in (packaged_root() / "campaigns").glob("*.yaml"))
+OTHERS = {
+    "nothing": (),
+    "two groups that write effects": ("payload=brass_8p5g", "orientation=vertical"),
+    "gains inside a controller": ("controller=ffwd_pid", "controller/gains=simulation", "controller.positive.kp=1"),
+    "an effect of one's own": ("++effects.leakage.conductance=1e-15", "++effects.leakage.threshold=6e5"),
+    "what others refer to": ("amplifier=low_gain", "amplifier.full_scale_v=5.5", "controller=pid"),
+    "a rig": ("backend=nidaqmx", "rig=example_pxie", "rig.limits.arm_deg=100"),
+    "null and text": ("joint.travel_stop_deg=90", "run_dir=null", "seed=7", "rig.calibration=mine"),
+}
+
+
+@pytest.fixture(scope="module")
+def composer() -> Composer:
+    return Composer()
+
+
+def by_hydra(composer: Composer, lines: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> Composition:
+    def never(self: Variations, overrides: object) -> None:
+        raise NotJoinedError
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Variations, "compose", never)
+        return composer.compose(lines)
+
+
+def joined(composer: Composer, lines: tuple[str, ...]) -> Composition:
+    found = composer._variations.compose(parse_overrides(lines))
+    return Composition(found.config, found.choices)
+
+
+def same(one: Composition, other: Composition) -> None:
+    assert json.dumps(one.config) == json.dumps(other.config)
+    assert json.dumps(one.choices) == json.dumps(other.choices)
+
+
+@pytest.mark.parametrize("name", CAMPAIGNS)
+def test_every_condition_of_a_campaign(composer: Composer, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign = read_campaign(composer.compose([f"campaign={name}"]).config["campaign"], name)
+    for draft in draft_conditions(campaign, [], composer)[1]:
+        same(joined(composer, draft.overrides), by_hydra(composer, draft.overrides, monkeypatch))
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_overrides(composer: Composer, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    same(joined(composer, OTHERS[name]), by_hydra(composer, OTHERS[name], monkeypatch))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "campaign=controllers",  # what a campaign says is the business of every part
+        "~effects",
+        "controller.positive=3",
+        "+pump.bore_mm=3",
+        "pump.bore=3",
+        "trajectory={kind: ramp}",
+        "hydra.verbose=true",
+        "pump=pump1,pump2",
+    ],
+)
+def test_what_is_left_to_hydra(composer: Composer, line: str) -> None:
+    with pytest.raises(NotJoinedError):
+        composer._variations.compose(parse_overrides([line]))
+
+
+def test_what_one_composition_is_given_does_not_reach_the_next(composer: Composer) -> None:
+    first = composer.compose(["controller.positive.kp=1.5"]).config
+    first["controller"]["positive"]["ki"] = -1.0
+    second = composer.compose(["controller=pid"]).config
+    assert second["controller"]["positive"] != first["controller"]["positive"]
+    assert second["controller"]["positive"]["ki"] > 0
+
+
+def test_what_one_group_brings_by_the_choice_of_another_is_left_to_hydra(tmp_path: Path) -> None:
+    (tmp_path / "tubing").mkdir()
+    (tmp_path / "tubing" / "mine.yaml").write_text("defaults: [like: '${payload}', _self_]\nname: ldpe_300mm\n")
+    (tmp_path / "tubing" / "like").mkdir()
+    for payload, stiffness in (("none", 0.02), ("brass_8p5g", 0.03)):
+        text = f"# @package tubing\nstiffness_mpa_per_mm3: {stiffness}\n"
+        (tmp_path / "tubing" / "like" / f"{payload}.yaml").write_text(text)
+    composer = Composer(folder=tmp_path)
+    with pytest.raises(NotJoinedError):
+        composer._variations.compose(parse_overrides(["tubing=mine"]))
+    found = composer.compose(["tubing=mine", "payload=brass_8p5g"]).config["tubing"]
+    assert found["stiffness_mpa_per_mm3"] == 0.03
