@@ -20,13 +20,15 @@ from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import Composition
 from hjcamp.model.scatter import Scatter, draw
-from hjcamp.model.simulator import PERIOD, ClosedLoop, Simulator
+from hjcamp.model.simulator import PERIOD, ClosedLoop, NotEndedError, Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint_hardware import plant_parameters
 from hjcamp.trajectories import build_trajectory
 
 Array = NDArray[np.float64]
 DEGREE = math.pi / 180
+# Preload, adjustment and release take less than this in all published campaigns; noise is drawn for it.
+USUAL_PHASES_S = 2.0
 LOG_NAMES = {
     "phase": ("phase", 1.0),
     "reference": ("reference_deg", 1 / DEGREE),
@@ -146,8 +148,11 @@ class PreparedTest:
     test: ClosedLoop
 
 
-def prepare(config: Mapping[str, Any], seed: int) -> PreparedTest:
-    """Return what a resolved configuration and a seed say about one test, before anything is run."""
+def prepare(config: Mapping[str, Any], seed: int, whole: bool = True) -> PreparedTest:
+    """Return what a resolved configuration and a seed say about one test, before anything is run.
+
+    ``whole`` draws noise for as long as the test may last by its phases' limits, else for as long as it usually lasts.
+    """
     law: Any = find_controller(config["controller"]["name"])
     values, given = model_values(config)
     effects, parameters = chosen_effects(given)
@@ -162,6 +167,7 @@ def prepare(config: Mapping[str, Any], seed: int) -> PreparedTest:
     noise = np.array([plant[channel.noise] if channel.noise else 0.0 for channel in channels])
     counts = np.array([plant[channel.counts] if channel.counts else 0.0 for channel in channels])
     scatter = config["rig"]["scatter"]
+    rows = None if whole else min(longest, samples + round((procedure["rest"] + USUAL_PHASES_S) / PERIOD))
     drawn = draw(
         seed,
         longest,
@@ -172,6 +178,7 @@ def prepare(config: Mapping[str, Any], seed: int) -> PreparedTest:
             scatter.get("friction_correlation_s", 0.2),
             scatter["initial_pressure_mpa"] * 1e6,
         ),
+        rows=rows,
     )
     given_procedure = config["procedure"]
     initial = given_procedure.get("initial", {})
@@ -198,8 +205,12 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
 
     The same configuration and seed give the same columns bit for bit, in any process.
     """
-    prepared = prepare(config, seed)
-    recorded = prepared.simulator.run(prepared.start, prepared.p, prepared.test)
+    prepared = prepare(config, seed, whole=False)
+    try:
+        recorded = prepared.simulator.run(prepared.start, prepared.p, prepared.test)
+    except NotEndedError:
+        prepared = prepare(config, seed)
+        recorded = prepared.simulator.run(prepared.start, prepared.p, prepared.test)
     return log_columns(recorded), log_notes(recorded, config["procedure"])
 
 

@@ -142,7 +142,9 @@ class Composer:
         )
 
     def _load(self, overrides: Sequence[Override]) -> Loaded:
-        """Compose without Hydra's own configuration, which takes half the time."""
+        """Compose without Hydra's own configuration, which takes half the time; the base with it, so that it is checked."""
+        if not overrides:
+            self._loader.load_configuration(MAIN, [], RunMode.RUN)
         repository = _WithoutHydra(self._loader.repository)
         found = create_defaults_list(repository, MAIN, list(overrides), prepend_hydra=False, skip_missing=False)
         composed = self._loader._compose_config_from_defaults_list(found.defaults, repository)

@@ -30,28 +30,36 @@ class Draw:
     phases: Array
 
 
-def coloured(generator: np.random.Generator, samples: int, correlation: float) -> Array:
-    """Return (samples,) of a stationary first-order process of unit variance; ``correlation`` in samples."""
+def coloured(generator: np.random.Generator, samples: int, correlation: float, rows: int | None = None) -> Array:
+    """Return (samples,) of a stationary first-order process of unit variance; ``correlation`` in samples.
+
+    With ``rows`` only so many of them, drawn as if all were.
+    """
     # x_k - keep x_k-1 = kick_k as a triangular system: scipy.signal.lfilter, without the half second that its import takes
     from scipy.linalg.lapack import dtbtrs
 
     keep = float(np.exp(-1.0 / max(correlation, 1e-9)))
     start = generator.standard_normal()
-    kicks = generator.standard_normal(samples) * np.sqrt(1.0 - keep**2)
-    if not samples:
+    kicks = generator.standard_normal(samples)[:rows] * np.sqrt(1.0 - keep**2)
+    if not len(kicks):
         return kicks
     kicks[0] += keep * start
-    bands = np.ones((2, samples), order="F")
+    bands = np.ones((2, len(kicks)), order="F")
     bands[1] = -keep
     return np.asarray(dtbtrs(bands, kicks, uplo="L", diag="U")[0])
 
 
-def draw(seed: int, samples: int, noise: Array, scatter: Scatter, period: float = 1e-3) -> Draw:
-    """Draw one test; ``noise`` (channels,) holds the standard deviation of each analog channel, 0 for the others."""
+def draw(
+    seed: int, samples: int, noise: Array, scatter: Scatter, period: float = 1e-3, rows: int | None = None
+) -> Draw:
+    """Draw one test; ``noise`` (channels,) holds the standard deviation of each analog channel, 0 for the others.
+
+    With ``rows`` only the first of the samples, equal bit for bit to those of a whole draw.
+    """
     generator = np.random.default_rng(seed)
     between = np.exp(scatter.friction_between * generator.standard_normal())
-    within = coloured(generator, samples, scatter.friction_correlation / period)
+    within = coloured(generator, samples, scatter.friction_correlation / period, rows)
     friction = between * np.exp(scatter.friction_within * within)
     pressures = scatter.initial_pressure * generator.standard_normal(2)
     phases = generator.uniform(0.0, 1.0, len(noise))
-    return Draw(friction, generator.standard_normal((samples, len(noise))) * noise, pressures, phases)
+    return Draw(friction, generator.standard_normal((len(friction), len(noise))) * noise, pressures, phases)

@@ -24,6 +24,10 @@ PERIOD = 1e-3
 RECORDED = ("phase", "reference", "command", "pid", "feedforward", "dither")
 
 
+class NotEndedError(HjcampError):
+    """A test used up its rows of noise before it came to its end."""
+
+
 @dataclass(frozen=True)
 class ClosedLoop:
     """What one test needs beyond the model: laws with their parameters, reference, sensors and the draws of its seed.
@@ -186,7 +190,7 @@ class Simulator:
         if count < 0 or phase > 5:
             reached = record[: count if count >= 0 else None, 0]
             last = int(reached[-1]) if len(reached) else 0
-            raise HjcampError(
+            raise (NotEndedError if count < 0 else HjcampError)(
                 f"the test never left phase {last} (0 preload, 1 pressure adjustment, "
                 "2 rest, 3 control, 4 release); check procedure.preload_mpa, the adjustment and procedure.phase_limit_s"
             )
