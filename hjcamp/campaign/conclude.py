@@ -62,7 +62,7 @@ def _report(folder: RunFolder, console: Console) -> None:
 
     report = build_report(folder.path, against="published", further=identification_pictures)
     console.print(summary_table(report.indicators))
-    sentence = verdict(report.comparison)
+    sentence = verdict(report.comparison, report.differs)
     if sentence:
         console.print(f"  {sentence}", markup=False)
     console.print(f"  report  {report.page}", markup=False, soft_wrap=True)

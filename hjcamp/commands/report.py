@@ -40,11 +40,11 @@ def report(
     for sheet in made.sheets:
         console.print(f"\n[bold]{sheet.title}[/bold]")
         console.print(terminal_table(sheet))
-    if against and (sentence := verdict(made.comparison)):
+    if against and (sentence := verdict(made.comparison, made.differs)):
         console.print(f"  {sentence}", markup=False)
     console.print(f"  report  {made.page}", markup=False, soft_wrap=True)
     if tolerances is not None:
-        violations = check_cells(made.comparison, tolerances)
+        violations = check_cells(made.comparison, tolerances, made.differs)
         if violations:
             more = f"\n  ... and {len(violations) - SHOWN} more" if len(violations) > SHOWN else ""
             lines = "\n  ".join(map(str, violations[:SHOWN]))
