@@ -64,7 +64,7 @@ def test_the_kernels_left_are_counted_down_whoever_compiles(
 def test_a_rig_and_a_faulty_configuration_need_no_kernel_of_ours(composer: Composer) -> None:
     config = configured(composer)
     assert kernels_of([{**config, "backend": {"name": "nidaqmx"}}]).needed == {}
-    assert kernels_of([{**config, "effects": {"nothing_such": {}}}]).needed == {}
+    assert kernels_of([{**config, "effects": {"nothing_such": {}}}, {**config, "pump": 3}, {}]).needed == {}
 
 
 def test_a_status_line_says_what_is_compiled_then_what_is_done(cold: Path, monkeypatch: pytest.MonkeyPatch) -> None:
