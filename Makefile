@@ -1,6 +1,6 @@
-# `make setup` once; every other target sets up what is missing. Needs Python 3.11 or 3.12, and nothing else.
-PYTHON := $(shell for name in python3.12 python3.11 python3; do \
-	$$name -c 'import sys, venv; sys.exit(not (3, 11) <= sys.version_info < (3, 13))' 2>/dev/null && echo $$name && break; done)
+# `make setup` once; every other target sets up what is missing. Needs Python 3.11, 3.12 or 3.13, and nothing else.
+PYTHON := $(shell for name in python3.13 python3.12 python3.11 python3; do \
+	$$name -c 'import sys, venv; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null && echo $$name && break; done)
 VENV ?= .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
@@ -9,7 +9,7 @@ WARM := $(VENV)/.warm
 .PHONY: help setup demo test lint bench benchmark next_value thesis_gap tour_data fidelity validation faults kills damage recovery clean
 
 help:
-	@echo "make setup   .venv with hjcamp and all it needs, kernels compiled (about 4 minutes the first time)"
+	@echo "make setup   .venv with hjcamp and all it needs, kernels compiled; README says how long it takes"
 	@echo "make demo    hjcamp run campaign=robustness_vertical: 56 tests, tables, report.html"
 	@echo "make test    lint, types, layers, tests"
 	@echo "make lint    lint, types, layers"
@@ -28,7 +28,7 @@ help:
 setup: $(WARM)
 
 $(INSTALLED): pyproject.toml constraints.txt
-	@test -n "$(PYTHON)" || { echo "Python 3.11 or 3.12 with its venv module is needed; none was found" >&2; exit 1; }
+	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 with its venv module is needed; none was found" >&2; exit 1; }
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[test]'
 	@touch $@

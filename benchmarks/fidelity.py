@@ -11,7 +11,10 @@ from pathlib import Path
 import polars as pl
 from fidelity_remarks import COMMON_CAUSE, remark
 
+from hjcamp.records.find import find_logs
+from hjcamp.records.read import read_log
 from hjcamp.report.declared import declared_tables
+from hjcamp.report.indicators import indicators_frame
 from hjcamp.report.tables import against_published
 
 MEASURED = ("controllers", "robustness_horizontal", "robustness_vertical")
@@ -30,12 +33,11 @@ and 5.6.1 from the author's own simulation program. Table 5.5.3 repeats means of
 
 
 def run(campaign: str, folder: Path, seed: int) -> pl.DataFrame:
-    """Run one campaign into ``folder`` unless it is there; return its indicators."""
-    table = folder / campaign / "tables" / "indicators.parquet"
-    if not table.exists():
+    """Run one campaign into ``folder`` unless it is there; return its indicators, with what stands beside them."""
+    if not (folder / campaign / "tables" / "indicators.parquet").exists():
         command = [sys.executable, "-m", "hjcamp", "run", f"campaign={campaign}", f"run_dir={folder / campaign}"]
         subprocess.run([*command, "repetitions=7", f"seed={seed}"], check=True)
-    return pl.read_parquet(table)
+    return indicators_frame(read_log(path) for path in find_logs([folder / campaign]))
 
 
 def compared(folder: Path, seed: int) -> pl.DataFrame:

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
-from hjcamp.commands import Commands
+from hjcamp.commands import COMPLETING, Commands
 from hjcamp.commands._session import free_standard_output
 from hjcamp.errors import HjcampError
 
@@ -49,12 +49,19 @@ def root(
 def main() -> None:
     """Run the command line and exit with its code."""
     signal.signal(signal.SIGTERM, _terminated)
-    code = run()
+    code = answer_bash() if os.environ.get(COMPLETING) == "complete_bash" else run()
     try:
         sys.stdout.flush()
     except (BrokenPipeError, ValueError):
         _close_stdout()
     sys.exit(code)
+
+
+def answer_bash() -> int:
+    """Answer bash's request for completions; returns the exit code."""
+    from hjcamp.commands._complete import complete_for_bash
+
+    return complete_for_bash(run)
 
 
 def run(arguments: list[str] | None = None) -> int:

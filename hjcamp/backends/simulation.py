@@ -200,6 +200,18 @@ def prepare(config: Mapping[str, Any], seed: int, whole: bool = True) -> Prepare
     return PreparedTest(simulator, p, start, test)
 
 
+def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Return the kernels that a test needs: what each is in words, its text, and the function that is compiled last."""
+    law: Any = find_controller(config["controller"]["name"])
+    effects = tuple(chosen_effects(model_values(config)[1])[0])
+    names = ", ".join(effect.name for effect in effects) or "no effect"
+    found = {f"the test loop with {names}": (_simulator(effects, law).source, "closed_loop")}
+    if law.uses_feedforward:
+        known = tuple(chosen_effects((config.get("controller_model") or {}).get("effects") or {})[0])
+        found["the model of the feedforward"] = (_simulator(known, None).source, "signals")
+    return found
+
+
 def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], dict[str, str]]:
     """Simulate one test; return the columns of its log (contract units) and what is worth noting as metadata.
 

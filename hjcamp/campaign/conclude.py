@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
-from hjcamp.errors import HjcampError, RigStopped
+from hjcamp.errors import HjcampError, RigStopped, UsageError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from hjcamp.report.build import Report
+
 SHOWN = 5
+#: The campaigns whose logs `hjcamp calibrate` reads.
+IDENTIFIED = ("pump_step", "compliance", "leakage", "friction")
 NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -62,9 +68,40 @@ def _report(folder: RunFolder, console: Console) -> None:
 
     report = build_report(folder.path, against="published", further=identification_pictures)
     console.print(summary_table(report.indicators))
-    sentence = verdict(report.comparison)
+    sentence = verdict(report.comparison, report.differs)
     if sentence:
         console.print(f"  {sentence}", markup=False)
     console.print(f"  report  {report.page}", markup=False, soft_wrap=True)
-    console.print(f"  next    hjcamp compare {folder.path}", markup=False, soft_wrap=True)
-    console.print(f"          hjcamp report {folder.path} --check default", markup=False, soft_wrap=True)
+    for number, command in enumerate(next_commands(folder, report)):
+        console.print(f"  {'' if number else 'next':<8}{command}", markup=False, soft_wrap=True)
+
+
+def next_commands(folder: RunFolder, report: Report) -> list[str]:
+    """Return what helps now, each command whole and fit to be run: the tests of one rig, and no check that must fail."""
+    from hjcamp.records.find import HARDWARE
+    from hjcamp.report.check import check
+
+    run = shlex.quote(str(folder.path))
+    conditions = folder.plan.conditions
+    rigs = {tuple((group, one.choices.get(group)) for group in HARDWARE): None for one in conditions}
+    first = next(iter(rigs))
+    if folder.plan.campaign in IDENTIFIED:
+        only = [f" --only {group}={name}" for group, name in first if len({dict(rig)[group] for rig in rigs}) > 1]
+        return [f"hjcamp calibrate {run} --as {_free_model()}{''.join(only)}"]
+    paths = [run]
+    if len(rigs) > 1:
+        own = [one.name for one in conditions if tuple((group, one.choices.get(group)) for group in HARDWARE) == first]
+        there = [folder.path / "logs" / name for name in own]
+        paths = [shlex.quote(str(path)) for path in there if path.is_dir()]
+    commands = [f"hjcamp compare {' '.join(paths)}"] if paths else []
+    try:
+        passes = not check(report.comparison)
+    except UsageError:
+        return commands
+    return [*commands, f"hjcamp report {run} --check default"] if passes else commands
+
+
+def _free_model() -> str:
+    names = (f"my_rig{number}" for number in ("", *range(2, 1000)))
+    places = [Path("conf") / group for group in ("model", "rig")]
+    return next(name for name in names if not any((place / f"{name}.yaml").exists() for place in places))

@@ -11,16 +11,24 @@ from hjcamp.storage import write_whole
 FOLDER = Path("conf/controller/gains")
 
 
+def free_place(name: str, replace: bool) -> Path:
+    """Return where the gain set ``name`` goes; ``UsageError`` where it is there and not to be replaced, or no name."""
+    if not name.replace("_", "").replace("-", "").isalnum():
+        raise UsageError(f"'{name}' is no name for a gain set; letters, digits, _ and - are allowed")
+    path = FOLDER / f"{name}.yaml"
+    if path.exists() and not replace:
+        raise UsageError(
+            f"{path} exists; another name (--as NAME) or --replace is needed, or conditions=NAME leaves its case out"
+        )
+    return path
+
+
 def write_gains(name: str, gains: Mapping[str, Mapping[str, float]], source: Sequence[str], replace: bool) -> Path:
     """Write ``conf/controller/gains/NAME.yaml`` in the working folder; ``source`` are lines that say where it is from.
 
     Raises ``UsageError`` where the file exists and is not to be replaced, or the name is none for a file.
     """
-    if not name.replace("_", "").replace("-", "").isalnum():
-        raise UsageError(f"'{name}' is no name for a gain set; letters, digits, _ and - are allowed")
-    path = FOLDER / f"{name}.yaml"
-    if path.exists() and not replace:
-        raise UsageError(f"{path} exists; another name (--as NAME) or --replace is needed")
+    path = free_place(name, replace)
     lines = ["# @package controller", *(f"# {line}" for line in source)]
     for side, group in gains.items():
         lines.append(f"{side}: {{" + ", ".join(f"{key}: {value:.4g}" for key, value in group.items()) + "}")

@@ -86,6 +86,7 @@ def _run(
     rule: StopRule,
     say: Callable[[str], None],
 ) -> Outcome | None:
+    from hjcamp.campaign.compiling import kernels_of
     from hjcamp.campaign.progress import progress_bar
     from hjcamp.model.kernel_cache import cache_folder
 
@@ -93,7 +94,9 @@ def _run(
     cache_folder()
     stoppers: list[Outcome] = []
     jobs = make_jobs(folder.plan, waiting, folder.path)
-    with progress_bar(console, len(folder.plan.tests), result.kept) as advance:
+    left = {test.condition for test in waiting}
+    kernels = kernels_of(one.config for one in folder.plan.conditions if one.name in left)
+    with progress_bar(console, len(folder.plan.tests), result.kept, kernels) as advance:
         for outcome in outcomes(jobs, *workers, stop=lambda: signals.asked or bool(stoppers)):
             if outcome.state == "done":
                 result.done += 1

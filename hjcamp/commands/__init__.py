@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import os
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from typer.core import TyperCommand, TyperGroup
 from hjcamp.errors import unknown
 
 FOLDER = Path(__file__).parent
+#: A shell that asks for completions sets it.
+COMPLETING = "_HJCAMP_COMPLETE"
 
 
 def command_files() -> dict[str, Path]:
@@ -59,4 +62,6 @@ def load(path: Path) -> Any:
     module = importlib.import_module(f"{__name__}.{path.stem}")
     app = typer.Typer(pretty_exceptions_enable=False)
     module.register(app)
+    if COMPLETING in os.environ:
+        importlib.import_module(f"{__name__}._complete").add_completions(app)
     return typer.main.get_group(app).commands[path.stem.rstrip("_")]

@@ -1,14 +1,202 @@
-"""Completion of overrides in the shell: groups, choices, campaigns and parameters."""
+"""Completion in the shell: overrides, runs, models, effects and the values of options."""
 
 from __future__ import annotations
 
+import contextlib
+import io
+import os
+import typing
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import typer
+from typer.models import ArgumentInfo, OptionInfo
+
+BREAKS = "=:"
+RUN_PLACES = ("runs/*/*/plan.json", "multirun/*/*/plan.json")
+
 
 def complete_override(incomplete: str) -> list[str]:
-    """Return what may follow ``incomplete``; nothing rather than an error."""
-    try:
+    """Return the groups, choices, campaigns and parameters that may follow ``incomplete``."""
+
+    def found() -> list[str]:
         from hjcamp.configuration.composer import Composer
 
-        return Composer().complete(incomplete)
+        composer = Composer()
+        words = composer.complete(incomplete)
+        if len(words) == 1 and words[0].endswith(("=", ".")):
+            # The shell would put a space behind a single word that has to go on.
+            return composer.complete(words[0]) or words
+        return words
+
+    return quietly(found)
+
+
+def complete_run(incomplete: str) -> list[str]:
+    """Return run folders, and the folders and logs at the path that was begun."""
+
+    def found() -> list[str]:
+        runs = sorted(path.parent.as_posix() for place in RUN_PLACES for path in Path().glob(place))
+        return list(dict.fromkeys([*starting(incomplete, reversed(runs)), *paths_at(incomplete, (".mcap",))]))
+
+    return quietly(found)
+
+
+def complete_effect(incomplete: str) -> list[str]:
+    """Return the names of effects."""
+
+    def found() -> list[str]:
+        from hjcamp.effects import load_effects
+
+        return sorted(name for name in load_effects() if name.startswith(incomplete))
+
+    return quietly(found)
+
+
+def complete_words(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Return what may follow ``hjcamp effects`` (an effect, ``new``, ``test``, then overrides) and ``hjcamp next``."""
+    if ctx.info_name == "next":
+        return [*complete_run(incomplete), *complete_override(incomplete)]
+    before = [str(word) for word in ctx.params.get("words") or []]
+    if not before:
+        return [*complete_effect(incomplete), *starting(incomplete, ("new", "test"))]
+    if before[0] == "new":
+        return []
+    return complete_effect(incomplete) if before == ["test"] else complete_override(incomplete)
+
+
+def complete_effects_and_runs(incomplete: str) -> list[str]:
+    """Return effects and run folders."""
+    return [*complete_effect(incomplete), *complete_run(incomplete)]
+
+
+def complete_tolerances(incomplete: str) -> list[str]:
+    """Return ``default``, and YAML files."""
+    return quietly(lambda: [*starting(incomplete, ("default",)), *paths_at(incomplete, (".yaml", ".yml"))])
+
+
+def complete_choice(group: str) -> Callable[[str], list[str]]:
+    """Return the completion of a choice of a configuration group."""
+
+    def complete(incomplete: str) -> list[str]:
+        def found() -> list[str]:
+            from hjcamp.configuration.composer import Composer
+
+            return starting(incomplete, Composer().options(group))
+
+        return quietly(found)
+
+    return complete
+
+
+def complete_effort(incomplete: str) -> list[str]:
+    """Return the efforts of a diagnosis."""
+
+    def found() -> list[str]:
+        from hjcamp.discrepancy.effort import EFFORTS
+
+        return starting(incomplete, EFFORTS)
+
+    return quietly(found)
+
+
+def complete_rivals(incomplete: str) -> list[str]:
+    """Return effects and ``nothing``, behind the commas that are there."""
+    head, comma, last = incomplete.rpartition(",")
+    return [f"{head}{comma}{name}" for name in (*complete_effect(last), *starting(last, ("nothing",)))]
+
+
+#: Parameters of the commands by their names, which mean the same in each of them.
+COMPLETIONS: dict[str, Callable[..., list[str]]] = {
+    "path": complete_run,
+    "paths": complete_run,
+    "run": complete_run,
+    "overrides": complete_override,
+    "words": complete_words,
+    "effects_and_paths": complete_effects_and_runs,
+    "model": complete_choice("model"),
+    "start": complete_choice("controller/gains"),
+    "effort": complete_effort,
+    "against": lambda incomplete: starting(incomplete, ("published",)),
+    "check": complete_tolerances,
+    "rivals": complete_rivals,
+}
+
+
+def add_completions(app: typer.Typer) -> None:
+    """Give every parameter of a command and its parts the completion that its name has."""
+    for group in app.registered_groups:
+        if group.typer_instance is not None:
+            add_completions(group.typer_instance)
+    for command in app.registered_commands:
+        if command.callback is None:
+            continue
+        hints = typing.get_type_hints(command.callback, include_extras=True)
+        for name, hint in hints.items():
+            for info in getattr(hint, "__metadata__", ()):
+                if isinstance(info, ArgumentInfo | OptionInfo) and info.autocompletion is None:
+                    info.autocompletion = COMPLETIONS.get(name)
+        # Annotations that are texts are evaluated anew by each reader, without what was added here.
+        command.callback.__annotations__ = hints
+
+
+def starting(incomplete: str, words: Iterable[str]) -> list[str]:
+    """Return the words that begin with ``incomplete``."""
+    return [word for word in words if word.startswith(incomplete)]
+
+
+def paths_at(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:
+    """Return the folders, with a slash where they are no runs, and files of these suffixes that begin with ``incomplete``."""
+    folder, slash, begun = incomplete.rpartition("/")
+    place = Path(folder or ("/" if slash else "."))
+    names = sorted(path for path in place.iterdir() if path.name.startswith(begun)) if place.is_dir() else []
+    shown = [path for path in names if begun.startswith(".") or not path.name.startswith(".")]
+    found = [
+        f"{folder}{slash}{path.name}{'/' if path.is_dir() and not (path / 'plan.json').exists() else ''}"
+        for path in shown
+        if path.is_dir() or path.suffix in suffixes
+    ]
+    # As with an override: a single folder goes on.
+    return paths_at(found[0], suffixes) or found if len(found) == 1 and found[0].endswith("/") else found
+
+
+def quietly(found: Callable[[], list[str]]) -> list[str]:
+    """Return what is found; nothing rather than an error."""
+    try:
+        return found()
     except Exception:
         # A shell waits for an answer: a broken configuration must not print into the prompt.
         return []
+
+
+def complete_for_bash(complete: Callable[[], Any]) -> int:
+    """Answer bash, which splits words at ``=`` and ``:``: whole words go to ``complete``, the last piece comes back."""
+    pieces = os.environ.get("COMP_WORDS", "").split("\n")
+    try:
+        place = int(os.environ.get("COMP_CWORD", ""))
+    except ValueError:
+        return 0
+    words, before = whole_words(pieces[: place + 1])
+    os.environ |= {"COMP_WORDS": "\n".join(words), "COMP_CWORD": str(len(words) - 1)}
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.suppress(SystemExit):
+        complete()
+    lines = list(dict.fromkeys(out.getvalue().splitlines()))
+    print("\n".join(line.removeprefix(before) for line in lines), end="")
+    return 0
+
+
+def whole_words(pieces: list[str]) -> tuple[list[str], str]:
+    """Return the words that bash has split into ``pieces``, and what stands before the last piece in its word."""
+    words: list[list[str]] = []
+    glued = False
+    for place, piece in enumerate(pieces):
+        is_break = bool(piece) and not piece.strip(BREAKS)
+        if place > 1 and (is_break or glued):
+            words[-1].append(piece)
+        else:
+            words.append([piece])
+        glued = is_break
+    last = words[-1] if words else [""]
+    return ["".join(word) for word in words], "".join(last if glued else last[:-1])

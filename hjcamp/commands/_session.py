@@ -119,14 +119,15 @@ def progress_of(console: Console) -> Iterator[Callable[[str, float], None]]:
     if not console.is_terminal:
         yield lambda text, share: None
         return
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from hjcamp.campaign.progress import TimeLeft
 
     columns = (
         TextColumn("{task.description:<44}"),
         BarColumn(),
         TimeElapsedColumn(),
-        TimeRemainingColumn(),
-        TextColumn("left"),
+        TimeLeft(),
     )
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("reading", total=1.0)

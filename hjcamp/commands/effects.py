@@ -136,21 +136,25 @@ def check_suffix(path: Path) -> None:
 def draw(name: str, config: dict[str, Any], path: Path) -> None:
     """Simulate one test without and with the effect and write the picture."""
     from hjcamp.backends.simulation import run_test
+    from hjcamp.campaign.compiling import kernels_of, status
     from hjcamp.campaign.console import make_console
     from hjcamp.model.time_limit import RunLimit
     from hjcamp.report.effect_figure import draw_effect
 
+    console = make_console()
     own: dict[str, Any] = {**(config["effects"] or {})}
     given = {**(own.pop(name, None) or {})}
-    without, _ = run_test({**config, "effects": own}, seed=1)
-    try:
-        with RunLimit(RUN_S, f"effect {name}: the test of its picture")():
-            with_effect, _ = run_test({**config, "effects": {**own, name: given}}, seed=1)
-    except HjcampError as problem:
-        raise HjcampError(f"no picture: with {name} at these parameters {problem}") from None
+    plain, full = {**config, "effects": own}, {**config, "effects": {**own, name: given}}
+    with status(console, kernels_of([plain, full]), "simulating one test without and with the effect"):
+        without, _ = run_test(plain, seed=1)
+        try:
+            with RunLimit(RUN_S, f"effect {name}: the test of its picture")():
+                with_effect, _ = run_test(full, seed=1)
+        except HjcampError as problem:
+            raise HjcampError(f"no picture: with {name} at these parameters {problem}") from None
     choices = f"{config['controller']['name']}, {config['trajectory']['name']}, payload {config['payload']['name']}"
     draw_effect(path, f"{name}: {choices}", without, with_effect)
-    make_console().print(f"\n  picture  {path}", markup=False, soft_wrap=True)
+    console.print(f"\n  picture  {path}", markup=False, soft_wrap=True)
 
 
 def write_new(name: str) -> None:
@@ -168,6 +172,7 @@ def write_new(name: str) -> None:
 
 def test_effect(name: str) -> None:
     """Run the checks that every effect of the library passes on one effect."""
+    from hjcamp.campaign.compiling import Kernels, status
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import find_effect
     from hjcamp.model.effect_checks import CHECKS, EffectBench, bench_simulator
@@ -181,6 +186,9 @@ def test_effect(name: str) -> None:
     watch = RunLimit(RUN_S, f"effect {name}: one test of its checks")
     bench = EffectBench(effect, bench_simulator(PumpJoint, (effect,)), pump_courses(), watch)
     console = make_console()
-    for check, passes in CHECKS.items():
-        console.print(f"  {check:<26} {passes(bench)}", markup=False)
-    console.print(f"[bold]{name}[/bold] passes; use it: hjcamp run campaign=... '+effects.{name}={{}}'")
+    kernels = Kernels({f"the model with {name}": (bench.simulator.source, "follow")})
+    for number, (check, passes) in enumerate(CHECKS.items()):
+        with status(console, kernels if not number else Kernels({}), f"checking: {check}"):
+            found = passes(bench)
+        console.print(f"  {check:<26} {found}", markup=False)
+    console.print(f"[bold]{name}[/bold] passes; use it: hjcamp run campaign=controllers '+effects.{name}={{}}'")

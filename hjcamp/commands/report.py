@@ -31,20 +31,20 @@ def report(
     from hjcamp.report.build import build_report, verdict
     from hjcamp.report.check import check as check_cells
     from hjcamp.report.check import read_tolerances
-    from hjcamp.report.terminal import summary_table, terminal_table
+    from hjcamp.report.terminal import FittedSheet, summary_table
 
     tolerances = None if check is None else read_tolerances(check)
     made = build_report(path, against=against, output=output, further=identification_pictures)
     console = make_console()
-    console.print(summary_table(made.indicators))
+    console.print(summary_table(made.indicators, against))
     for sheet in made.sheets:
         console.print(f"\n[bold]{sheet.title}[/bold]")
-        console.print(terminal_table(sheet))
-    if against and (sentence := verdict(made.comparison)):
+        console.print(FittedSheet(sheet))
+    if against and (sentence := verdict(made.comparison, made.differs)):
         console.print(f"  {sentence}", markup=False)
     console.print(f"  report  {made.page}", markup=False, soft_wrap=True)
     if tolerances is not None:
-        violations = check_cells(made.comparison, tolerances)
+        violations = check_cells(made.comparison, tolerances, made.differs)
         if violations:
             more = f"\n  ... and {len(violations) - SHOWN} more" if len(violations) > SHOWN else ""
             lines = "\n  ".join(map(str, violations[:SHOWN]))

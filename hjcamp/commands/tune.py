@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from hjcamp.campaign.plan import Condition, Plan
+    from hjcamp.campaign.retune import Retuned
 
 SIDES = (("positive", 1.0), ("negative", -1.0))
 
@@ -51,17 +52,24 @@ def stability_method(
     lines: list[str], name: str | None, step_deg: float, replace: bool, config_dir: Path | None, console: Console
 ) -> None:
     """Print, and save where asked, the gains that follow from the critical point of each direction."""
+    from hjcamp.campaign.compiling import kernels_of, status
     from hjcamp.campaign.critical_gain import critical_point
-    from hjcamp.campaign.gains_file import write_gains
+    from hjcamp.campaign.gains_file import free_place, write_gains
     from hjcamp.campaign.planning import make_plan
     from hjcamp.configuration.composer import Composer, free
 
+    if name is not None:
+        free_place(name, replace)
     composer = Composer(folder=config_dir)
     given = [free(line) for line in lines]
     asked = composer.compose(given)
     # The plan checks every value and the controller; the one test that it describes is not run.
     make_plan(asked.config, None, given, composer)
-    points = {side: critical_point(composer, given, sign * step_deg) for side, sign in SIDES}
+    points = {}
+    kernels = kernels_of([composer.compose([*given, "controller=pid"]).config])
+    for side, sign in SIDES:
+        with status(console, kernels, f"looking for the critical gain, {side} steps"):
+            points[side] = critical_point(composer, given, sign * step_deg)
     gains = {side: point.pid_gains() for side, point in points.items()}
     console.print(f"Stability method on the simulated rig, step of {step_deg:g} deg (thesis 5.2.1.3)", markup=False)
     for side, point in points.items():
@@ -84,8 +92,8 @@ def tune_campaign(
     lines: list[str], name: str | None, start: str, replace: bool, config_dir: Path | None, console: Console
 ) -> None:
     """Tune the gains of every case of a campaign and save them."""
-    from hjcamp.campaign.gains_file import FOLDER, write_gains
-    from hjcamp.campaign.retune import FACTOR, gains_of, retune
+    from hjcamp.campaign.gains_file import free_place, write_gains
+    from hjcamp.campaign.retune import FACTOR, gains_of
     from hjcamp.commands.plan import compose_plan
     from hjcamp.configuration.composer import Composer
 
@@ -98,14 +106,10 @@ def tune_campaign(
     for case, conditions in named.items():
         for condition in conditions:
             gains_of(condition.config, f"condition '{condition.name}'")
-        if (FOLDER / f"{case}.yaml").exists() and not replace:
-            raise UsageError(f"{FOLDER / case}.yaml exists; --replace overwrites it, conditions=NAME leaves it out")
+        free_place(case, replace)
     for case, conditions in named.items():
         console.print(f"[bold]{case}[/bold]   {', '.join(one.name for one in conditions)}")
-        with console.status("searching") as status:
-            result = retune(
-                conditions, first, plan.seed, lambda best: status.update(f"searching, mean RMSE1 {best:.4f} deg")
-            )
+        result = search(conditions, first, plan.seed, console)
         source = [
             f"Tuned by: hjcamp tune {' '.join(lines)} (campaign '{plan.campaign}', seed {plan.seed})",
             f"Smallest mean RMSE1 over {', '.join(result.conditions)}, simulated without scatter: "
@@ -117,6 +121,18 @@ def tune_campaign(
         console.print(f"  mean RMSE1 {result.before:.4f} -> {result.after:.4f} deg, {result.evaluations} evaluations")
         console.print(f"  {_shown(result.gains)}", markup=False)
         console.print(f"  saved   {path}: use controller/gains={case}", markup=False)
+
+
+def search(
+    conditions: list[Condition], first: Mapping[str, Mapping[str, float]], seed: int, console: Console
+) -> Retuned:
+    """Return the gains found for conditions that share them; says on a terminal how far the search is."""
+    from hjcamp.campaign.compiling import Doing, kernels_of, status
+    from hjcamp.campaign.retune import retune
+
+    doing = Doing("searching")
+    with status(console, kernels_of(one.config for one in conditions), doing):
+        return retune(conditions, first, seed, lambda best: doing.now(f"searching, mean RMSE1 {best:.4f} deg"))
 
 
 def cases_of(plan: Plan) -> dict[str, list[Condition]]:

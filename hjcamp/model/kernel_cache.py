@@ -68,9 +68,12 @@ def kernel_name(source: str) -> str:
     return f"hjcamp_kernel_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
 
 
-def is_compiled(source: str) -> bool:
-    """Return whether a process has compiled the kernel before; numba keeps an index of each function in the cache folder."""
-    return any((cache_folder() / "__pycache__").glob(f"{kernel_name(source)}.follow-*.nbi"))
+def is_compiled(source: str, last: str = "follow") -> bool:
+    """Return whether a process has compiled the kernel before, up to the function that is compiled ``last``.
+
+    Numba keeps an index of each function in the cache folder.
+    """
+    return any((cache_folder() / "__pycache__").glob(f"{kernel_name(source)}.{last}-*.nbi"))
 
 
 @functools.lru_cache(maxsize=64)

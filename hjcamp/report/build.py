@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,26 +13,26 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.report.declared import TableDefinition, declared_tables
 from hjcamp.report.figures import draw_condition
 from hjcamp.report.formats import to_latex, to_markdown
-from hjcamp.report.indicators import COLUMNS, indicators_frame
+from hjcamp.report.indicators import COLUMNS, IDENTITY, indicators_frame, varied_columns
 from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
 from hjcamp.report.page import build_page
-from hjcamp.report.published import CONDITION
 from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
 from hjcamp.report.spread import gather
 from hjcamp.report.store import replace_file, write_frame
-from hjcamp.report.tables import FAR_OFF, against_published, build_table, by_condition
+from hjcamp.report.tables import FAR_OFF, against_published, build_table, by_condition, differences
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
 
 AGAINST = ("published",)
+INTERNAL = pl.selectors.ends_with("_decimals", "_printed") | pl.selectors.starts_with("_")
 #: From logs to further pictures of the page: heading -> (SVG, caption).
 Pictures = Callable[[Sequence["TestLog"]], dict[str, tuple[str, str]]]
 
 
 @dataclass(frozen=True)
 class Report:
-    """What was made: the frames in memory, and where the page is."""
+    """What was made: the frames in memory, where the page is, and why no published value stands beside (reason: conditions)."""
 
     run_dir: Path
     page: Path
@@ -40,6 +40,7 @@ class Report:
     tables: dict[str, pl.DataFrame]
     sheets: list[Sheet]
     comparison: pl.DataFrame
+    differs: dict[str, list[str]]
 
 
 def build_report(
@@ -69,21 +70,23 @@ def build_report(
         raise UsageError(f"{run_dir}: there are no test logs to report on")
     origin = read_origin(run_dir)
     read = in_plan_order(read, origin)
-    indicators = indicators_frame(read)
+    indicators = indicators_frame(read, origin.axes, run_dir)
     definitions = _with_rows(declared_tables(origin.tables), indicators)
     tables = {one.name: build_table(indicators, one, against) for one in definitions}
     sheets = [arrange(tables[one.name], one) for one in definitions]
     comparison = against_published(indicators, definitions)
-    write_frame(target / "tables", "indicators", indicators.select(COLUMNS))
+    conditions = by_condition(indicators, against)
+    differs = differences(conditions.iter_rows(named=True))
+    write_frame(target / "tables", "indicators", indicators.select(*COLUMNS, *IDENTITY, *varied_columns(indicators)))
     for name, sheet in zip(tables, sheets, strict=True):
-        write_frame(target / "tables", name, tables[name].drop(pl.selectors.ends_with("_decimals")))
+        write_frame(target / "tables", name, tables[name].select(~INTERNAL))
         replace_file(target / "tables" / f"{name}.md", to_markdown(sheet))
         replace_file(target / "tables" / f"{name}.tex", to_latex(sheet))
-    all_sheets = [*sheets, arrange_conditions(by_condition(indicators, against))]
+    all_sheets = [*sheets, arrange_conditions(conditions)]
     more = further(read) if further else {}
-    html = _page(run_dir, origin, read, all_sheets, verdict(comparison) if against else "", more)
+    html = _page(run_dir, origin, read, all_sheets, verdict(comparison, differs) if against else "", more)
     replace_file(target / "report.html", html)
-    return Report(run_dir, target / "report.html", indicators, tables, sheets, comparison)
+    return Report(run_dir, target / "report.html", indicators, tables, sheets, comparison, differs)
 
 
 def in_plan_order(logs: Sequence[TestLog], origin: RunOrigin) -> list[TestLog]:
@@ -101,18 +104,22 @@ def _with_rows(definitions: Sequence[TableDefinition], indicators: pl.DataFrame)
     return [one for one in definitions if build_table(indicators, one).height]
 
 
-def verdict(comparison: pl.DataFrame) -> str:
-    """Return one sentence on how far the means are from the published ones; empty where nothing compares."""
+def verdict(comparison: pl.DataFrame, differs: Mapping[str, Sequence[str]]) -> str:
+    """Return one sentence on how far the means are from the published ones; empty where nothing compares.
+
+    ``differs`` are the reasons why no published value stands beside some conditions.
+    """
     if not comparison.height:
         return ""
-    same_cell = [name for name in (*CONDITION, "indicator") if name in comparison.columns]
-    cells = comparison.drop_nulls("difference_in_std").unique(same_cell, keep="first")
+    cells = comparison.drop_nulls("difference_in_std").unique(["condition", "indicator"], keep="first")
     outside = cells.filter(pl.col("difference_in_std").abs() > FAR_OFF).height
+    left = sum(map(len, differs.values()))
+    others = f" Not judged: {left} of another configuration." if left else ""
     if not cells.height:
-        return f"{comparison.height} published values stand beside; they have no published deviation."
+        return f"{comparison.height} published values stand beside; they have no published deviation.{others}"
     return (
         f"{cells.height - outside} of {cells.height} means lie within {FAR_OFF:g} published standard deviations of the"
-        f" published mean; {outside} do not."
+        f" published mean; {outside} do not.{others}"
     )
 
 

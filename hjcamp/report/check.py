@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -67,15 +68,21 @@ def read_tolerances(source: str | Path) -> Tolerances:
     return content
 
 
-def check(comparison: pl.DataFrame, tolerances: str | Path | Tolerances = "default") -> list[Violation]:
+def check(
+    comparison: pl.DataFrame,
+    tolerances: str | Path | Tolerances = "default",
+    differs: Mapping[str, Sequence[str]] | None = None,
+) -> list[Violation]:
     """Return the cells of a comparison (`hjcamp.report.tables.against_published`) that are outside the tolerances.
 
-    `UsageError` where there is no cell to check: an empty comparison must not pass.
+    `UsageError` where there is no cell to check, because an empty comparison must not pass; ``differs`` are the reasons
+    why no published value stands beside some conditions.
     """
     limits = tolerances if isinstance(tolerances, dict) else read_tolerances(tolerances)
     cells = [cell for cell in comparison.iter_rows(named=True) if cell["indicator"] in limits]
     if not cells:
-        raise UsageError("nothing to check: none of these tests has a published value with a tolerance")
+        why = "".join(f"; {len(names)} of them: {reason}" for reason, names in list((differs or {}).items())[:3])
+        raise UsageError(f"nothing to check: none of these conditions has a published value with a tolerance{why}")
     return [
         _violation(cell, limits[cell["indicator"]]) for cell in cells if not _within(cell, limits[cell["indicator"]])
     ]
@@ -90,6 +97,7 @@ def _within(cell: dict[str, Any], limits: dict[str, float]) -> bool:
 def _violation(cell: dict[str, Any], limits: dict[str, float]) -> Violation:
     units = {"absolute": "deg", "published_std": "published std"}
     name = " ".join(cell[group] for group in CHOICES if cell.get(group) is not None)
+    name += f" ({cell['condition']})" if cell.get("condition") else ""
     allowed = " or ".join(f"{limit:g} {units[kind]}" for kind, limit in limits.items())
     return Violation(
         table=cell["table"],

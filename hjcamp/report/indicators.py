@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
 CHOICES = ("trajectory", "controller", "payload", "orientation", "pump", "amplifier", "tubing", "friction")
 INDICATORS = ("rmse1_deg", "rmse2_deg", "e_max_deg", "sse_deg")
 COLUMNS = ("campaign", *CHOICES, "repetition", *INDICATORS)
+#: What tells one test from another, behind the columns that other programs read by place.
+IDENTITY = ("condition", "seed", "log")
+#: For each published table with cells for the test: the cell's name, and where the test differs from the published one.
+STANDING = "_standing"
 
 START_LEFT_OUT = 0.25
 SETTLING_TIME = 0.2
@@ -37,7 +42,11 @@ def indicators_of(log: TestLog) -> dict[str, Any]:
     row: dict[str, Any] = {"condition": log.condition_key, "campaign": log.metadata.get("campaign")}
     row |= choices_of(log)
     row["repetition"] = _whole_number(log.metadata.get("repetition"))
-    return row | _error_indicators(log, row["trajectory"] or "")
+    row["seed"] = _whole_number(log.metadata.get("seed"))
+    row |= _error_indicators(log, row["trajectory"] or "")
+    from hjcamp.report.published import cell_key
+
+    return row | {STANDING: _standing(log.attachments.get("config.yaml", b""), *cell_key(row))}
 
 
 def _error_indicators(log: TestLog, trajectory: str) -> dict[str, float | None]:
@@ -64,7 +73,7 @@ def _root_mean_square(error: NDArray[np.float64]) -> float | None:
 def choices_of(log: TestLog) -> dict[str, str | None]:
     """Return the choice of each group: from the metadata, else from the attached configuration, else None."""
     missing = [group for group in CHOICES if group not in log.metadata]
-    attached = _configuration(log.attachments.get("config.yaml", b"")) if missing else {}
+    attached = configuration(log.attachments.get("config.yaml", b"")) if missing else {}
     return {group: log.metadata.get(group) or _named(attached.get(group)) for group in CHOICES}
 
 
@@ -73,8 +82,15 @@ def _named(group: object) -> str | None:
     return str(name) if name is not None else None
 
 
-@lru_cache(maxsize=64)
-def _configuration(attachment: bytes) -> dict[str, Any]:
+@lru_cache(maxsize=1024)
+def _standing(attachment: bytes, *cell: str) -> list[dict[str, str]]:
+    from hjcamp.report.published.configurations import standing
+
+    return standing(configuration(attachment), cell)
+
+
+@lru_cache(maxsize=1024)
+def configuration(attachment: bytes) -> dict[str, Any]:
     """Return the attached configuration; a damaged one counts as absent, because the samples are still good."""
     try:
         config = yaml.load(attachment, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
@@ -90,9 +106,34 @@ def _whole_number(text: str | None) -> int | None:
         return None
 
 
-def indicators_frame(logs: Iterable[TestLog]) -> pl.DataFrame:
-    """Return one row per log: ``condition`` and the contract's columns, in the order of the logs."""
-    return frame_of(indicators_of(log) for log in logs)
+def indicators_frame(
+    logs: Iterable[TestLog], axes: Mapping[str, Sequence[str]] | None = None, folder: Path | None = None
+) -> pl.DataFrame:
+    """Return one row per log, in the order of the logs.
+
+    Columns: ``condition``, the contract's, ``seed``, ``log`` (its path inside ``folder``), and each parameter and axis
+    that varies from condition to condition under its full name; ``axes`` are those of the plan, with their labels.
+    """
+    from hjcamp.report.varied import varied
+
+    logs = list(logs)
+    rows = [indicators_of(log) | {"log": _place(log.path, folder)} for log in logs]
+    for name, values in varied(logs, rows, axes or {}).items():
+        for row, value in zip(rows, values, strict=True):
+            row[name] = value
+    return frame_of(rows)
+
+
+def _place(path: Path | None, folder: Path | None) -> str | None:
+    if path is None:
+        return None
+    inside = folder is not None and path.resolve().is_relative_to(folder.resolve())
+    return (path.resolve().relative_to(folder.resolve()) if inside and folder else path).as_posix()
+
+
+def varied_columns(frame: pl.DataFrame) -> list[str]:
+    """Return the columns of an indicators frame that hold what varies beyond the choices."""
+    return [name for name in frame.columns if name not in (*COLUMNS, *IDENTITY, STANDING)]
 
 
 def frame_of(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
@@ -100,5 +141,9 @@ def frame_of(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
     import polars as pl
 
     schema: dict[str, Any] = {"condition": pl.String, "campaign": pl.String} | dict.fromkeys(CHOICES, pl.String)
-    schema |= {"repetition": pl.Int64} | dict.fromkeys(INDICATORS, pl.Float64)
-    return pl.DataFrame(list(rows), schema=schema)
+    schema |= {"repetition": pl.Int64} | dict.fromkeys(INDICATORS, pl.Float64) | {"seed": pl.Int64, "log": pl.String}
+    rows = list(rows)
+    further = [name for name in (rows[0] if rows else ()) if name not in (*schema, STANDING)]
+    schema[STANDING] = pl.List(pl.Struct(dict.fromkeys(("table", "cell", "differs"), pl.String)))
+    frame = pl.DataFrame([{name: row.get(name) for name in schema} for row in rows], schema=schema)
+    return frame.with_columns(pl.Series(name, [row[name] for row in rows]) for name in further)

@@ -39,6 +39,13 @@ class RunOrigin:
         return [str(one.get("name")) for one in conditions] if isinstance(conditions, list) else []
 
     @property
+    def axes(self) -> dict[str, list[str]]:
+        """The axes of the plan with their labels; empty where there is no plan."""
+        axes = self.plan.get("axes")
+        pairs = axes.items() if isinstance(axes, dict) else ()
+        return {str(name): [str(label) for label in labels] for name, labels in pairs if isinstance(labels, list)}
+
+    @property
     def command(self) -> str:
         """The command that runs the same campaign again; empty where the folder does not tell."""
         campaign = self.plan.get("campaign") or self.manifest.get("campaign")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any, Literal
 
 import polars as pl
@@ -12,11 +13,12 @@ import polars as pl
 from hjcamp.report.declared import Column, TableDefinition
 from hjcamp.report.indicators import CHOICES, INDICATORS
 from hjcamp.report.published import CONDITION, MEASURED_WITH, published_cells
-from hjcamp.report.tables import FAR_OFF
+from hjcamp.report.tables import FAR_OFF, differences
 
 TITLES = {"rmse1_deg": "RMSE1", "rmse2_deg": "RMSE2", "e_max_deg": "|e|max", "sse_deg": "SSE"}
 FAR_OFF_NOTE = f"▲ ▼: more than {FAR_OFF:g} published standard deviations above or below the published mean."
 NO_TEST = "–"
+NAMED, REASONS = 3, 6
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,10 @@ def arrange(table: pl.DataFrame, definition: TableDefinition) -> Sheet:
 def arrange_conditions(table: pl.DataFrame) -> Sheet:
     """Return the frame of `hjcamp.report.tables.by_condition` as a sheet: only the choices that vary."""
     keys = [name for name in CHOICES if table[name].n_unique() > 1]
-    alone = not keys or table.select(keys).is_duplicated().any()
+    if not keys or table.select(keys).is_duplicated().any():
+        keys = ["condition", *keys]
+    if table.select(keys).is_duplicated().any():
+        keys += [name for name in _keys(table) if name not in (*CHOICES, "campaign", "condition")]
     names = [name for name in INDICATORS if table[f"{name}_mean"].is_not_null().any()]
     definition = TableDefinition(
         name="conditions",
@@ -63,19 +68,22 @@ def arrange_conditions(table: pl.DataFrame) -> Sheet:
         where={},
         notes=["Mean ± sample standard deviation over n tests, deg."],
     )
-    return _arrange_plain(table.to_dicts(), definition, ["condition", *keys] if alone else keys)
+    return _arrange_plain(table.to_dicts(), definition, keys)
 
 
 def _shown_keys(table: pl.DataFrame, definition: TableDefinition) -> list[str]:
     across = {group for column in definition.across for group in column.where}
-    candidates = [name for name in table.columns if name in (*CHOICES, "campaign", "condition") and name not in across]
+    candidates = [name for name in _keys(table) if name not in across]
     return [name for name in candidates if name in definition.by or table[name].n_unique() > 1]
 
 
+def _keys(table: pl.DataFrame) -> list[str]:
+    # Behind them come the numbers.
+    return list(takewhile(lambda name: not name.endswith("_mean"), table.columns))
+
+
 def _arrange_plain(rows: Sequence[dict[str, Any]], definition: TableDefinition, keys: Sequence[str]) -> Sheet:
-    compared = [
-        name for name in definition.indicators if any(row.get(f"{name}_published_mean") is not None for row in rows)
-    ]
+    compared = [name for name in definition.indicators if any(row.get(f"{name}_printed") for row in rows)]
     headers = [*keys, "n"]
     for name in definition.indicators:
         headers += [_title(name, definition), *(["published"] if name in compared else [])]
@@ -86,11 +94,11 @@ def _arrange_plain(rows: Sequence[dict[str, Any]], definition: TableDefinition, 
         for name in definition.indicators:
             cells += _pair(row, name, definition, name in compared)
         body.append(cells)
-    return _sheet(definition, headers, body, bool(compared))
+    return _sheet(definition, headers, body, rows)
 
 
 def _arrange_across(rows: Sequence[dict[str, Any]], definition: TableDefinition, keys: Sequence[str]) -> Sheet:
-    compared = any(row.get(f"{name}_published_mean") is not None for row in rows for name in definition.indicators)
+    compared = any(row.get(f"{name}_printed") for row in rows for name in definition.indicators)
     columns = [column for column in definition.across if any(_matches(row, column) for row in rows)]
     headers = list(keys)
     for column in columns:
@@ -114,14 +122,28 @@ def _arrange_across(rows: Sequence[dict[str, Any]], definition: TableDefinition,
                     Cell(_printed(dict(zip(keys, values, strict=True)), column, name, definition), "published")
                 )
             body.append(cells)
-    return _sheet(definition, headers, body, compared)
+    return _sheet(definition, headers, body, rows)
 
 
-def _sheet(definition: TableDefinition, headers: list[str], body: list[list[Cell]], compared: bool) -> Sheet:
+def _sheet(
+    definition: TableDefinition, headers: list[str], body: list[list[Cell]], rows: Sequence[Mapping[str, Any]]
+) -> Sheet:
     notes = list(definition.notes)
-    if any(cell.mark for row in body for cell in row) and compared:
+    if any(cell.mark for row in body for cell in row):
         notes.append(FAR_OFF_NOTE)
+    notes += why_not_beside(differences(rows), len(rows))
     return Sheet(definition.name, definition.title, definition.source, headers, body, notes)
+
+
+def why_not_beside(found: Mapping[str, Sequence[str]], rows: int) -> list[str]:
+    """Return a sentence for each reason why no published value stands beside some of the ``rows`` (of `differences`)."""
+    notes = []
+    for reason, conditions in list(found.items())[:REASONS]:
+        more = f" and {len(conditions) - NAMED} more" if len(conditions) > NAMED else ""
+        of = "" if len(conditions) == rows else f" {', '.join(conditions[:NAMED])}{more}"
+        notes.append(f"No published value stands beside{of}: {reason}.")
+    left = sum(len(conditions) for conditions in list(found.values())[REASONS:])
+    return [*notes, f"Nor beside {left} more, for other reasons."] if left else notes
 
 
 def _title(name: str, definition: TableDefinition) -> str:
@@ -139,7 +161,7 @@ def _pair(row: dict[str, Any], name: str, definition: TableDefinition, compared:
         if printed is not None and name in definition.magnitudes:
             printed = abs(printed)
         shown = with_deviation(printed, row[f"{name}_published_std"], row[f"{name}_decimals"] or 1)
-        cells.append(Cell(shown if printed is not None else "", "published"))
+        cells.append(Cell(shown if row[f"{name}_printed"] else "", "published"))
     return cells
 
 

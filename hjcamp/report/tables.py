@@ -2,36 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
+from typing import Any
 
 import polars as pl
 
 from hjcamp.report.declared import TableDefinition
-from hjcamp.report.indicators import CHOICES, INDICATORS
-from hjcamp.report.published import CONDITION, MEASURED_WITH, published_cells
+from hjcamp.report.indicators import CHOICES, INDICATORS, STANDING, varied_columns
+from hjcamp.report.published import CONDITION, MEASURED_WITH, cell_key, published_cells
+from hjcamp.report.published.configurations import CAMPAIGNS
 
 #: From how many published deviations on a difference is marked.
 FAR_OFF = 2.0
+BESIDE = {
+    "_published_mean": pl.Float64, "_published_std": pl.Float64, "_decimals": pl.Int64, "_printed": pl.Boolean,
+}  # fmt: skip
 
 
 def aggregate(indicators: pl.DataFrame, keys: Sequence[str], names: Sequence[str] = INDICATORS) -> pl.DataFrame:
     """Return ``<indicator>_mean``, ``<indicator>_std`` (sample) and ``n`` for each group of equal ``keys``.
 
-    Choices that vary beyond the keys become keys as well, so that different conditions are never averaged. The order is
-    that of first appearance.
+    Choices that vary beyond the keys become keys as well, so that different conditions are never averaged, and so does
+    what was varied where two runs give their conditions equal names. The order is that of first appearance.
     """
     frame = _with_defaults(indicators)
     spare = [group for group in CHOICES if group not in keys and frame[group].n_unique() > 1]
     keys = [*keys, *spare]
-    if "condition" in frame.columns and "condition" not in keys and frame.height:
-        per_group = frame.group_by(keys).agg(pl.col("condition").n_unique())["condition"].max()
-        keys = [*keys, "condition"] if isinstance(per_group, int) and per_group > 1 else keys
+    for name in ("condition", *varied_columns(frame)):
+        if name not in keys and frame.height:
+            per_group = frame.group_by(keys).agg(pl.col(name).n_unique())[name].max()
+            keys = [*keys, name] if isinstance(per_group, int) and per_group > 1 else keys
+    kept = [pl.col(STANDING).first()]
+    kept += [] if "condition" in keys else [pl.col("condition").first().alias("_condition")]
     numbers = [pl.col(name).mean().alias(f"{name}_mean") for name in names]
     numbers += [pl.col(name).std().alias(f"{name}_std") for name in names]
     ordered = [
         expression for pair in zip(numbers[: len(names)], numbers[len(names) :], strict=True) for expression in pair
     ]
-    return frame.group_by(keys, maintain_order=True).agg(*ordered, pl.len().cast(pl.Int64).alias("n"))
+    count = pl.len().cast(pl.Int64).alias("n")
+    return frame.group_by(keys, maintain_order=True).agg(*ordered, count, *kept)
 
 
 def build_table(indicators: pl.DataFrame, definition: TableDefinition, against: str | None = None) -> pl.DataFrame:
@@ -39,7 +49,8 @@ def build_table(indicators: pl.DataFrame, definition: TableDefinition, against: 
 
     With arrows declared, ``<indicator>_arrow`` is ↓, ↑ or =. With ``against="published"`` each indicator has
     ``_published_mean``, ``_published_std``, ``_difference`` and ``_difference_in_std`` beside it (null where the thesis
-    prints nothing). Rows without tests are left out; no rows at all is an empty frame.
+    prints nothing), but only in rows whose configuration is that of the published test; ``published_differs`` says
+    where another row's is not. Rows without tests are left out; no rows at all is an empty frame.
     """
     frame = _with_defaults(indicators)
     for group, names in definition.where.items():
@@ -58,33 +69,45 @@ def build_table(indicators: pl.DataFrame, definition: TableDefinition, against: 
     if definition.arrows:
         table = _with_arrows(table, definition)
     if against == "published":
-        table = _beside_published(table, definition)
-    return table
+        for group, names in definition.where.items():
+            fixed = group not in table.columns and group in CONDITION and len(names) == 1
+            table = table.with_columns(pl.lit(names[0]).alias(group)) if fixed else table
+        return _beside(table, definition.published, definition.indicators, definition.magnitudes)
+    return table.drop(pl.selectors.starts_with("_"))
 
 
 def by_condition(indicators: pl.DataFrame, against: str | None = "published") -> pl.DataFrame:
     """Return one row per condition with means, deviations and n, and the published values beside them."""
     table = aggregate(indicators, ["condition", "campaign", *CHOICES])
-    if against is None:
-        return table
-    cells = published_cells().filter(pl.col("table").is_in(["5.4.1", "5.4.2", "5.5.1", "5.5.2", "5.6.1"]))
-    return _join_published(table, cells, INDICATORS)
+    return table.drop(pl.selectors.starts_with("_")) if against is None else _beside(table, list(CAMPAIGNS), INDICATORS)
+
+
+def differences(rows: Iterable[Mapping[str, Any]]) -> dict[str, list[str]]:
+    """Return why no published value stands beside (``published_differs``), each reason with its conditions."""
+    found: dict[str, list[str]] = {}
+    for row in rows:
+        if row.get("published_differs"):
+            name = str(row.get("condition") or row.get("_condition") or "")
+            found.setdefault(row["published_differs"], []).append(name)
+    return found
 
 
 def against_published(indicators: pl.DataFrame, definitions: Sequence[TableDefinition]) -> pl.DataFrame:
     """Return every published cell that the tests cover, one row each.
 
-    Columns: table, title, the choices, indicator, mean, std, n, published_mean, published_std, difference,
+    Columns: table, condition, the choices, indicator, mean, std, n, published_mean, published_std, difference,
     difference_in_std (null where the thesis prints no deviation).
     """
     parts = []
     for definition in definitions:
         table = build_table(indicators, definition, "published")
+        named = pl.col("condition" if "condition" in table.columns else "_condition").alias("condition")
         for name in definition.indicators:
             columns = [pl.col(group) for group in CHOICES if group in table.columns]
             values = ("mean", "std", "published_mean", "published_std", "difference", "difference_in_std")
             part = table.select(
                 pl.lit(definition.name).alias("table"),
+                named,
                 *columns,
                 pl.lit(name).alias("indicator"),
                 "n",
@@ -121,27 +144,39 @@ def _with_arrows(table: pl.DataFrame, definition: TableDefinition) -> pl.DataFra
     return table
 
 
-def _beside_published(table: pl.DataFrame, definition: TableDefinition) -> pl.DataFrame:
-    cells = published_cells().filter(pl.col("table").is_in(definition.published))
-    for group, names in definition.where.items():
-        fixed = group not in table.columns and group in CONDITION and len(names) == 1
-        table = table.with_columns(pl.lit(names[0]).alias(group)) if fixed else table
-    return _join_published(table, cells, definition.indicators, definition.magnitudes)
-
-
-def _join_published(
-    table: pl.DataFrame, cells: pl.DataFrame, names: Sequence[str], magnitudes: Sequence[str] = ()
+def _beside(
+    table: pl.DataFrame, tables: Sequence[str], names: Sequence[str], magnitudes: Sequence[str] = ()
 ) -> pl.DataFrame:
-    keys = [name for name in CONDITION if name in table.columns]
+    """Put the cells of some published tables beside the rows whose configuration is that of the published test."""
+    values: dict[str, list[Any]] = {f"{name}{suffix}": [] for name in names for suffix in BESIDE}
+    differs: list[str | None] = []
+    for row in table.iter_rows(named=True):
+        standing = [one for one in row[STANDING] or [] if one["table"] in tables]
+        equal = [one for one in standing if not one["differs"]]
+        for name in names:
+            found = next(filter(None, (_cells().get((one["table"], one["cell"], name)) for one in equal)), None)
+            printed = any((one["table"], one["cell"], name) in _cells() for one in standing)
+            for suffix, value in zip(BESIDE, (*(found or (None, None, None)), printed), strict=True):
+                values[f"{name}{suffix}"].append(value)
+        why = [
+            one["differs"] for one in standing if any((one["table"], one["cell"], name) in _cells() for name in names)
+        ]
+        differs.append(None if equal or not why else why[0])
+    kinds = [kind for _ in names for kind in BESIDE.values()]
+    table = table.with_columns(pl.Series(name, values[name], kind) for name, kind in zip(values, kinds, strict=True))
     for name in names:
-        mean, std = f"{name}_published_mean", f"{name}_published_std"
-        chosen = cells.filter(pl.col("indicator") == name).select(
-            *keys, pl.col("mean").alias(mean), pl.col("std").alias(std), pl.col("decimals").alias(f"{name}_decimals")
-        )
-        table = table.join(chosen.unique(keys, keep="first"), on=keys, how="left", maintain_order="left")
-        ours, theirs = pl.col(f"{name}_mean"), pl.col(mean)
+        ours, theirs = pl.col(f"{name}_mean"), pl.col(f"{name}_published_mean")
         difference = ours.abs() - theirs.abs() if name in magnitudes else ours - theirs
-        unit = pl.when(pl.col(std) > 0).then(pl.col(std))
+        std = pl.col(f"{name}_published_std")
         table = table.with_columns(difference.alias(f"{name}_difference"))
+        unit = pl.when(std > 0).then(std)
         table = table.with_columns((pl.col(f"{name}_difference") / unit).alias(f"{name}_difference_in_std"))
-    return table
+    return table.drop(STANDING).with_columns(pl.Series("published_differs", differs, pl.String))
+
+
+@lru_cache(maxsize=1)
+def _cells() -> dict[tuple[str, str, str], tuple[float, float | None, int]]:
+    return {
+        (cell["table"], " ".join(cell_key(cell)), cell["indicator"]): (cell["mean"], cell["std"], cell["decimals"])
+        for cell in published_cells().iter_rows(named=True)
+    }

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import yaml
 
+from hjcamp.configuration.composer import Composer
 from hjcamp.records.log import TestLog
 from hjcamp.trajectories import build_trajectory
 
@@ -17,10 +20,38 @@ SHAPES: dict[str, dict[str, Any]] = {
 }
 
 
+GROUPS = ("trajectory", "controller", "payload", "orientation", "pump", "amplifier", "tubing", "friction")
+
+
+@lru_cache(maxsize=1)
+def composer() -> Composer:
+    return Composer()
+
+
+@lru_cache(maxsize=256)
+def attached(*overrides: str) -> bytes:
+    """Return the resolved configuration of a condition as a log has it."""
+    composition = composer().compose(overrides)
+    config = {key: value for key, value in composition.config.items() if isinstance(value, dict)}
+    for group, choice in composition.choices.items():
+        if group in config:
+            config[group].setdefault("name", choice)
+    config["controller_model"] = composer().model(str(config["controller"]["model"]))
+    return yaml.safe_dump({**config, "repetitions": 7, "seed": 1}).encode()
+
+
 def make_log(
-    trajectory: str, controller: str = "pid", repetition: int = 1, error_deg: float = 1.0, **metadata: str
+    trajectory: str,
+    controller: str = "pid",
+    repetition: int = 1,
+    error_deg: float = 1.0,
+    overrides: tuple[str, ...] = (),
+    **metadata: str,
 ) -> TestLog:
-    """Return a log whose arm lags by ``error_deg`` (plus 0.1 deg per repetition) all the time."""
+    """Return a log whose arm lags by ``error_deg`` (plus 0.1 deg per repetition) all the time.
+
+    Its configuration is that of its choices under ``overrides``.
+    """
     shape = build_trajectory(SHAPES[trajectory])
     time = np.arange(-400, round(shape.duration * 1000)) / 1000.0
     reference = np.degrees(shape.reference(time)[0])
@@ -49,7 +80,10 @@ def make_log(
         "friction": "bidirectional",
         "repetition": str(repetition),
     }
-    return TestLog(columns=columns, metadata=named | metadata)
+    named |= metadata
+    choices = [f"{group}={named[group]}" for group in GROUPS if named[group] in composer().options(group)]
+    attachments = {"config.yaml": attached(*choices, *overrides)}
+    return TestLog(columns=columns, metadata=named, attachments=attachments)
 
 
 def make_logs(repetitions: int = 3) -> list[TestLog]:

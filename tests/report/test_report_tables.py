@@ -95,8 +95,25 @@ def test_arrows_compare_the_feedforward_with_pid() -> None:
 
 
 def test_table_5_6_1_is_the_ramp_and_says_so() -> None:
-    cases = [("unidirectional", "ldpe_300mm"), ("reduced", "ldpe_300mm"), ("reduced", "hdpe_300mm")]
-    logs = [make_log("ramp_pos", "ffwd_pid", error_deg=0.0, friction=f, tubing=t, condition=f + t) for f, t in cases]
+    adjustment = ("procedure.adjustment.positive_mpa=0.0667", "procedure.adjustment.negative_mpa=0.0333")
+    cases = [
+        ("unidirectional", "ldpe_300mm", ("controller/gains=simulation",)),
+        ("reduced", "ldpe_300mm", ("controller/gains=reduced_friction", *adjustment)),
+        ("reduced", "hdpe_300mm", ("controller/gains=reduced_compliance", *adjustment, "procedure.preload_mpa=0.5")),
+    ]
+    logs = [
+        make_log(
+            "ramp_pos",
+            "ffwd_pid",
+            1,
+            0.0,
+            ("controller/feedforward=design", *more),
+            friction=f,
+            tubing=t,
+            condition=f + t,
+        )
+        for f, t, more in cases
+    ]
     made = table("table_5_6_1", indicators_frame(logs))
     assert made["rmse1_deg_published_mean"].to_list() == [0.20, 0.08, 0.09]
     assert made["rmse1_deg_difference_in_std"].null_count() == 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,7 @@ def printed_rows() -> pl.DataFrame:
 
 def measured_indicators() -> pl.DataFrame:
     """Return the measured repetitions as an indicators frame: one row per test, inputs rounded to 0.1 deg."""
-    from hjcamp.report.indicators import frame_of
+    from hjcamp.report.indicators import STANDING, frame_of
 
     tests: dict[tuple[str, ...], dict[str, Any]] = {}
     for printed in printed_rows().iter_rows(named=True):
@@ -49,7 +50,14 @@ def measured_indicators() -> pl.DataFrame:
             row |= condition | MEASURED_WITH | {"pump": "pump2", "amplifier": "high_gain"}
             row["campaign"] = CAMPAIGN_OF_TABLE.get(printed["table"], f"robustness_{printed['orientation']}")
             row[f"{printed['indicator']}_deg"] = printed[f"test{repetition}"]
+            own = {"table": printed["table"], "cell": " ".join(cell_key(row)), "differs": ""}
+            row[STANDING] = [one for one in row.get(STANDING, []) if one != own] + [own]
     return frame_of(tests.values())
+
+
+def cell_key(choices: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the choices that name a published cell; friction and tubing as measured where they are not named."""
+    return tuple(str(choices.get(group) or MEASURED_WITH.get(group, "")) for group in CONDITION)
 
 
 @lru_cache(maxsize=1)

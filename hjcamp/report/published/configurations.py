@@ -1,0 +1,142 @@
+"""The configurations behind the published values, and where that of a test differs from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from hjcamp.configuration.composer import Composer, as_override
+from hjcamp.configuration.search_path import packaged_root
+from hjcamp.report.published import CONDITION, cell_key
+
+#: The campaigns whose conditions are the tests of a published table.
+CAMPAIGNS = {
+    "5.4.1": ("controllers",),
+    "5.4.2": ("controllers",),
+    "5.5.1": ("robustness_horizontal", "robustness_vertical"),
+    "5.5.2": ("robustness_horizontal", "robustness_vertical"),
+    "5.6.1": ("friction_compliance",),
+    "5.3.2": ("feedforward_simulation",),
+}
+#: What does not decide the physics of a test: who carries it out, how often, and with which draws.
+NO_PHYSICS = ("backend", "rig", "repetitions", "seed")
+UNKNOWN = "the log does not hold its configuration"
+ABSENT: Any = object()
+
+
+def standing(config: Mapping[str, Any], cell: tuple[str, ...]) -> list[dict[str, str]]:
+    """Return, for each table that has the ``cell`` (of `cell_key`), its name and where ``config`` differs from its test.
+
+    ``differs`` is empty where nothing that decides the physics does: only then the published value may stand beside.
+    """
+    found = []
+    for table, campaigns in CAMPAIGNS.items():
+        published = [one for one in (_published(name, cell) for name in campaigns) if one is not None]
+        if published:
+            found.append({"table": table, "cell": " ".join(cell), "differs": _differs(config, published[0])})
+    return found
+
+
+def difference(config: Mapping[str, Any], published: Mapping[str, Any]) -> list[str]:
+    """Return where a resolved configuration differs from a published one, in words; nothing where the physics is equal.
+
+    A group with another name counts once: ``pump is pump1 instead of pump2``.
+    """
+    found = []
+    for group in dict.fromkeys((*published, *config)):
+        if group in NO_PHYSICS:
+            continue
+        ours, theirs = dict(leaves(config.get(group), group)), dict(leaves(published.get(group), group))
+        names = f"{group}.name"
+        parts = [
+            _in_words(key, ours.get(key, ABSENT), theirs.get(key, ABSENT))
+            for key in dict.fromkeys((*theirs, *ours))
+            if key != names and not _equal(ours.get(key, ABSENT), theirs.get(key, ABSENT))
+        ]
+        if parts and ours.get(names) != theirs.get(names):
+            parts = [_in_words(group, ours.get(names, ABSENT), theirs.get(names, ABSENT))]
+        found += parts
+    return found
+
+
+def leaves(value: Any, key: str) -> Iterator[tuple[str, Any]]:
+    """Yield every value of a nested configuration under its full name; an empty mapping yields nothing."""
+    if isinstance(value, Mapping):
+        for name, part in value.items():
+            yield from leaves(part, f"{key}.{name}" if key else str(name))
+    else:
+        yield key, value
+
+
+def _differs(config: Mapping[str, Any], published: Mapping[str, Any]) -> str:
+    if not config:
+        return UNKNOWN
+    found = difference(config, published)
+    more = f", and {len(found) - 1} more" if len(found) > 1 else ""
+    return f"{found[0]}{more}" if found else ""
+
+
+def _equal(one: Any, other: Any) -> bool:
+    numbers = [value for value in (one, other) if isinstance(value, int | float) and not isinstance(value, bool)]
+    if len(numbers) == 2:
+        return math.isclose(*numbers, rel_tol=1e-9)
+    return type(one) is type(other) and one == other
+
+
+def _in_words(key: str, ours: Any, theirs: Any) -> str:
+    return f"{key} is {_shown(ours)} instead of {_shown(theirs)}"
+
+
+def _shown(value: Any) -> str:
+    if value is ABSENT:
+        return "absent"
+    return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+@lru_cache(maxsize=256)
+def _published(campaign: str, key: tuple[str, ...]) -> dict[str, Any] | None:
+    """Return the resolved configuration of the condition of a shipped campaign with these choices, None without one."""
+    composer = _composer()
+    for settings in conditions_of(campaign):
+        if choices_of(settings) == key:
+            config = composer.compose([as_override(name, value) for name, value in settings.items()]).config
+            config["controller_model"] = composer.model(str(config["controller"].get("model")))
+            return {name: value for name, value in config.items() if isinstance(value, Mapping)}
+    return None
+
+
+@lru_cache(maxsize=1)
+def _composer() -> Composer:
+    # Our own files alone: a user's group of the same name must not pass for the published one.
+    folders = ("pkg://hydra.conf", f"file://{packaged_root() / 'conf'}", "structured://")
+    return Composer(zip(("hydra", "main", "schema"), folders, strict=True))
+
+
+@lru_cache(maxsize=16)
+def conditions_of(campaign: str) -> list[dict[str, Any]]:
+    """Return the settings of every condition of a shipped campaign."""
+    content = yaml.safe_load((packaged_root() / "campaigns" / f"{campaign}.yaml").read_text(encoding="utf-8"))
+    axes = [
+        list(values.values()) if isinstance(values, Mapping) else [{name: value} for value in values]
+        for name, values in content["vary"].items()
+    ]
+    fixed = content.get("fixed") or {}
+    return [{**fixed, **{k: v for case in cases for k, v in case.items()}} for cases in product(*axes)]
+
+
+@lru_cache(maxsize=1)
+def _chosen_by_default() -> dict[str, str]:
+    content = yaml.safe_load(Path(packaged_root() / "conf" / "config.yaml").read_text(encoding="utf-8"))
+    chosen = {group: name for one in content["defaults"] if isinstance(one, Mapping) for group, name in one.items()}
+    return {group: str(chosen[group]) for group in CONDITION}
+
+
+def choices_of(settings: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the choices that name the published cell of a condition with these settings."""
+    return cell_key({**_chosen_by_default(), **{group: settings[group] for group in CONDITION if group in settings}})

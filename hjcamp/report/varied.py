@@ -1,0 +1,88 @@
+"""What was varied: the parameters and axes that tell the conditions of some logs apart, beyond their choices."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.report.indicators import CHOICES, COLUMNS, IDENTITY, configuration
+from hjcamp.report.published.configurations import leaves
+
+if TYPE_CHECKING:
+    from hjcamp.records.log import TestLog
+
+#: What belongs to the run, or follows from a parameter of another name.
+LEFT_OUT = ("repetitions", "seed", "controller_model")
+SEPARATOR = "__"
+
+
+def varied(
+    logs: Sequence[TestLog], rows: Sequence[Mapping[str, Any]], axes: Mapping[str, Sequence[str]]
+) -> dict[str, list[Any]]:
+    """Return one column for each axis and each parameter that varies, a value per log.
+
+    An axis of one parameter holds its values under the parameter's full name, any other its labels under its own name.
+    A parameter that differs only because a choice does (that of its group, or all choices together) is left out.
+    """
+    attached = [log.attachments.get("config.yaml", b"") for log in logs]
+    flat = {text: dict(leaves(configuration(text), "")) for text in dict.fromkeys(attached)}
+    labels = [labels_of(str(row["condition"]), axes) for row in rows]
+    columns: dict[str, list[Any]] = {}
+    for axis in axes:
+        if axis in CHOICES:
+            continue
+        if "." in axis and any(axis in known for known in flat.values()):
+            columns[axis] = [flat[text].get(axis) for text in attached]
+        else:
+            name = f"axis_{axis}" if axis in (*COLUMNS, *IDENTITY) else axis
+            columns[name] = [found.get(axis) for found in labels]
+    for key in dict.fromkeys(key for known in flat.values() for key in known):
+        if key.split(".")[0] not in LEFT_OUT and not key.endswith(".name") and key not in columns:
+            values = [flat[text].get(key) for text in attached]
+            if _varies(key, values, rows, [flat[text] for text in attached]):
+                columns[key] = values
+    return {name: _one_type(values) for name, values in columns.items() if any(value is not None for value in values)}
+
+
+def labels_of(condition: str, axes: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Return the label of each axis in the name of a condition; empty where the name is not made of them."""
+    names = list(axes)
+
+    def matched(rest: str, place: int) -> list[str] | None:
+        if place == len(names):
+            return [] if not rest else None
+        for label in axes[names[place]]:
+            last = place == len(names) - 1
+            if rest == label if last else rest.startswith(label + SEPARATOR):
+                found = matched("" if last else rest[len(label) + len(SEPARATOR) :], place + 1)
+                if found is not None:
+                    return [label, *found]
+        return None
+
+    return dict(zip(names, matched(condition, 0) or [], strict=False))
+
+
+def _varies(
+    key: str, values: Sequence[Any], rows: Sequence[Mapping[str, Any]], configurations: Sequence[Mapping[str, Any]]
+) -> bool:
+    name = f"{key.split('.')[0]}.name"
+    seen: dict[Any, str] = {}
+    for value, row, known in zip(values, rows, configurations, strict=True):
+        chosen = known[name] if name in known else tuple(row[group] for group in CHOICES)
+        if known and seen.setdefault(chosen, _text(value)) != _text(value):
+            return True
+    return False
+
+
+def _one_type(values: Sequence[Any]) -> list[Any]:
+    there = [value for value in values if value is not None]
+    if all(isinstance(value, bool) for value in there):
+        return list(values)
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in there):
+        return [None if value is None else float(value) for value in values]
+    return [None if value is None else value if isinstance(value, str) else _text(value) for value in values]
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, default=str)

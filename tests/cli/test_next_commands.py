@@ -1,0 +1,66 @@
+"""What a run advises at its end can be run as it is printed, and succeeds."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import polars as pl
+import pytest
+
+from hjcamp import cli
+from hjcamp.campaign.conclude import next_commands
+from hjcamp.report.declared import declared_tables
+from hjcamp.report.published import measured_indicators
+from hjcamp.report.tables import against_published
+
+TWO_PUMPS = """name: two_pumps
+vary:
+  rig_of: {first: {pump: pump1, amplifier: low_gain, controller: open_loop}, second: {pump: pump2, controller: open_loop}}
+  trajectory: [ramp_pos]
+repetitions: 1
+tables: []
+"""
+
+
+def advised(out: str) -> list[list[str]]:
+    """Return the commands behind ``next``, as a shell would split them."""
+    lines = out[out.index("  next ") :].replace("  next ", "       ", 1).splitlines()
+    return [shlex.split(line) for line in lines if re.match(r" +hjcamp ", line)]
+
+
+@pytest.mark.parametrize(
+    ("call", "first"),
+    [
+        (["campaign=controllers", "trajectory=ramp_pos", "controller=pid"], "compare"),
+        (["campaign=pump_step"], "calibrate"),
+        (["campaign=two_pumps"], "compare"),
+    ],
+)
+def test_what_is_advised_succeeds(
+    empty_folder: Path, capfd: pytest.CaptureFixture[str], call: list[str], first: str
+) -> None:
+    (empty_folder / "campaigns").mkdir()
+    (empty_folder / "campaigns" / "two_pumps.yaml").write_text(TWO_PUMPS)
+    assert cli.run(["run", *call, "repetitions=1", "run_dir=a run"]) == 0
+    commands = advised(capfd.readouterr().out)
+    assert [words[:2] for words in commands] == [["hjcamp", first]]
+    for words in commands:
+        assert cli.run(words[1:]) == 0, capfd.readouterr().err
+        capfd.readouterr()
+
+
+def test_a_check_is_advised_only_where_it_passes(tmp_path: Path) -> None:
+    plan: Any = SimpleNamespace(campaign="controllers", conditions=(SimpleNamespace(name="a", choices={}),))
+    folder: Any = SimpleNamespace(path=tmp_path, plan=plan)
+    comparison = against_published(measured_indicators(), declared_tables())
+    passing: Any = SimpleNamespace(comparison=comparison)
+    compare = f"hjcamp compare {tmp_path}"
+    assert next_commands(folder, passing) == [compare, f"hjcamp report {tmp_path} --check default"]
+    far = comparison.with_columns(pl.col("difference") + 10.0, pl.col("difference_in_std") + 100.0)
+    for other in (far, comparison.clear()):
+        report: Any = SimpleNamespace(comparison=other)
+        assert next_commands(folder, report) == [compare]
