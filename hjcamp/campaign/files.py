@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from hjcamp.errors import HjcampError, UsageError
+from hjcamp.errors import HjcampError
 
 
 def write_atomic(path: Path, content: str | bytes) -> None:
@@ -31,19 +31,6 @@ def write_atomic(path: Path, content: str | bytes) -> None:
 def write_json(path: Path, content: Any) -> None:
     """Write plain values as JSON, whole or not at all."""
     write_atomic(path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """Return the content of a JSON file; raises ``UsageError`` where it is missing or damaged."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise UsageError(f"{path} is missing") from error
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{path} cannot be read: {error}") from error
-    if not isinstance(content, dict):
-        raise UsageError(f"{path} cannot be read: an object is needed")
-    return content
 
 
 @contextmanager
