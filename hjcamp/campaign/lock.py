@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,8 @@ from pathlib import Path
 from hjcamp.errors import UsageError
 
 NAME = ".lock"
+# Who only looks takes a shared lock for an instant: a run waits that long for it.
+PATIENCE_S = 0.25
 
 
 @contextmanager
@@ -18,7 +21,10 @@ def run_lock(folder: Path) -> Iterator[None]:
     """Hold the lock of a run folder; raises ``UsageError`` where another process holds it."""
     descriptor = os.open(folder / NAME, os.O_RDWR | os.O_CREAT, 0o644)
     try:
-        if not _take(descriptor):
+        last = time.monotonic() + PATIENCE_S
+        while not (taken := _take(descriptor)) and time.monotonic() < last:
+            time.sleep(0.01)
+        if not taken:
             holder = os.pread(descriptor, 64, 0).decode(errors="replace").strip() if hasattr(os, "pread") else ""
             raise UsageError(f"another run is at work in {folder}" + (f" (process {holder})" if holder else ""))
         os.ftruncate(descriptor, 0)
@@ -35,12 +41,12 @@ def is_locked(folder: Path) -> bool:
     except OSError:
         return False
     try:
-        return not _take(descriptor)
+        return not _take(descriptor, look=True)
     finally:
         os.close(descriptor)
 
 
-def _take(descriptor: int) -> bool:
+def _take(descriptor: int, look: bool = False) -> bool:
     try:
         if sys.platform == "win32":
             import msvcrt
@@ -49,7 +55,7 @@ def _take(descriptor: int) -> bool:
         else:
             import fcntl
 
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(descriptor, (fcntl.LOCK_SH if look else fcntl.LOCK_EX) | fcntl.LOCK_NB)
     except OSError:
         return False
     return True

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -104,6 +107,44 @@ def test_one_process_at_a_time(empty_folder: Path) -> None:
     assert not is_locked(empty_folder)
     with run_lock(empty_folder):
         pass
+
+
+LOOKER = """
+import sys, time
+from pathlib import Path
+from hjcamp.campaign.lock import is_locked
+print("looks", flush=True)
+seen = 0
+while not Path("enough").exists():
+    seen += is_locked(Path(sys.argv[1]))
+print(seen)
+"""
+
+
+def test_a_look_does_not_lock(plan: Plan, empty_folder: Path) -> None:
+    """Two processes look all the time, as `hjcamp ls` does: every start finds the folder free, and no look a run."""
+    folder = folder_for(plan, {}, [], Path("mine"))[0].path
+    (folder / ".lock").touch()
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    options: dict[str, Any] = {"stdout": subprocess.PIPE, "text": True, "env": environment}
+    lookers = [subprocess.Popen([sys.executable, "-c", LOOKER, str(folder)], **options) for _ in range(2)]
+    try:
+        for looker in lookers:
+            assert looker.stdout.readline() == "looks\n"
+        time.sleep(0.3)
+        (empty_folder / "enough").touch()
+        assert [int(looker.communicate(timeout=60)[0]) for looker in lookers] == [0, 0], "a look took another for a run"
+        (empty_folder / "enough").unlink()
+        lookers = [subprocess.Popen([sys.executable, "-c", LOOKER, str(folder)], **options) for _ in range(2)]
+        for looker in lookers:
+            assert looker.stdout.readline() == "looks\n"
+        for _ in range(200):
+            with run_lock(folder):
+                pass
+    finally:
+        (empty_folder / "enough").touch()
+        for looker in lookers:
+            looker.communicate(timeout=60)
 
 
 def test_a_failed_write_leaves_the_old_file(empty_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
