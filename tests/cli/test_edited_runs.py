@@ -289,7 +289,7 @@ def sound(answer: Any) -> None:
 def test_no_damage_is_an_internal_error(call: Call, run: Path, name: str) -> None:
     good = {file: (run / file).read_bytes() for file in ("plan.json", "manifest.json")}
 
-    @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+    @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
     @given(damaged(good[name]))
     def check(content: bytes) -> None:
         for file, whole in good.items():
