@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.backends.simulation import DEGREE, PreparedTest, prepare
-from hjcamp.campaign.planning import make_plan, seed_of
+from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers.ffwd_pid import FfwdPid
 from hjcamp.controllers.procedure import Procedure
@@ -22,6 +22,7 @@ from hjcamp.model.parameter import Parameter
 from hjcamp.model.simulator import PERIOD, Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.records.log import TestLog
+from hjcamp.records.plan import seed_of
 from hjcamp.report.indicators import INDICATORS, indicators_of
 
 Array = NDArray[np.float64]

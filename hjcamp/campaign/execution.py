@@ -15,9 +15,9 @@ from typing import Any
 
 import yaml
 
-from hjcamp.campaign.plan import Condition, Plan, PlannedTest
 from hjcamp.campaign.provenance import log_provenance
 from hjcamp.errors import HjcampError, Interrupted, RigStopped
+from hjcamp.records.plan import Condition, Plan, PlannedTest
 from hjcamp.storage import FULL, put_in_place
 
 PRIVATE_NAME = re.compile(r"\.mcap\.\d+(\.part)?$")

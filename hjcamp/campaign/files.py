@@ -7,26 +7,12 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
-from hjcamp.errors import UsageError
 from hjcamp.storage import disk_errors, write_whole
 
 
 def write_json(path: Path, content: Any) -> None:
     """Write plain values as JSON, whole or not at all; raises ``OSError``."""
     write_whole(path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """Return the content of a JSON file; raises ``UsageError`` where it is missing or damaged."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise UsageError(f"{path} is missing") from error
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{path} cannot be read: {error}") from error
-    if not isinstance(content, dict):
-        raise UsageError(f"{path} cannot be read: an object is needed")
-    return content
 
 
 def run_errors(folder: Path) -> AbstractContextManager[None]:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hjcamp.campaign.files import read_json
+from hjcamp.campaign.folder import open_folder
 from hjcamp.campaign.lock import is_locked
-from hjcamp.campaign.plan import SCHEMA
 from hjcamp.campaign.values import look_up
 from hjcamp.errors import UsageError
+from hjcamp.records.find import tell
+from hjcamp.records.plan import Plan
 
 FOLDERS = (Path("runs"), Path("multirun"))
 
@@ -21,39 +22,46 @@ class FoundRun:
     """One run folder in short."""
 
     path: Path
-    plan: dict[str, Any]
+    plan: Plan
     manifest: dict[str, Any]
 
     @property
     def state(self) -> str:
         """complete, failed, interrupted, new; running only where a process is at work."""
-        state = str(self.manifest.get("state", "new"))
+        state = str(self.manifest["state"])
         return "interrupted" if state == "running" and not is_locked(self.path) else state
 
     @property
     def done(self) -> int:
         """Number of tests that are done."""
-        return sum(entry.get("state") == "done" for entry in self.manifest.get("tests", {}).values())
+        return sum(entry["state"] == "done" for entry in self.manifest["tests"].values())
 
     @property
     def started(self) -> str:
         """Time of the first session, empty before it."""
-        sessions = self.manifest.get("sessions") or [{}]
-        return str(sessions[0].get("started_at") or "")
+        sessions = self.manifest["sessions"]
+        return str(sessions[0]["started_at"]) if sessions else ""
 
 
-def find_runs(folders: Sequence[Path] = FOLDERS, filters: Sequence[str] = ()) -> list[FoundRun]:
+def find_runs(
+    folders: Sequence[Path] = FOLDERS, filters: Sequence[str] = (), say: Callable[[str], None] = tell
+) -> list[FoundRun]:
     """Return the runs under ``folders`` that meet every ``key=value``, newest first.
 
     A key is ``campaign``, ``state``, a group (``payload``), a parameter (``controller.positive.kp``), or a key of the
-    provenance (``git``, ``host``). A condition that meets it is enough.
+    provenance (``git``, ``host``). A condition that meets it is enough. ``say`` hears of run folders that cannot be read.
     """
     wanted = [_split(text) for text in filters]
     runs = []
-    for folder in folders:
-        for file in sorted(folder.glob("**/plan.json")) if folder.is_dir() else []:
-            found = _read(file.parent)
-            if found is not None and all(_meets(found, key, value) for key, value in wanted):
+    for place in folders:
+        for file in sorted(place.glob("**/plan.json")) if place.is_dir() else []:
+            try:
+                folder = open_folder(file.parent)
+            except UsageError as error:
+                say(str(error))
+                continue
+            found = FoundRun(folder.path, folder.plan, folder.manifest)
+            if all(_meets(found, key, value) for key, value in wanted):
                 runs.append(found)
     return sorted(runs, key=lambda run: (run.started, str(run.path)), reverse=True)
 
@@ -65,30 +73,15 @@ def _split(text: str) -> tuple[str, str]:
     return key, value
 
 
-def _read(path: Path) -> FoundRun | None:
-    try:
-        plan = read_json(path / "plan.json")
-    except UsageError:
-        return None
-    if plan.get("schema") != SCHEMA:
-        return None
-    try:
-        manifest = read_json(path / "manifest.json")
-    except UsageError:
-        manifest = {}
-    return FoundRun(path, plan, manifest)
-
-
 def _meets(run: FoundRun, key: str, value: str) -> bool:
     if key == "state":
         return run.state == value
-    session: Mapping[str, Any] = (run.manifest.get("sessions") or [{}])[-1]
-    for holder in (run.plan, session):
-        if key in holder and not isinstance(holder[key], dict | list):
+    session: Mapping[str, Any] = (run.manifest["sessions"] or [{}])[-1]
+    for holder in (vars(run.plan), session):
+        if key in holder and not isinstance(holder[key], dict | list | tuple):
             return _same(holder[key], value)
     return any(
-        _same(one["choices"].get(key), value) or _same(look_up(one["config"], key), value)
-        for one in run.plan["conditions"]
+        _same(one.choices.get(key), value) or _same(look_up(one.config, key), value) for one in run.plan.conditions
     )
 
 

@@ -11,16 +11,16 @@ from typing import Any
 
 import yaml
 
-from hjcamp.campaign.files import read_json, run_errors, write_json
+from hjcamp.campaign.files import run_errors, write_json
 from hjcamp.campaign.lock import is_locked
-from hjcamp.campaign.plan import Plan
 from hjcamp.campaign.provenance import code, code_identity, provenance, utc_now
 from hjcamp.campaign.values import leaves
 from hjcamp.errors import UsageError
+from hjcamp.records.manifest import new_manifest, read_manifest
+from hjcamp.records.plan import Plan, read_plan
 from hjcamp.storage import write_whole
 
 RUNS = Path("runs")
-SCHEMA = "hjcamp.manifest/1"
 SAVE_EVERY_S = 0.5
 
 
@@ -91,7 +91,7 @@ def create(path: Path, plan: Plan, asked: Mapping[str, Any], overrides: list[str
     with run_errors(path):
         (path / "logs").mkdir(parents=True, exist_ok=True)
         write_whole(path / "config.yaml", text)
-        folder = RunFolder(path, plan, _new_manifest(plan))
+        folder = RunFolder(path, plan, new_manifest(plan))
         folder.save()
         # plan.json comes last: a folder is a run once it is there.
         write_json(path / "plan.json", plan.as_json())
@@ -99,19 +99,13 @@ def create(path: Path, plan: Plan, asked: Mapping[str, Any], overrides: list[str
 
 
 def open_folder(path: Path) -> RunFolder:
-    """Return the run in an existing folder; raises ``UsageError`` where it is none."""
+    """Return the run in an existing folder; raises ``UsageError`` where it is none, or its files were changed."""
     if not path.is_dir():
         raise UsageError(f"run folder {path} not found; see: hjcamp ls")
     if not (path / "plan.json").is_file():
         raise UsageError(f"{path} is not a run folder: plan.json is missing")
-    plan = Plan.from_json(read_json(path / "plan.json"), str(path / "plan.json"))
-    try:
-        manifest = read_json(path / "manifest.json")
-    except UsageError:
-        manifest = _new_manifest(plan)
-    if manifest.get("schema") != SCHEMA or set(manifest.get("tests", {})) != {test.id for test in plan.tests}:
-        manifest = _new_manifest(plan)
-    return RunFolder(path, plan, manifest)
+    plan = read_plan(path / "plan.json")
+    return RunFolder(path, plan, read_manifest(path / "manifest.json", plan))
 
 
 def folder_for(
@@ -186,14 +180,3 @@ def _unfinished(parent: Path, plan: Plan) -> RunFolder | None:
         if not sessions or {key: sessions[-1].get(key) for key in code_identity()} == code_identity():
             return folder
     return None
-
-
-def _new_manifest(plan: Plan) -> dict[str, Any]:
-    return {
-        "schema": SCHEMA,
-        "campaign": plan.campaign,
-        "plan_sha256": plan.sha256,
-        "state": "new",
-        "sessions": [],
-        "tests": {test.id: {"state": "planned"} for test in plan.tests},
-    }

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import fnmatch
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.campaign.campaign_file import RUN_KEYS, Campaign, label_of, read_campaign
 from hjcamp.campaign.conditions import Draft, draft_conditions
-from hjcamp.campaign.plan import Condition, Plan, PlannedTest
 from hjcamp.campaign.values import check_count, check_values
 from hjcamp.errors import UsageError, nearest, unknown
+from hjcamp.records.plan import Condition, Plan, config_sha256, plan_sha256, planned_tests
 
 if TYPE_CHECKING:
     from hjcamp.configuration.composer import Composer, Composition
 
 SINGLE = "single"
+# What a plan adds to the configuration that was composed.
+ADDED = ("controller_model", "repetitions", "seed")
 
 
 def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str], composer: Composer) -> Plan:
@@ -39,19 +39,7 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
         _condition(draft, composer.compose(draft.overrides), repetitions, seed, composer) for draft in drafts
     )
     _refuse_equal(conditions)
-    tests = tuple(
-        PlannedTest(
-            f"{condition.name}/rep_{repetition:02d}",
-            condition.name,
-            repetition,
-            seed_of(seed, condition.name, repetition),
-            f"logs/{condition.name}/rep_{repetition:02d}.mcap",
-        )
-        for condition in conditions
-        for repetition in range(1, repetitions + 1)
-    )
     tables = _tables(asked.get("tables"), composer)
-    decisive = [campaign.name, tables, repetitions, seed, [[one.name, one.config] for one in conditions]]
     return Plan(
         campaign.name,
         campaign.description,
@@ -61,8 +49,8 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
         campaign.fixed,
         {axis.name: list(axis.cases) for axis in campaign.axes},
         conditions,
-        tests,
-        sha256_of(decisive),
+        planned_tests([one.name for one in conditions], repetitions, seed),
+        plan_sha256(campaign.name, tables, repetitions, seed, conditions),
     )
 
 
@@ -80,41 +68,42 @@ def check_call(lines: Sequence[str], composer: Composer) -> None:
     check_values(first.config, f"'{' '.join(lines)}'")
 
 
-def seed_of(seed: int, condition: str, repetition: int) -> int:
-    """Return the seed of one test.
-
-    It follows from the seed of the run, the condition's name and the repetition, so it is the same in any order, on
-    any number of workers, and when a parameter or the backend is changed: runs can be compared test by test.
-    """
-    import numpy as np
-
-    name = int.from_bytes(hashlib.sha256(condition.encode()).digest()[:16], "big")
-    return int(np.random.SeedSequence([seed, name, repetition]).generate_state(2, np.uint64)[0] >> 1)
-
-
-def sha256_of(content: Any) -> str:
-    """Return the hash of plain values, independent of the order of keys."""
-    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
+def check_plan(plan: Plan, where: str) -> None:
+    """Raise ``UsageError`` where a plan that was read holds a configuration that could not be planned here and now."""
+    for condition in plan.conditions:
+        place = f"{where}, condition '{condition.name}'"
+        try:
+            check_values({key: value for key, value in condition.config.items() if key not in ADDED}, place)
+            _check_test(condition.config)
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+            # Hashes that are right do not make a configuration one of ours.
+            reason = f"{type(error).__name__}: {error}"
+            raise UsageError(f"{place}: no test can be made with this configuration ({reason})") from error
 
 
 def _condition(draft: Draft, composition: Composition, repetitions: int, seed: int, composer: Composer) -> Condition:
-    from hjcamp import backends
-    from hjcamp.trajectories import build_trajectory
-
     config = {key: value for key, value in composition.config.items() if key not in RUN_KEYS}
     choices = {group: choice for group, choice in composition.choices.items() if choice and group != "campaign"}
     for group, choice in choices.items():
         if isinstance(config.get(group), dict):
             config[group].setdefault("name", choice)
-    where = f"condition '{draft.name}'"
-    check_values(config, where)
+    check_values(config, f"condition '{draft.name}'")
     config["controller_model"] = composer.model(str(config["controller"].get("model")))
+    duration = _check_test(config)
+    config |= {"repetitions": repetitions, "seed": seed}
+    return Condition(draft.name, choices, config, duration, config_sha256(config))
+
+
+def _check_test(config: Mapping[str, Any]) -> float:
+    """Return how long the motion of a test takes, s; raises ``UsageError`` where its backend cannot make it."""
+    from hjcamp import backends
+    from hjcamp.trajectories import build_trajectory
+
     duration = float(build_trajectory(config["trajectory"]).duration)
     check_test = getattr(backends, "check_test", None)
     if check_test is not None:
         check_test(config)
-    sha256 = sha256_of(config)
-    return Condition(draft.name, choices, {**config, "repetitions": repetitions, "seed": seed}, duration, sha256)
+    return duration
 
 
 def _selected(drafts: list[Draft], patterns: Any) -> list[Draft]:

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.backends.simulation import PreparedTest, control_values, log_columns, prepare
-from hjcamp.campaign.plan import Condition
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.records.plan import Condition
 
 Array = NDArray[np.float64]
 Gains = Mapping[str, Mapping[str, float]]

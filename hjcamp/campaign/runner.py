@@ -15,9 +15,10 @@ from hjcamp.campaign.files import run_errors
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.lock import run_lock
-from hjcamp.campaign.plan import PlannedTest
 from hjcamp.campaign.workers import available_workers, outcomes
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
+from hjcamp.records.plan import Plan, PlannedTest
+from hjcamp.records.run_folder import refuse_links_out
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -49,6 +50,7 @@ def run_plan(
     """
     rule = rule or StopRule()
     say = announce or (lambda text: console.print(text, style="yellow", highlight=False))
+    refuse_links_out(folder.path)
     with run_errors(folder.path), run_lock(folder.path):
         result = RunResult(folder.path)
         waiting = _waiting(folder, result, say)
@@ -128,7 +130,7 @@ def _bookkeeping(stopper: Outcome | None) -> Iterator[None]:
 
 
 def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -> list[PlannedTest]:
-    """Return the tests without a whole log; a damaged one is put aside, never overwritten."""
+    """Return the tests without a whole log; one that is damaged or another test is put aside, never overwritten."""
     for left_over in folder.path.glob("logs/*/*.mcap.*"):
         if PRIVATE_NAME.search(left_over.name):
             left_over.unlink(missing_ok=True)
@@ -139,25 +141,37 @@ def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -
             waiting.append(test)
             folder.manifest["tests"][test.id] = {"state": "planned"}
             continue
-        problem = _problem(path)
+        problem = _problem(folder.plan, test, path)
         if problem is None:
             result.kept += 1
             if folder.manifest["tests"][test.id]["state"] != "done":
                 folder.manifest["tests"][test.id] = {"state": "done"}
             continue
-        aside = path.with_suffix(".mcap.damaged")
+        kind, reason = problem
+        aside = _free(path.with_suffix(f".mcap.{kind}"))
         os.replace(path, aside)
-        say(f"{path} is damaged ({problem}); kept as {aside.name} and repeated")
+        say(f"{path} is {kind} ({reason}); kept as {aside.name} and repeated")
         waiting.append(test)
         folder.manifest["tests"][test.id] = {"state": "planned"}
     return waiting
 
 
-def _problem(path: Path) -> str | None:
+def _problem(plan: Plan, test: PlannedTest, path: Path) -> tuple[str, str] | None:
+    """Return what a log is that cannot be kept, and why; None where it is the test that was planned, and whole."""
     from hjcamp.records.read import read_log
+    from hjcamp.records.run_folder import difference
 
     try:
-        read_log(path)
+        other = difference(plan, test, read_log(path).metadata)
     except UsageError as error:
-        return str(error)
-    return None
+        return "damaged", str(error)
+    return ("foreign", other) if other else None
+
+
+def _free(path: Path) -> Path:
+    """Return ``path``, with a number behind it where that name is taken: what was put aside before stays."""
+    number, free = 1, path
+    while os.path.lexists(free):
+        number += 1
+        free = path.with_name(f"{path.name}_{number}")
+    return free

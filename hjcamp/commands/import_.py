@@ -22,6 +22,9 @@ def import_table(
     from hjcamp.records.importing import import_csv
 
     target = output or file.with_suffix(".mcap")
+    left = target.with_name(target.name + ".part").exists()
     log = import_csv(file, mapping, target)
     print(f"{target}: {log.samples} samples, {log.duration:.3f} s, fields {' '.join(log.columns)}")
+    if left:
+        print(f"  {target.name}.part, left by an import that was cut off, is gone")
     print(f"next  hjcamp compare {target}")

@@ -63,7 +63,6 @@ def recover(
 
     stem = path.name.removesuffix(".part").removesuffix(".mcap")
     result = recover_log(path, output or path.with_name(f"{stem}.recovered.mcap"))
-    lost = f"{result.lost} lost" if result.lost_is_exact else f"at least {result.lost} lost"
     for problem in result.problems:
         print(f"  {problem}")
-    print(f"{result.path}: {result.kept} samples kept, {lost}")
+    print(f"{result.path}: {result.words}")

@@ -34,6 +34,6 @@ def ls(
     for name in ("run", "campaign", "state", "tests", "started"):
         table.add_column(name, no_wrap=name != "run", overflow="fold")
     for run in runs:
-        total = len(run.plan["tests"])
-        table.add_row(str(run.path), str(run.plan["campaign"]), run.state, f"{run.done}/{total}", run.started)
+        tests = f"{run.done}/{len(run.plan.tests)}"
+        table.add_row(str(run.path), run.plan.campaign, run.state, tests, run.started)
     console.print(table)

@@ -11,7 +11,7 @@ import typer
 from hjcamp.commands._complete import complete_override
 
 if TYPE_CHECKING:
-    from hjcamp.campaign.plan import Plan
+    from hjcamp.records.plan import Plan
 
 
 def register(app: typer.Typer) -> None:

@@ -26,12 +26,14 @@ def resume(
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.folder import open_folder
     from hjcamp.campaign.going_on import StopRule
+    from hjcamp.campaign.planning import check_plan
     from hjcamp.campaign.provenance import code_identity
     from hjcamp.campaign.runner import run_plan
 
     rule = StopRule(fail_fast, keep_going)
     console = make_console()
     folder = open_folder(run)
+    check_plan(folder.plan, str(run / "plan.json"))
     sessions = folder.manifest["sessions"]
     if sessions and any(sessions[-1].get(key) != value for key, value in code_identity().items()):
         console.print("the program has changed since this run began; old and new tests may differ", style="yellow")

@@ -26,7 +26,7 @@ def show(run: Annotated[Path, typer.Argument(help="The run folder.")]) -> None:
     from hjcamp.commands.plan import common_choices
 
     folder = open_folder(run)
-    found = FoundRun(run, {"tests": []}, folder.manifest)
+    found = FoundRun(run, folder.plan, folder.manifest)
     console = make_console()
     console.print(
         f"[bold]{run}[/bold]   {folder.plan.campaign}, {found.state}, {found.done} of {len(folder.plan.tests)} tests"

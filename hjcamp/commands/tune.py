@@ -14,8 +14,8 @@ from hjcamp.errors import UsageError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.campaign.plan import Condition, Plan
     from hjcamp.campaign.retune import Retuned
+    from hjcamp.records.plan import Condition, Plan
 
 SIDES = (("positive", 1.0), ("negative", -1.0))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Any, TypeVar
 
@@ -53,15 +54,18 @@ class Crew:
         if self._client is None:
             yield from self.together(partial(task, context), items)
             return
-        shared = self._client.scatter(context, broadcast=True, hash=False)
-        futures = [self._client.submit(task, shared, item, pure=False) for item in items]
+        futures: list[Any] = []
         try:
+            with _cluster_errors():
+                shared = self._client.scatter(context, broadcast=True, hash=False)
+                futures += [self._client.submit(task, shared, item, pure=False) for item in items]
             for future in futures:
-                yield future.result()
-        except OSError as error:
-            raise HjcampError(f"the dask cluster is gone: {error}") from error
+                with _cluster_errors():
+                    result = future.result()
+                yield result
         finally:
-            self._client.cancel(futures)
+            with suppress(Exception):  # nobody is left to hear it where the cluster is gone
+                self._client.cancel(futures)
 
     def close(self) -> None:
         """Let the threads, the processes and the cluster go."""
@@ -98,6 +102,19 @@ def _alone() -> None:
 def available() -> int:
     """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def _cluster_errors() -> Iterator[None]:
+    """Turn what dask raises for a scheduler or workers that are gone into one message; a task's own errors stay."""
+    from distributed.client import CancelledError
+    from distributed.scheduler import KilledWorker
+
+    try:
+        yield
+    except (OSError, CancelledError, KilledWorker) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise HjcampError(f"the dask cluster is gone: {reason}; start it again, or leave --cluster out") from error
 
 
 def _connected(address: str) -> Any:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import sys
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
 from hjcamp.records.read import read_log
+from hjcamp.records.run_folder import planned_only
 
 SUFFIX = ".mcap"
 HARDWARE: tuple[str, ...] = ("pump", "amplifier", "tubing")
@@ -45,9 +47,24 @@ def _logs_at(path: Path) -> list[Path]:
     return logs
 
 
-def read_logs(paths: Sequence[str | Path]) -> list[TestLog]:
-    """Return the test logs that ``paths`` stand for, in the order of ``find_logs``; raises as ``read_log`` does."""
-    return [read_log(path) for path in find_logs(paths)]
+def tell(text: str) -> None:
+    """Say something beside the answer, on standard error."""
+    print(f"hjcamp: {text}", file=sys.stderr)
+
+
+def read_logs(paths: Sequence[str | Path], say: Callable[[str], None] = tell) -> list[TestLog]:
+    """Return the test logs that ``paths`` stand for, in the order of ``find_logs``; raises as ``read_log`` does.
+
+    In a run folder only the tests of its plan count; ``say`` hears of others. A log that is named itself always counts.
+    """
+    named = {Path(path).resolve() for path in paths if Path(path).is_file()}
+    logs = [read_log(path) for path in find_logs(paths)]
+    searched = [log for log in logs if log.path is None or log.path.resolve() not in named]
+    left_out = {id(log) for log in searched} - {id(log) for log in planned_only(searched, say)}
+    logs = [log for log in logs if id(log) not in left_out]
+    if not logs:
+        raise UsageError(f"{', '.join(map(str, paths))}: no log is a test of the plan beside it")
+    return logs
 
 
 def group_by_condition(logs: Iterable[TestLog]) -> dict[str, list[TestLog]]:

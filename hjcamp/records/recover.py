@@ -11,7 +11,7 @@ from hjcamp.errors import UsageError
 from hjcamp.records.check import check_log, check_names
 from hjcamp.records.container import CHANNEL, Container
 from hjcamp.records.layout import encode
-from hjcamp.records.log import COMMAND_PHASE, SAMPLE_S, TOPIC
+from hjcamp.records.log import COMMAND_PHASE, PHASES, SAMPLE_S, TOPIC
 from hjcamp.records.read import metadata_of, read_samples
 from hjcamp.records.salvage import Salvage, decode_salvage, salvage
 from hjcamp.records.samples import MOST_SAMPLES, Samples
@@ -40,13 +40,30 @@ class Verification:
 
 @dataclass(frozen=True)
 class Recovery:
-    """Samples kept and lost; where the file does not say how many it held, ``lost`` is the least possible."""
+    """Samples kept and lost; where the file does not say how many it held, ``lost`` is what misses between those kept.
+
+    ``until`` is the time of the last sample kept, s, and ``phase`` its phase (None: the log has no phases).
+    """
 
     path: Path
     kept: int
     lost: int
     lost_is_exact: bool
     problems: tuple[str, ...]
+    until: float
+    phase: int | None
+
+    @property
+    def words(self) -> str:
+        """What is known of the samples, and what is not."""
+        if self.lost_is_exact:
+            return f"{self.kept} samples kept, {self.lost} lost"
+        between = f", {self.lost} lost among them" if self.lost else ""
+        phase = "" if self.phase is None else f" in phase {self.phase} ({PHASES.get(self.phase, 'unknown')})"
+        return (
+            f"{self.kept} samples kept{between}, the last at {self.until:.3f} s{phase}; "
+            "how many came after it is not known: the file does not say how many it held"
+        )
 
 
 def verify_log(path: str | Path) -> Verification:
@@ -108,8 +125,11 @@ def recover_log(path: str | Path, out: str | Path) -> Recovery:
         raise UsageError(f"{source}: nothing can be recovered: {reason}") from fault
     kept = len(samples.log_time)
     lost, exact = _lost(result, samples.log_time)
-    recovery = Recovery(target, kept, lost, exact, tuple(dict.fromkeys(result.problems)))
-    _write(target, samples, result, {"source": source.name, "kept": str(kept), "lost": str(lost)})
+    until, last = float(samples.columns["time_s"][-1]), float(samples.columns.get("phase", [np.nan])[-1])
+    problems = tuple(dict.fromkeys(result.problems))
+    recovery = Recovery(target, kept, lost, exact, problems, until, int(last) if np.isfinite(last) else None)
+    note = {"source": source.name, "kept": str(kept), "lost": str(lost), "lost_is_exact": str(exact).lower()}
+    _write(target, samples, result, note)
     return recovery
 
 

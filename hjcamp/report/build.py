@@ -57,18 +57,20 @@ def build_report(
     are the logs where they have been read already, ``further`` gives more pictures for the page. `UsageError` where
     there is no log, a log that cannot be read, or an unknown ``against`` or table.
     """
-    from hjcamp.records.find import find_logs
-    from hjcamp.records.read import read_log
+    from hjcamp.records.find import read_logs
+    from hjcamp.records.run_folder import refuse_links_out
 
     if against is not None and against not in AGAINST:
         raise unknown("comparison", against, AGAINST, "--against")
     run_dir, target = Path(run_dir), Path(output or run_dir)
     if target.is_file():
         raise UsageError(f"{target} is a file; name the folder for tables and page with output (--output DIR)")
-    read = list(logs) if logs is not None else [read_log(path) for path in find_logs([run_dir])]
+    origin = read_origin(run_dir)
+    if origin.plan and target == run_dir:
+        refuse_links_out(target)
+    read = list(logs) if logs is not None else read_logs([run_dir])
     if not read:
         raise UsageError(f"{run_dir}: there are no test logs to report on")
-    origin = read_origin(run_dir)
     read = in_plan_order(read, origin)
     indicators = indicators_frame(read, origin.axes, run_dir)
     definitions = _with_rows(declared_tables(origin.tables), indicators)

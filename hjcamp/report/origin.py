@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -10,6 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import yaml
+
+from hjcamp.records.manifest import read_manifest
+from hjcamp.records.plan import NAME as PLAN
+from hjcamp.records.plan import read_plan
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
@@ -30,13 +33,13 @@ class RunOrigin:
     def tables(self) -> list[str] | None:
         """The tables that the campaign asks for; None where there is no plan."""
         tables = self.plan.get("tables")
-        return [str(name) for name in tables] if isinstance(tables, list) else None
+        return [str(name) for name in tables] if isinstance(tables, list | tuple) else None
 
     @property
     def condition_order(self) -> list[str]:
         """The names of the conditions in the order of the plan."""
         conditions = self.plan.get("conditions")
-        return [str(one.get("name")) for one in conditions] if isinstance(conditions, list) else []
+        return [str(one.get("name")) for one in conditions] if isinstance(conditions, list | tuple) else []
 
     @property
     def axes(self) -> dict[str, list[str]]:
@@ -58,15 +61,19 @@ class RunOrigin:
 
 
 def read_origin(run_dir: Path) -> RunOrigin:
-    """Return what the files of a run folder say; a missing or damaged one counts as empty."""
+    """Return what the files of a run folder say, empty for a mere folder of logs.
+
+    Raises ``UsageError`` where ``plan.json`` or ``manifest.json`` cannot be read or was changed.
+    """
     config_text = _text(run_dir / "config.yaml")
     try:
         config = yaml.safe_load(config_text)
     except yaml.YAMLError:
         config = None
+    plan = read_plan(run_dir / PLAN) if (run_dir / PLAN).exists() else None
     return RunOrigin(
-        plan=_json(run_dir / "plan.json"),
-        manifest=_json(run_dir / "manifest.json"),
+        plan=plan.as_json() if plan else {},
+        manifest=read_manifest(run_dir / "manifest.json", plan) if plan else {},
         config_text=config_text,
         config=config if isinstance(config, dict) else {},
     )
@@ -113,10 +120,3 @@ def _text(path: Path) -> str:
     except OSError:
         return ""
 
-
-def _json(path: Path) -> dict[str, Any]:
-    try:
-        content = json.loads(_text(path) or "{}")
-    except ValueError:
-        return {}
-    return content if isinstance(content, dict) else {}

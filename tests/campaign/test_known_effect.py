@@ -12,7 +12,7 @@ from hjcamp import cli
 MODEL = """
 name: tight_seals
 parameters: {}
-effects: {pressure_friction: {coefficient: 4.0e-6, reference: 0.2e+6}}
+effects: {pressure_friction: {coefficient: 6.0e-6, reference: 0.2e+6}}
 """
 
 

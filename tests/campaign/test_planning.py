@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.campaign.plan import Plan
-from hjcamp.campaign.planning import make_plan, seed_of
+from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
+from hjcamp.records.plan import Plan, read_plan, seed_of
 
 COUNTS = {
     "controllers": (14, 252.0),
@@ -118,10 +118,12 @@ def test_seeds_follow_from_run_condition_and_repetition() -> None:
     assert len(others | {seed_of(1, "mixed__pid", 1)}) == 4
 
 
-def test_a_plan_survives_its_file(vertical: Plan) -> None:
-    assert Plan.from_json(json.loads(json.dumps(vertical.as_json())), "plan.json") == vertical
-    with pytest.raises(UsageError, match="schema"):
-        Plan.from_json({}, "plan.json")
+def test_a_plan_survives_its_file(vertical: Plan, tmp_path: Path) -> None:
+    (tmp_path / "plan.json").write_text(json.dumps(vertical.as_json()))
+    assert read_plan(tmp_path / "plan.json") == vertical
+    (tmp_path / "plan.json").write_text("{}")
+    with pytest.raises(UsageError, match="schema is missing; this version reads"):
+        read_plan(tmp_path / "plan.json")
 
 
 def test_the_hash_covers_results_and_nothing_else(composer: Composer) -> None:

@@ -13,11 +13,11 @@ from rich.console import Console
 from hjcamp.campaign import code_changes, folder, provenance
 from hjcamp.campaign.code_changes import CodeState, code_state
 from hjcamp.campaign.folder import folder_for, open_folder
-from hjcamp.campaign.plan import Plan
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.provenance import PACKAGES, own_code_sha256
 from hjcamp.campaign.runner import run_plan
 from hjcamp.configuration.composer import Composer
+from hjcamp.records.plan import Plan
 from hjcamp.records.read import read_log
 
 WHO = ("-c", "user.name=a", "-c", "user.email=a@b")

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -14,10 +17,10 @@ import yaml
 from hjcamp.campaign.finding import find_runs
 from hjcamp.campaign.folder import folder_for, open_folder
 from hjcamp.campaign.lock import is_locked, run_lock
-from hjcamp.campaign.plan import Plan
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.records.plan import Plan
 from hjcamp.storage import write_whole
 
 
@@ -76,13 +79,11 @@ def test_what_is_no_run_folder_is_refused(plan: Plan, empty_folder: Path) -> Non
         open_folder(empty_folder)
 
 
-def test_a_damaged_manifest_is_made_anew(plan: Plan, empty_folder: Path) -> None:
+def test_a_manifest_that_is_gone_is_made_anew(plan: Plan, empty_folder: Path) -> None:
     folder, _ = folder_for(plan, {}, [], Path("mine"))
-    (folder.path / "manifest.json").write_text("{")
+    folder.begin(1)
+    (folder.path / "manifest.json").unlink()
     assert open_folder(folder.path).manifest["state"] == "new"
-    (folder.path / "plan.json").write_text("{")
-    with pytest.raises(UsageError, match=r"plan\.json cannot be read"):
-        open_folder(folder.path)
 
 
 def test_one_process_at_a_time(empty_folder: Path) -> None:
@@ -106,6 +107,44 @@ def test_one_process_at_a_time(empty_folder: Path) -> None:
     assert not is_locked(empty_folder)
     with run_lock(empty_folder):
         pass
+
+
+LOOKER = """
+import sys, time
+from pathlib import Path
+from hjcamp.campaign.lock import is_locked
+print("looks", flush=True)
+seen = 0
+while not Path("enough").exists():
+    seen += is_locked(Path(sys.argv[1]))
+print(seen)
+"""
+
+
+def test_a_look_does_not_lock(plan: Plan, empty_folder: Path) -> None:
+    """Two processes look all the time, as `hjcamp ls` does: every start finds the folder free, and no look a run."""
+    folder = folder_for(plan, {}, [], Path("mine"))[0].path
+    (folder / ".lock").touch()
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    options: dict[str, Any] = {"stdout": subprocess.PIPE, "text": True, "env": environment}
+    lookers = [subprocess.Popen([sys.executable, "-c", LOOKER, str(folder)], **options) for _ in range(2)]
+    try:
+        for looker in lookers:
+            assert looker.stdout.readline() == "looks\n"
+        time.sleep(0.3)
+        (empty_folder / "enough").touch()
+        assert [int(looker.communicate(timeout=60)[0]) for looker in lookers] == [0, 0], "a look took another for a run"
+        (empty_folder / "enough").unlink()
+        lookers = [subprocess.Popen([sys.executable, "-c", LOOKER, str(folder)], **options) for _ in range(2)]
+        for looker in lookers:
+            assert looker.stdout.readline() == "looks\n"
+        for _ in range(200):
+            with run_lock(folder):
+                pass
+    finally:
+        (empty_folder / "enough").touch()
+        for looker in lookers:
+            looker.communicate(timeout=60)
 
 
 def test_a_failed_write_leaves_the_old_file(empty_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

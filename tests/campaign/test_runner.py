@@ -18,11 +18,11 @@ from hjcamp.campaign.conclude import grouped
 from hjcamp.campaign.execution import Job, Outcome
 from hjcamp.campaign.folder import RunFolder, folder_for, open_folder
 from hjcamp.campaign.going_on import StopRule
-from hjcamp.campaign.plan import Plan
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import RunResult, run_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
+from hjcamp.records.plan import Plan
 from hjcamp.records.read import read_log
 
 pytestmark = pytest.mark.usefixtures("quick_backend", "empty_folder")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +13,7 @@ import numpy as np
 import pytest
 import yaml
 
+from hjcamp import cli
 from hjcamp.errors import UsageError
 from hjcamp.records.importing import import_csv
 from hjcamp.records.read import read_log
@@ -74,6 +78,29 @@ def test_phase_is_held_and_sets_the_time(tmp_path: Path) -> None:
     log = read_log(tmp_path / "out.mcap")
     assert log.columns["time_s"][0] == pytest.approx(-0.2)
     np.testing.assert_array_equal(log.columns["phase"], np.where(log.columns["time_s"] < -1e-9, 2.0, 3.0))
+
+
+KILLED = """
+import os, signal, sys
+from hjcamp import cli
+from hjcamp.records import write
+write.LogWriter.append_arrays = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
+cli.run(["import", *sys.argv[1:]])
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="kill -9")
+def test_what_a_killed_import_left_goes_with_the_next(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source, rules = write_case(tmp_path, table(1000))
+    words = [str(source), "--map", str(rules)]
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    subprocess.run([sys.executable, "-c", KILLED, *words], env=environment, check=False)
+    assert [path.name for path in tmp_path.glob("bench.mcap*")] == ["bench.mcap.part"]
+    for left in (True, False):
+        assert cli.run(["import", *words]) == 0
+        assert ("bench.mcap.part, left by an import that was cut off, is gone" in capsys.readouterr().out) == left
+        assert [path.name for path in tmp_path.glob("bench.mcap*")] == ["bench.mcap"]
+        (tmp_path / "bench.mcap").unlink()
 
 
 def edit(change: Callable[[dict], object]) -> dict:

@@ -72,6 +72,28 @@ def test_a_cut_log_keeps_everything_before_the_cut(tmp_path: Path, good: bytes, 
     assert recovery.lost <= SAMPLES - recovery.kept
 
 
+def test_what_is_not_known_of_a_cut_log_is_said(tmp_path: Path, good: bytes) -> None:
+    (tmp_path / "cut.mcap").write_bytes(good[: len(good) // 2])
+    recovery = recover_log(tmp_path / "cut.mcap", tmp_path / "saved.mcap")
+    saved = read_log(tmp_path / "saved.mcap")
+    assert not recovery.lost_is_exact and recovery.lost == 0
+    assert recovery.until == saved.columns["time_s"][-1] and recovery.phase == saved.columns["phase"][-1]
+    assert recovery.words == (
+        f"{saved.samples} samples kept, the last at {recovery.until:.3f} s in phase 3 (command and control); "
+        "how many came after it is not known: the file does not say how many it held"
+    )
+    (tmp_path / "whole.mcap").write_bytes(good)
+    assert recover_log(tmp_path / "whole.mcap", tmp_path / "again.mcap").words == f"{SAMPLES} samples kept, 0 lost"
+
+
+def test_what_misses_in_between_is_counted(tmp_path: Path, good: bytes) -> None:
+    starts = chunk_starts(good)
+    (tmp_path / "cut.mcap").write_bytes(good[: starts[2]] + good[starts[3] : len(good) // 5 * 4])
+    recovery = recover_log(tmp_path / "cut.mcap", tmp_path / "saved.mcap")
+    assert not recovery.lost_is_exact and recovery.lost >= 400
+    assert f"samples kept, {recovery.lost} lost among them, the last at" in recovery.words
+
+
 def test_a_broken_chunk_costs_only_itself(tmp_path: Path, good: bytes) -> None:
     starts = chunk_starts(good)
     broken = bytearray(good)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +14,7 @@ import yaml
 
 from hjcamp.configuration.composer import Composer
 from hjcamp.records.log import TestLog
+from hjcamp.records.plan import Condition, Plan, config_sha256, plan_sha256, planned_tests, seed_of
 from hjcamp.trajectories import build_trajectory
 
 SHAPES: dict[str, dict[str, Any]] = {
@@ -94,3 +99,32 @@ def make_logs(repetitions: int = 3) -> list[TestLog]:
         for controller in ("pid", "ffwd_pid")
         for repetition in range(1, repetitions + 1)
     ]
+
+
+def make_plan(conditions: Sequence[str], repetitions: int = 2, tables: Sequence[str] = (), **words: str) -> Plan:
+    """Return a plan of conditions that differ in their names alone."""
+    configs = [{"condition": name} for name in conditions]
+    made = tuple(
+        Condition(name, {}, config, 1.0, config_sha256(config))
+        for name, config in zip(conditions, configs, strict=True)
+    )
+    campaign = words.get("campaign", "controllers")
+    sha256 = plan_sha256(campaign, tables, repetitions, 1, made)
+    tests = planned_tests(conditions, repetitions, 1)
+    description = words.get("description", "")
+    return Plan(campaign, description, tuple(tables), repetitions, 1, {}, {}, made, tests, sha256)
+
+
+def write_plan(folder: Path, plan: Plan) -> None:
+    """Write ``plan.json``."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "plan.json").write_text(json.dumps(plan.as_json()), encoding="utf-8")
+
+
+def as_planned(log: TestLog, plan: Plan) -> TestLog:
+    """Return a log with what it says of the plan; unchanged where the plan does not have it."""
+    for one in plan.conditions:
+        if one.name == log.metadata["condition"]:
+            seed = seed_of(plan.seed, one.name, int(log.metadata["repetition"]))
+            return replace(log, metadata=log.metadata | {"seed": str(seed), "config_sha256": one.sha256})
+    return log

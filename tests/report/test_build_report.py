@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import re
 from collections.abc import Sequence
 from html.parser import HTMLParser
@@ -13,11 +12,12 @@ from xml.etree import ElementTree
 import numpy as np
 import polars as pl
 import pytest
-from report_samples import make_log, make_logs
+from report_samples import as_planned, make_log, make_logs, make_plan, write_plan
 from rich.console import Console
 
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.records.log import TestLog
+from hjcamp.records.plan import Plan
 from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
 from hjcamp.report.figures import draw_condition
@@ -26,13 +26,13 @@ from hjcamp.report.spread import gather
 from hjcamp.report.terminal import summary_table
 
 
-def make_run(folder: Path, logs: Sequence[TestLog], plan: dict[str, object] | None = None) -> Path:
-    for log in logs:
+def make_run(folder: Path, logs: Sequence[TestLog], plan: Plan | None = None) -> Path:
+    for log in logs if plan is None else [as_planned(log, plan) for log in logs]:
         path = folder / "logs" / log.metadata["condition"] / f"rep_{int(log.metadata['repetition']):02d}.mcap"
         path.parent.mkdir(parents=True, exist_ok=True)
         write_log(path, log)
-    if plan:
-        (folder / "plan.json").write_text(json.dumps(plan))
+    if plan is not None:
+        write_plan(folder, plan)
     return folder
 
 
@@ -78,10 +78,8 @@ def test_the_files_of_a_run_folder(tmp_path: Path) -> None:
 
 def test_the_page_is_self_contained_and_well_formed(tmp_path: Path) -> None:
     logs = [*make_logs(2), make_log("ramp_pos", condition="<script>alert(1)</script> & more")]
-    plan: dict[str, object] = {"campaign": "a <b> & c", "description": "$title ${style}", "conditions": []}
     run = tmp_path / "run"
-    run.mkdir()
-    (run / "plan.json").write_text(json.dumps(plan))
+    write_plan(run, make_plan(["ramp_pos__pid"], campaign="a <b> & c", description="$title ${style}"))
     (run / "config.yaml").write_text("overrides: ['x=$(rm)', 'repetitions=2']\n")
     page = build_report(run, logs=logs).page.read_text(encoding="utf-8")
     outline = Outline()
@@ -98,14 +96,15 @@ def test_the_page_is_self_contained_and_well_formed(tmp_path: Path) -> None:
     assert not re.search(r"url\((?!#)", page)
 
 
-def test_the_plan_decides_tables_and_order(tmp_path: Path) -> None:
-    conditions = [{"name": name} for name in ("ramp_pos__ffwd_pid", "ramp_pos__pid", "cycloid_pos__pid")]
-    run = make_run(tmp_path, make_logs(2), {"tables": ["table_5_4_2"], "conditions": conditions})
+def test_the_plan_decides_tables_and_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    names = ["ramp_pos__ffwd_pid", "ramp_pos__pid", "cycloid_pos__pid"]
+    run = make_run(tmp_path, make_logs(2), make_plan(names, tables=["table_5_4_2"]))
     report = build_report(run)
     assert list(report.tables) == ["table_5_4_2"]
-    names = [*(one["name"] for one in conditions), "cycloid_pos__ffwd_pid"]
     assert report.indicators["condition"].unique(maintain_order=True).to_list() == names
-    (run / "plan.json").write_text(json.dumps({"tables": ["table_5"]}))
+    said = capsys.readouterr().err
+    assert said.count("is left out: no test of the plan") == 2 and "cycloid_pos__ffwd_pid/rep_01.mcap" in said
+    write_plan(run, make_plan(names, tables=["table_5"]))
     with pytest.raises(UsageError, match="unknown table 'table_5'"):
         build_report(run)
 
