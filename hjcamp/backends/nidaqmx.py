@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from hjcamp.backends.recording import current_recording
 from hjcamp.backends.rig_check_stamp import require_check
 from hjcamp.backends.rig_connection import connect
-from hjcamp.backends.rig_control import COMMAND, RigControl
+from hjcamp.backends.rig_control import RigControl
 from hjcamp.backends.rig_fault import LeftAt, RigFault
 from hjcamp.backends.rig_journal import Journal
 from hjcamp.backends.rig_limits import LimitCheck, read_limits
 from hjcamp.backends.rig_lock import take_lock
 from hjcamp.backends.rig_loop import RigLoop, Stopped, StoppedForGood
 from hjcamp.backends.rig_park import note_parked, parked_at
+from hjcamp.backends.rig_reach import check_reach
 from hjcamp.backends.rig_silence import coupling_of
 from hjcamp.backends.rig_stop import while_moving
 from hjcamp.backends.rig_tasks import RigTasks, device_facts
@@ -43,9 +44,8 @@ SLOWEST_RETURN = 2 * np.pi  # rad/s: 1 mm/s of the pump
 
 
 def check_test(config: Mapping[str, Any]) -> None:
-    """Raise ``UsageError`` where wiring or limits of the rig are incomplete; nothing is touched."""
-    read_wiring(config)
-    read_limits(config)
+    """Raise ``UsageError`` where wiring or limits are incomplete or out of reach of the test; nothing is touched."""
+    check_reach(config, read_wiring(config), read_limits(config))
 
 
 def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], dict[str, str]]:
@@ -101,7 +101,6 @@ def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
     note_parked(config, loop.tasks.wiring, None)
     try:
         if loop.motor != 0.0:
-            loop.control.out[COMMAND] = loop.motor
             loop.return_to_start(speed or SLOWEST_RETURN)
             loop.control.out[:] = 0.0
         loop.run()
@@ -160,7 +159,9 @@ def limit_check(config: Mapping[str, Any], wiring: Wiring) -> LimitCheck:
     """Return the limits of one test."""
     one, two = wiring.pressures["pressure1"], wiring.pressures["pressure2"]
     voltages = ((one.lowest_v, one.highest_v), (two.lowest_v, two.highest_v))
-    return LimitCheck(read_limits(config), config["pump"]["lead_mm_per_rev"] * 1e-3, voltages, coupling_of(config))
+    tracked = find_controller(config["controller"]["name"]).uses_arm
+    lead = config["pump"]["lead_mm_per_rev"] * 1e-3
+    return LimitCheck(read_limits(config), lead, voltages, coupling_of(config), tracked)
 
 
 def _watchdog(loop: RigLoop) -> str:

@@ -85,6 +85,8 @@ class RigCheck:
             )
             if reason is None:
                 tasks.write(self.command, self.motor, 0.0, preload_speed)
+                self.command = tasks.put_out[0]
+                reason = self.limits.clipped(tasks.beyond, wiring.outputs)
         except Error as error:
             reason = str(error).strip().splitlines()[0]
         if reason is not None:

@@ -17,9 +17,7 @@ TABLE_5_2_1 = {"positive": {"kp": 1.05, "ki": 70.0, "kd": 0.015}, "negative": {"
 
 @pytest.mark.parametrize("controller", ["open_loop", "pid", "ffwd_pid"])
 @pytest.mark.parametrize(("lines", "scale"), [((), 8.5), (PUMP1, 21.4)])
-def test_the_scale_follows_the_pump(
-    composer: Composer, controller: str, lines: tuple[str, ...], scale: float
-) -> None:
+def test_the_scale_follows_the_pump(composer: Composer, controller: str, lines: tuple[str, ...], scale: float) -> None:
     config = composer.compose([f"controller={controller}", *lines]).config
     assert config["controller"]["scale"] == scale
     # thesis 4.6.1: how far the motor turns for one degree of the arm follows from the bores
