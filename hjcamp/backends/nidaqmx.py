@@ -14,6 +14,7 @@ from hjcamp.backends.rig_check_stamp import require_check
 from hjcamp.backends.rig_connection import connect
 from hjcamp.backends.rig_control import RigControl
 from hjcamp.backends.rig_fault import LeftAt, RigFault
+from hjcamp.backends.rig_guard import guard_facts, interlock_of, notices, require_guard
 from hjcamp.backends.rig_journal import Journal
 from hjcamp.backends.rig_limits import LimitCheck, read_limits
 from hjcamp.backends.rig_lock import take_lock
@@ -45,6 +46,7 @@ SLOWEST_RETURN = 2 * np.pi  # rad/s: 1 mm/s of the pump
 
 def check_test(config: Mapping[str, Any]) -> None:
     """Raise ``UsageError`` where wiring or limits are incomplete or out of reach of the test; nothing is touched."""
+    interlock_of(config)
     check_reach(config, read_wiring(config), read_limits(config))
 
 
@@ -64,6 +66,7 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
     with while_moving() as signals, undisturbed():
         connection = connect(config, seed)
         try:
+            require_guard(config)
             facts = rig_facts(config, device_facts(wiring, connection))
             if recording is not None:
                 recording.notes.update(facts)
@@ -85,6 +88,12 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
             connection.close()
     recorded = journal.columns(0, journal.count)
     return recorded, {**facts, **_notes(loop, recorded, config)}
+
+
+def before_moving(config: Mapping[str, Any]) -> list[str]:
+    """Return what a person must know before this rig moves; raises ``UsageError`` where it must not."""
+    require_guard(config)
+    return notices(config)
 
 
 def look_again(config: Mapping[str, Any], left: LeftAt) -> str:
@@ -121,7 +130,7 @@ def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
     if problem is not None:
         reason = reason or "the end of the test"
         raise RigStopped(
-            f"{reason}. THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand. {_watchdog(loop)}"
+            f"{reason}. THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand. {_watchdog(loop, config)}"
         )
     if reason and may_go_on:
         raise RigFault(f"the rig was made safe: {reason}", LeftAt(loop.motor, loop.arm))
@@ -164,16 +173,17 @@ def limit_check(config: Mapping[str, Any], wiring: Wiring) -> LimitCheck:
     return LimitCheck(read_limits(config), lead, voltages, coupling_of(config), tracked)
 
 
-def _watchdog(loop: RigLoop) -> str:
-    timeout = loop.tasks.wiring.watchdog_s
+def _watchdog(loop: RigLoop, config: Mapping[str, Any]) -> str:
+    timeout, interlock = loop.tasks.wiring.watchdog_s, interlock_of(config)
     if timeout is None:
-        return "The device has no watchdog"
+        return "The device has no watchdog" + (f"; rig.interlock: {interlock}" if interlock else "")
     return f"The device's watchdog makes them safe {timeout * 1e3:g} ms after the last write"
 
 
 def rig_facts(config: Mapping[str, Any], devices: str) -> dict[str, str]:
     """Return what every log of a rig says about where it was made."""
-    return {"devices": devices, "host": platform.node(), "calibration": str(config["rig"].get("calibration"))}
+    facts = {"devices": devices, "host": platform.node(), "calibration": str(config["rig"].get("calibration"))}
+    return {**facts, **guard_facts(config)}
 
 
 def _notes(loop: RigLoop, columns: dict[str, Array], config: Mapping[str, Any]) -> dict[str, str]:

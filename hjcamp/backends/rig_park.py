@@ -11,14 +11,13 @@ from typing import Any
 
 from hjcamp.backends.rig_check_stamp import stamp_path
 from hjcamp.backends.rig_connection import RigUnavailable
+from hjcamp.backends.rig_guard import is_real
 from hjcamp.backends.rig_wiring import Wiring
 
 
 def keeps_its_place(config: Mapping[str, Any], wiring: Wiring) -> bool:
     """Return whether the drive stays where it was told between two tests; a virtual rig begins at rest each time."""
-    connection = config["rig"]["connection"]
-    real = connection["kind"] == "driver" or (connection["kind"] == "address" and not connection.get("virtual", True))
-    return real and wiring.outputs["pump"].safe_v is None
+    return is_real(config) and wiring.outputs["pump"].safe_v is None
 
 
 def parked_at(config: Mapping[str, Any], wiring: Wiring) -> float:
