@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from hjcamp.backends.rig_check_stamp import stamp_path
+from hjcamp.backends.rig_check_stamp import parked_path
 from hjcamp.backends.rig_connection import RigUnavailable
 from hjcamp.backends.rig_guard import is_real
 from hjcamp.backends.rig_wiring import Wiring
@@ -25,10 +25,10 @@ def parked_at(config: Mapping[str, Any], wiring: Wiring) -> float:
 
     Raises ``RigUnavailable`` where nobody knows: the last test was killed, and its first write would be a jump.
     """
-    if not keeps_its_place(config, wiring) or not _path(config).is_file():
+    if not keeps_its_place(config, wiring) or not parked_path(config).is_file():
         return 0.0
     try:
-        return float(json.loads(_path(config).read_text())["pump_rad"])
+        return float(json.loads(parked_path(config).read_text())["pump_rad"])
     except (OSError, ValueError, KeyError, TypeError):
         name = config["rig"].get("name")
         raise RigUnavailable(
@@ -44,13 +44,9 @@ def note_parked(config: Mapping[str, Any], wiring: Wiring, motor: float | None) 
     """
     if not keeps_its_place(config, wiring):
         return
-    path = _path(config)
+    path = parked_path(config)
     part = path.with_name(path.name + ".part")
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         part.write_text(json.dumps({"pump_rad": motor}))
         os.replace(part, path)
-
-
-def _path(config: Mapping[str, Any]) -> Path:
-    return stamp_path(config).with_suffix(".parked")
