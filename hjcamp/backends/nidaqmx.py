@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -181,9 +182,14 @@ def _watchdog(loop: RigLoop, config: Mapping[str, Any]) -> str:
 
 
 def rig_facts(config: Mapping[str, Any], devices: str) -> dict[str, str]:
-    """Return what every log of a rig says about where it was made."""
-    facts = {"devices": devices, "host": platform.node(), "calibration": str(config["rig"].get("calibration"))}
-    return {**facts, **guard_facts(config)}
+    """Return what every log of a rig says about where, when (UTC) and under what guard it was made."""
+    return {
+        "devices": devices,
+        "host": platform.node(),
+        "calibration": str(config["rig"].get("calibration")),
+        "started_at": datetime.now(UTC).isoformat(timespec="milliseconds"),
+        **guard_facts(config),
+    }
 
 
 def _notes(loop: RigLoop, columns: dict[str, Array], config: Mapping[str, Any]) -> dict[str, str]:
