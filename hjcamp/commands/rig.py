@@ -27,7 +27,7 @@ def register(app: typer.Typer) -> None:
 
 def serve(
     overrides: Annotated[
-        list[str] | None, typer.Argument(metavar="EFFECTS", help="Hidden effects: effects.leakage.conductance=1e-13")
+        list[str] | None, typer.Argument(metavar="EFFECTS", help="Hidden effects: effects.leakage.conductance=1e-15")
     ] = None,
     address: Annotated[str, typer.Option(help="HOST:PORT to serve on.")] = "localhost:31763",
     fault: Annotated[
