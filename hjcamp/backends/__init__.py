@@ -31,6 +31,18 @@ def check_test(config: Mapping[str, Any]) -> None:
         check(config)
 
 
+def notices(config: Mapping[str, Any]) -> list[str]:
+    """Return what a person must know of this backend before a run, such as a rig without a watchdog."""
+    say = getattr(_backend(config), "notices", None)
+    return [] if say is None else list(say(config))
+
+
+def before_moving(config: Mapping[str, Any]) -> list[str]:
+    """Return the same at the start of a run; raises ``UsageError`` where nothing must move."""
+    say = getattr(_backend(config), "before_moving", None)
+    return [] if say is None else list(say(config))
+
+
 def look_again(config: Mapping[str, Any], left: Any) -> str:
     """Look at a rig that was made safe by a fault; return what was found, raise ``HjcampError`` where it is not fit.
 

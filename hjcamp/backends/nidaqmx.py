@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -12,13 +13,15 @@ from numpy.typing import NDArray
 from hjcamp.backends.recording import current_recording
 from hjcamp.backends.rig_check_stamp import require_check
 from hjcamp.backends.rig_connection import connect
-from hjcamp.backends.rig_control import COMMAND, RigControl
+from hjcamp.backends.rig_control import RigControl
 from hjcamp.backends.rig_fault import LeftAt, RigFault
+from hjcamp.backends.rig_guard import guard_facts, interlock_of, notices, require_guard
 from hjcamp.backends.rig_journal import Journal
 from hjcamp.backends.rig_limits import LimitCheck, read_limits
 from hjcamp.backends.rig_lock import take_lock
 from hjcamp.backends.rig_loop import RigLoop, Stopped, StoppedForGood
 from hjcamp.backends.rig_park import note_parked, parked_at
+from hjcamp.backends.rig_reach import check_reach
 from hjcamp.backends.rig_silence import coupling_of
 from hjcamp.backends.rig_stop import while_moving
 from hjcamp.backends.rig_tasks import RigTasks, device_facts
@@ -43,9 +46,9 @@ SLOWEST_RETURN = 2 * np.pi  # rad/s: 1 mm/s of the pump
 
 
 def check_test(config: Mapping[str, Any]) -> None:
-    """Raise ``UsageError`` where wiring or limits of the rig are incomplete; nothing is touched."""
-    read_wiring(config)
-    read_limits(config)
+    """Raise ``UsageError`` where wiring or limits are incomplete or out of reach of the test; nothing is touched."""
+    interlock_of(config)
+    check_reach(config, read_wiring(config), read_limits(config))
 
 
 def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], dict[str, str]]:
@@ -64,6 +67,7 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
     with while_moving() as signals, undisturbed():
         connection = connect(config, seed)
         try:
+            require_guard(config)
             facts = rig_facts(config, device_facts(wiring, connection))
             if recording is not None:
                 recording.notes.update(facts)
@@ -87,6 +91,12 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
     return recorded, {**facts, **_notes(loop, recorded, config)}
 
 
+def before_moving(config: Mapping[str, Any]) -> list[str]:
+    """Return what a person must know before this rig moves; raises ``UsageError`` where it must not."""
+    require_guard(config)
+    return notices(config)
+
+
 def look_again(config: Mapping[str, Any], left: LeftAt) -> str:
     """Look at the rig after a fault and bring it to where a test begins; raises ``HjcampError`` where it is not fit."""
     from hjcamp.backends.rig_look_again import look_again as look
@@ -101,7 +111,6 @@ def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
     note_parked(config, loop.tasks.wiring, None)
     try:
         if loop.motor != 0.0:
-            loop.control.out[COMMAND] = loop.motor
             loop.return_to_start(speed or SLOWEST_RETURN)
             loop.control.out[:] = 0.0
         loop.run()
@@ -122,7 +131,7 @@ def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
     if problem is not None:
         reason = reason or "the end of the test"
         raise RigStopped(
-            f"{reason}. THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand. {_watchdog(loop)}"
+            f"{reason}. THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand. {_watchdog(loop, config)}"
         )
     if reason and may_go_on:
         raise RigFault(f"the rig was made safe: {reason}", LeftAt(loop.motor, loop.arm))
@@ -160,19 +169,27 @@ def limit_check(config: Mapping[str, Any], wiring: Wiring) -> LimitCheck:
     """Return the limits of one test."""
     one, two = wiring.pressures["pressure1"], wiring.pressures["pressure2"]
     voltages = ((one.lowest_v, one.highest_v), (two.lowest_v, two.highest_v))
-    return LimitCheck(read_limits(config), config["pump"]["lead_mm_per_rev"] * 1e-3, voltages, coupling_of(config))
+    tracked = find_controller(config["controller"]["name"]).uses_arm
+    lead = config["pump"]["lead_mm_per_rev"] * 1e-3
+    return LimitCheck(read_limits(config), lead, voltages, coupling_of(config), tracked)
 
 
-def _watchdog(loop: RigLoop) -> str:
-    timeout = loop.tasks.wiring.watchdog_s
+def _watchdog(loop: RigLoop, config: Mapping[str, Any]) -> str:
+    timeout, interlock = loop.tasks.wiring.watchdog_s, interlock_of(config)
     if timeout is None:
-        return "The device has no watchdog"
+        return "The device has no watchdog" + (f"; rig.interlock: {interlock}" if interlock else "")
     return f"The device's watchdog makes them safe {timeout * 1e3:g} ms after the last write"
 
 
 def rig_facts(config: Mapping[str, Any], devices: str) -> dict[str, str]:
-    """Return what every log of a rig says about where it was made."""
-    return {"devices": devices, "host": platform.node(), "calibration": str(config["rig"].get("calibration"))}
+    """Return what every log of a rig says about where, when (UTC) and under what guard it was made."""
+    return {
+        "devices": devices,
+        "host": platform.node(),
+        "calibration": str(config["rig"].get("calibration")),
+        "started_at": datetime.now(UTC).isoformat(timespec="milliseconds"),
+        **guard_facts(config),
+    }
 
 
 def _notes(loop: RigLoop, columns: dict[str, Array], config: Mapping[str, Any]) -> dict[str, str]:

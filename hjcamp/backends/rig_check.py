@@ -85,6 +85,8 @@ class RigCheck:
             )
             if reason is None:
                 tasks.write(self.command, self.motor, 0.0, preload_speed)
+                self.command = tasks.put_out[0]
+                reason = self.limits.clipped(tasks.beyond, wiring.outputs)
         except Error as error:
             reason = str(error).strip().splitlines()[0]
         if reason is not None:
@@ -186,6 +188,7 @@ def open_check(
     """
     from hjcamp.backends.nidaqmx import limit_check
     from hjcamp.backends.rig_connection import connect
+    from hjcamp.backends.rig_guard import require_guard
     from hjcamp.backends.rig_limits import read_limits
     from hjcamp.backends.rig_park import note_parked
     from hjcamp.backends.rig_stop import while_moving
@@ -195,6 +198,7 @@ def open_check(
     with while_moving() as signals:
         connection = connect(config, seed)
         try:
+            require_guard(config)
             facts = device_facts(wiring, connection)
             tasks = RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3, left)
             check = RigCheck(tasks, limit_check(config, wiring), config, ask, lambda: signals.reason, facts)

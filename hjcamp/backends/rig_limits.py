@@ -9,6 +9,7 @@ from math import inf, pi
 from typing import Any
 
 from hjcamp.backends.rig_silence import RELEASE_PHASE, Coupling, Silence
+from hjcamp.backends.rig_wiring import Output
 from hjcamp.errors import UsageError, unknown
 
 DEGREE = pi / 180
@@ -37,12 +38,13 @@ class Limits:
     missed_in_all: float
     read_timeout_ms: float
     arm_silent_deg: float = 6.0  # up to 1.7 in simulated tests with any effect of the library
+    output_clipped_ms: float = 0.0  # not a single sample
 
 
 def read_limits(config: Mapping[str, Any]) -> Limits:
     """Return the limits of ``config["rig"]``; each must be there, a missing one is no permission.
 
-    Where ``arm_silent_deg`` is not named it is 6: a rig described before there was such a limit has it too.
+    A rig that was described before there was ``arm_silent_deg`` (6) and ``output_clipped_ms`` (0) has them too.
     """
     given = config["rig"]["limits"]
     where = f"rig '{config['rig'].get('name')}', limits"
@@ -66,7 +68,11 @@ def read_limits(config: Mapping[str, Any]) -> Limits:
 
 
 class LimitCheck:
-    """Watches one test; ``check`` returns the reason to stop, or None. ``lead`` in m per turn."""
+    """Watches one test; ``check`` and ``clipped`` return the reason to stop, or None. ``lead`` in m per turn.
+
+    ``tracked``: the control law makes the arm follow the reference. An open loop does not: its reference may be an
+    angle of the motor, so only before the command phase must the arm stay where it is.
+    """
 
     def __init__(
         self,
@@ -74,9 +80,12 @@ class LimitCheck:
         lead: float,
         voltages: tuple[tuple[float, float], tuple[float, float]],
         coupling: Coupling,
+        tracked: bool = True,
     ) -> None:
         self.limits = limits
         self.missed = 0
+        self._tracked = tracked
+        self._clipped = 0
         self._travel = lead / (2 * pi) * 1e3
         self._voltages = voltages
         self._past: deque[tuple[int, float, float]] = deque(maxlen=SPEED_SAMPLES)
@@ -116,10 +125,26 @@ class LimitCheck:
         if following > limits.pump_following_deg:
             return f"the pump is {following:.0f} deg behind its command, limit {limits.pump_following_deg:g} deg"
         # Before the command phase the arm must stay where the reference begins.
-        if out[0] <= COMMAND_PHASE and abs(out[1] - arm) / DEGREE > limits.tracking_deg:
-            return f"tracking error {abs(out[1] - arm) / DEGREE:.1f} deg, limit {limits.tracking_deg:g} deg"
+        wanted = out[1] if self._tracked else 0.0
+        if out[0] <= (COMMAND_PHASE if self._tracked else REST_PHASE):
+            error = abs(wanted - arm) / DEGREE
+            if error > limits.tracking_deg:
+                return f"tracking error {error:.1f} deg, limit {limits.tracking_deg:g} deg"
         silent = self._silence.check(self._sample, out[0], out[2] / DEGREE, travel, angle, one, two)
         return silent or self._speeds(missed, angle, travel)
+
+    def clipped(self, beyond: tuple[str, float] | None, outputs: Mapping[str, Output]) -> str | None:
+        """Return why an output that was asked for more than its range stops the test; ``beyond`` is that of the tasks."""
+        if beyond is None:
+            self._clipped = 0
+            return None
+        self._clipped += 1
+        name, asked = beyond
+        allowed = self.limits.output_clipped_ms
+        if self._clipped * PERIOD * 1e3 <= allowed:
+            return None
+        there = f"{outputs[name].lowest_v:g} to {outputs[name].highest_v:g} V"
+        return f"output {name} is clipped: {asked:.2f} V asked, {there} there, limit output_clipped_ms {allowed:g} ms"
 
     def _speeds(self, missed: int, angle: float, travel: float) -> str | None:
         limits = self.limits

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import copysign
+from math import copysign, isfinite
 
 from nidaqmx.errors import Error
 
@@ -43,7 +43,7 @@ class RigLoop:
 
     def run(self) -> None:
         """Make the test to the end of its release phase; raises ``Stopped`` with the reason of an early end."""
-        tasks, control, journal = self.tasks, self.control, self.journal
+        control, journal = self.control, self.journal
         out = control.out
         longest = len(journal.rows)
         while True:
@@ -53,7 +53,7 @@ class RigLoop:
             phase = out[PHASE]
             if phase > RELEASE_PHASE:
                 break
-            tasks.write(out[COMMAND], self.motor, out[DITHER], out[PRELOAD_SPEED])
+            self.write(out[COMMAND], out[DITHER], out[PRELOAD_SPEED])
             if journal.count + missed + 1 > longest:
                 raise Stopped("the test takes longer than its phases may")
             row = journal.rows[journal.count]
@@ -62,6 +62,7 @@ class RigLoop:
             if phase == COMMAND_PHASE and journal.first < 0:
                 journal.first = journal.count + missed
             journal.add(missed)
+            self.check_range()
         if phase >= FAILED_PHASE:
             raise Stopped(
                 "the preload or the pressure adjustment took longer than procedure.phase_limit_s: a leak, a wrong "
@@ -71,14 +72,28 @@ class RigLoop:
     def return_to_start(self, speed: float) -> None:
         """Drive the pump back to where it started, at ``speed`` (rad/s), under the same limits; not logged."""
         out = self.control.out
-        out[PHASE], command = RELEASE_PHASE, out[COMMAND]
+        out[PHASE] = RELEASE_PHASE
+        command = out[COMMAND] = self.tasks.put_out[0]
         step = speed * PERIOD
         while command != 0.0:
             missed, pressure1, pressure2, arm = self.read()
             self.check(missed, pressure1, pressure2, arm, "while the pump returned to its start: ")
             command = 0.0 if abs(command) <= step else command - copysign(step, command)
-            out[COMMAND] = command
-            self.tasks.write(command, self.motor, 0.0, 0.0)
+            self.write(command, 0.0, 0.0)
+            self.check_range("while the pump returned to its start: ")
+
+    def write(self, command: float, dither: float, preload_speed: float) -> None:
+        """Write the outputs (rad, V, m/s); what they really gave stands in the row of ``rig_step`` from here on."""
+        if not isfinite(command + dither + preload_speed):
+            raise Stopped(f"the control law asks for {command:g} rad, {dither:g} V, {preload_speed:g} m/s")
+        self.tasks.write(command, self.motor, dither, preload_speed)
+        self.control.out[COMMAND], self.control.out[DITHER] = self.tasks.put_out
+
+    def check_range(self, when: str = "") -> None:
+        """Raise ``Stopped`` where an output could not give what it was asked for."""
+        reason = self.limits.clipped(self.tasks.beyond, self.tasks.wiring.outputs)
+        if reason is not None:
+            raise Stopped(f"{when}{reason}")
 
     def read(self) -> tuple[int, float, float, float]:
         """Wait for the next sample; return samples missed, pressures (Pa) and arm angle (rad)."""

@@ -5,20 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
-from hjcamp.backends.rig_check_stamp import stamp_path
+from hjcamp.backends.rig_check_stamp import parked_path
 from hjcamp.backends.rig_connection import RigUnavailable
+from hjcamp.backends.rig_guard import is_real
 from hjcamp.backends.rig_wiring import Wiring
 from hjcamp.storage import write_whole
 
 
 def keeps_its_place(config: Mapping[str, Any], wiring: Wiring) -> bool:
     """Return whether the drive stays where it was told between two tests; a virtual rig begins at rest each time."""
-    connection = config["rig"]["connection"]
-    real = connection["kind"] == "driver" or (connection["kind"] == "address" and not connection.get("virtual", True))
-    return real and wiring.outputs["pump"].safe_v is None
+    return is_real(config) and wiring.outputs["pump"].safe_v is None
 
 
 def parked_at(config: Mapping[str, Any], wiring: Wiring) -> float:
@@ -26,10 +24,10 @@ def parked_at(config: Mapping[str, Any], wiring: Wiring) -> float:
 
     Raises ``RigUnavailable`` where nobody knows: the last test was killed, and its first write would be a jump.
     """
-    if not keeps_its_place(config, wiring) or not _path(config).is_file():
+    if not keeps_its_place(config, wiring) or not parked_path(config).is_file():
         return 0.0
     try:
-        return float(json.loads(_path(config).read_text())["pump_rad"])
+        return float(json.loads(parked_path(config).read_text())["pump_rad"])
     except (OSError, ValueError, KeyError, TypeError):
         name = config["rig"].get("name")
         raise RigUnavailable(
@@ -45,10 +43,6 @@ def note_parked(config: Mapping[str, Any], wiring: Wiring, motor: float | None) 
     """
     if not keeps_its_place(config, wiring):
         return
-    path = _path(config)
+    path = parked_path(config)
     with suppress(OSError):
         write_whole(path, json.dumps({"pump_rad": motor}))
-
-
-def _path(config: Mapping[str, Any]) -> Path:
-    return stamp_path(config).with_suffix(".parked")

@@ -46,6 +46,8 @@ class RigTasks:
     ``read`` waits for the next edge of the sample clock (hardware-timed single point): it is what paces the loop.
     ``left`` is where pump motor and arm stand before the first sample, as their counters count it.
     ``volts`` (2,) and ``counts`` (arm, pump) hold what was read; ``acquired`` is the device's own count of samples.
+    ``put_out`` is the command (rad) and the dither (V) that the outputs really gave after the last ``write``, ``beyond``
+    the first output that was asked for more than its range, with the volts asked; None where all could be given.
     """
 
     def __init__(self, wiring: Wiring, connection: Connection, timeout: float, left: LeftAt = AT_START) -> None:
@@ -53,6 +55,8 @@ class RigTasks:
         self.volts = np.zeros(2)
         self.counts = [0.0, 0.0]
         self.acquired = 0
+        self.put_out = (left.motor, 0.0)
+        self.beyond: tuple[str, float] | None = None
         self.is_safe = True
         self._timeout = timeout
         self._left = left
@@ -154,16 +158,21 @@ class RigTasks:
     def write(self, command: float, motor: float, dither: float, preload_speed: float) -> None:
         """Write all outputs: pump command and measured motor angle (rad), dither (V), preload speed (m/s)."""
         wiring, out = self.wiring, self._written
+        in_voltage = wiring.quantity == "voltage"
+        self.put_out, self.beyond = (command, dither), None
         for place, name in enumerate(self._names):
             output = wiring.outputs[name]
             if name == "preload":
-                out[place] = output.volts(preload_speed)
+                value = preload_speed
             elif name == "dither":
-                out[place] = output.volts(dither)
-            elif wiring.quantity == "voltage":
-                out[place] = output.volts((command - motor) * wiring.loop_v_per_rad + dither)
+                value = dither
             else:
-                out[place] = output.volts(command)
+                value = (command - motor) * wiring.loop_v_per_rad + dither if in_voltage else command
+            asked = value * output.volts_per_unit
+            out[place] = given = output.within(asked)
+            if given != asked:
+                self.beyond = self.beyond or (name, asked)
+                self._clipped(name, given / output.volts_per_unit, motor)
         self.is_safe = False
         self._writer.write_one_sample(out, self._timeout)
         if self._watchdog is not None:
@@ -173,6 +182,17 @@ class RigTasks:
             else:
                 self._watchdog.start()
                 self._guarded = True
+
+    def _clipped(self, name: str, value: float, motor: float) -> None:
+        """Correct ``put_out`` by what an output gave: ``value`` in the unit of its scale."""
+        command, dither = self.put_out
+        if name == "dither":
+            dither = value
+        elif name == "pump" and self.wiring.quantity == "voltage":
+            command = motor + (value - dither) / self.wiring.loop_v_per_rad
+        elif name == "pump":
+            command = value
+        self.put_out = (command, dither)
 
     def make_safe(self, motor: float) -> str | None:
         """Write the safe state of all outputs; return what prevented it, None where it was done."""

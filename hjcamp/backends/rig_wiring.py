@@ -64,7 +64,11 @@ class Output:
 
     def volts(self, value: float) -> float:
         """Return the voltage for an SI value, held within the range."""
-        return min(max(value * self.volts_per_unit, self.lowest_v), self.highest_v)
+        return self.within(value * self.volts_per_unit)
+
+    def within(self, volts: float) -> float:
+        """Return the voltage that the output gives where this one is asked of it."""
+        return min(max(volts, self.lowest_v), self.highest_v)
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,8 @@ class RunFolder:
     def note_rig(self, facts: Mapping[str, str]) -> None:
         """Note in the session what a backend said of itself: device serials, host, calibration."""
         if facts:
-            self.manifest["sessions"][-1]["rig"] = dict(facts)
+            # When a test began is the log's own; the session has its own beginning.
+            self.manifest["sessions"][-1]["rig"] = {key: facts[key] for key in facts if key != "started_at"}
 
     def end(self, state: str) -> None:
         """Close the session; ``state`` is complete, failed or interrupted."""

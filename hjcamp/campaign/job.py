@@ -12,6 +12,7 @@ from hydra.experimental.callback import Callback
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
+from hjcamp.campaign.before import say_before_moving
 from hjcamp.campaign.conclude import conclude
 from hjcamp.campaign.folder import folder_for
 from hjcamp.campaign.going_on import StopRule
@@ -92,6 +93,7 @@ def run_campaign(config: DictConfig, sweep: bool) -> Path:
     if sweep:
         run_dir = Path(os.path.relpath(hydra.runtime.output_dir))
     console = make_console()
+    say_before_moving(plan, console)
     folder, goes_on = folder_for(plan, plain, lines, run_dir)
     if goes_on:
         console.print(f"goes on in {folder.path}", style="dim")

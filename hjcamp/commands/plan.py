@@ -53,6 +53,7 @@ def show_plan(made: Plan) -> None:
     """Print the plan as a person reads it."""
     from rich.table import Table
 
+    from hjcamp.campaign.before import say_notices
     from hjcamp.campaign.console import make_console
 
     console = make_console()
@@ -69,6 +70,7 @@ def show_plan(made: Plan) -> None:
     if made.axes:
         axes = [f"{name}  {' '.join(labels)}" for name, labels in made.axes.items()]
         console.print("  varies  " + "\n     x    ".join(axes), markup=False)
+    say_notices(made, console)
     console.print(f"  tables  {' '.join(made.tables) or 'none but the table of conditions'}", markup=False)
     table = Table(box=None, header_style="bold")
     for name in ("condition", "tests", "motion"):

@@ -22,6 +22,7 @@ def resume(
     ] = False,
 ) -> None:
     """Go on with a run that was stopped: makes the tests that are missing, keeps those that are whole."""
+    from hjcamp.campaign.before import say_before_moving
     from hjcamp.campaign.conclude import conclude
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.folder import open_folder
@@ -34,6 +35,7 @@ def resume(
     console = make_console()
     folder = open_folder(run)
     check_plan(folder.plan, str(run / "plan.json"))
+    say_before_moving(folder.plan, console)
     sessions = folder.manifest["sessions"]
     if sessions and any(sessions[-1].get(key) != value for key, value in code_identity().items()):
         console.print("the program has changed since this run began; old and new tests may differ", style="yellow")

@@ -27,7 +27,7 @@ def register(app: typer.Typer) -> None:
 
 def serve(
     overrides: Annotated[
-        list[str] | None, typer.Argument(metavar="EFFECTS", help="Hidden effects: effects.leakage.conductance=1e-13")
+        list[str] | None, typer.Argument(metavar="EFFECTS", help="Hidden effects: effects.leakage.conductance=1e-15")
     ] = None,
     address: Annotated[str, typer.Option(help="HOST:PORT to serve on.")] = "localhost:31763",
     fault: Annotated[
@@ -66,6 +66,7 @@ def check(
     yes: Annotated[bool, typer.Option("--yes", help="Confirm the motion without looking.")] = False,
 ) -> None:
     """Check wiring, noise, preload and directions with small motions; a rig must pass before it runs a campaign."""
+    from hjcamp.backends import before_moving
     from hjcamp.backends.rig_check import Finding, check_rig
     from hjcamp.configuration.composer import Composer, free
 
@@ -78,6 +79,8 @@ def check(
         return yes or typer.confirm(question)
 
     name = config["rig"]["name"]
+    for text in before_moving(config):
+        print(f"note   {text}")
     if not yes:
         print(f"The rig '{name}' will move: preload, the pump by a few mm, the arm by a few degrees.")
         if not typer.confirm("Is everybody clear of it?"):

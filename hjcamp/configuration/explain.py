@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,7 @@ def explain(error: Exception, overrides: Sequence[str], composer: Composer) -> U
                 return found
         groups = [item for item in parsed if composer.is_group(item.key_or_group)]
         found = _wrong_key(parsed, groups, composer) if len(groups) < len(parsed) else None
-        return found or UsageError(first_words(error))
+        return found or _missing_source(error, parsed) or UsageError(first_words(error))
     except UsageError as usage:
         return usage
 
@@ -71,6 +72,22 @@ def _wrong_key(parsed: Sequence[Override], groups: Sequence[Override], composer:
                 return unknown("parameter" if where else "group or parameter", part, names, where)
             place = place[part]
     return None
+
+
+def _missing_source(error: BaseException, parsed: Sequence[Override]) -> UsageError | None:
+    """Return what to say of a value that follows another one, such as the scale of the pump, which is not there."""
+    from omegaconf.errors import InterpolationKeyError
+
+    found = re.search(r"Interpolation key '(\w+)\.([^']+)' not found", str(error))
+    key = getattr(error, "full_key", None)
+    if not isinstance(error, InterpolationKeyError) or found is None or not key:
+        return None
+    group, name = found.groups()
+    if any(item.is_delete() and item.key_or_group == group for item in parsed):
+        return UsageError(f"the group '{group}' is missing; every condition needs a choice of it ({key} follows it)")
+    return UsageError(
+        f"{key} follows {group}.{name}, which the chosen '{group}' does not say: add it to that file, or say {key}=VALUE"
+    )
 
 
 def first_words(error: BaseException) -> str:

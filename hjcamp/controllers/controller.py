@@ -11,8 +11,11 @@ class Controller(Law):
     Per sample it receives ``reference``, ``velocity`` and ``acceleration`` of the arm (rad, rad/s, rad/s^2), the
     measured ``arm`` angle (rad), the ``feedforward`` command (rad of the pump motor), the ``period`` (s) and the
     ``index`` of the sample. It returns the feedback and the feedforward part of the command, rad of the pump motor.
+
+    ``uses_arm`` False says that the law does not look at the arm: nothing then makes the arm follow the reference.
     """
 
     samples = ("reference", "velocity", "acceleration", "arm", "feedforward", "period", "index")
     results = ("pid", "feedforward")
     uses_feedforward = False
+    uses_arm = True

@@ -14,6 +14,8 @@ class OpenLoop(Controller):
     Source: thesis 4.6.1 (scale 8.5) and 4.6.2.
     """
 
+    uses_arm = False
+
     scale = Parameter("1", 8.5, (1e-3, 1e3), text="pump motor angle for one unit of arm angle")
 
     @staticmethod

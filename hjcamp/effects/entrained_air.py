@@ -18,7 +18,9 @@ class EntrainedAir(Effect):
     """
 
     subsystem = "lines"
-    air_volume = Parameter("m^3", 8.5e-9, (0.0, 3e-7), text="air of one line at atmospheric pressure (0.5 %: 8.5 mm3)", off=0.0)
+    air_volume = Parameter(
+        "m^3", 8.5e-9, (0.0, 3e-7), text="air of one line at atmospheric pressure (0.5 %: 8.5 mm3)", off=0.0
+    )
 
     @staticmethod
     def stiffness1(stiffness1, pressure1, air_volume):

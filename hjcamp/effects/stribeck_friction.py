@@ -20,7 +20,13 @@ class StribeckFriction(Effect):
 
     subsystem = "joint"
     stribeck_velocity = Parameter(
-        "m/s", 6e-3, (5e-4, 5e-2), "log-uniform", "speed at which the extra friction has fallen to 37 %", shape=True, off=0.0
+        "m/s",
+        6e-3,
+        (5e-4, 5e-2),
+        "log-uniform",
+        "speed at which the extra friction has fallen to 37 %",
+        shape=True,
+        off=0.0,
     )
 
     @staticmethod

@@ -62,6 +62,7 @@ CASES = (
         ("rig.limits.missed_in_all=0",),
         "1 samples were missed in all",
     ),
+    Case("limit: output clipped", action="clipped", says="output pump is clipped: 229"),
     Case("stop: SIGTERM", action="sigterm", says="SIGTERM was received"),
     Case("stop: Ctrl-C twice", action="sigint", says="Ctrl-C"),
     Case("stop: exception in the loop", action="exception", says="RuntimeError: boom"),
@@ -82,15 +83,19 @@ def arm_case(case: Case, sample: int, device: VirtualDevice, monkeypatch: Any) -
     if case.action == "disk":
         _fill_the_disk(sample, device, monkeypatch)
         return
-    from hjcamp.backends.rig_control import RigControl
+    from hjcamp.backends.rig_control import COMMAND, RigControl
 
     step = RigControl.step
     test = device.tests + 1
 
     def interrupted(self: RigControl, *arguments: float) -> Any:
-        if device.tests == test and device.samples == sample:
+        due = device.tests == test and device.samples == sample
+        if due and case.action in actions:
             actions[case.action]()
-        return step(self, *arguments)
+        out = step(self, *arguments)
+        if due and case.action == "clipped":
+            out[COMMAND] = 1000.0  # rad
+        return out
 
     monkeypatch.setattr(RigControl, "step", interrupted)
 

@@ -84,7 +84,7 @@ def safe_outputs(device: VirtualDevice, case: Case, when: str, kept: int, messag
     if "returned to its start" not in message and case.action != "disk":
         assert device.samples - kept <= 2 + missed, (device.samples, kept)
     at_once = {"lost_sensor", "late_samples", "device_gone", "error_code", "clock_stopped", "pressure_spike"}
-    if case.fault in at_once or case.action in ("sigterm", "sigint", "exception"):
+    if case.fault in at_once or case.action in ("sigterm", "sigint", "exception", "clipped"):
         assert device.samples - WHEN[when] <= 2 + missed, (device.samples, WHEN[when])
     return "safe within 2 samples"
 

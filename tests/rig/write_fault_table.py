@@ -22,6 +22,8 @@ in its middle (sample 1000, halfway along the ramp) or at its end (sample 1500, 
 
 * *outputs*: dither off, preload standing still, the pump held where it was measured. "Within 2 samples": of the sample
   in which the fault showed; for a fault that shows later (a stuck encoder), of the sample in which a limit was passed.
+  Where the device's watchdog was first (late samples, device disappears) the pump is held at its last command instead:
+  a watchdog knows no measurement.
 * *log*: what `hjcamp log recover` makes of the `.part` file. *code*: exit code of the run. *resumed*: after
   `hjcamp resume` without the fault.
 * A device that disappears cannot be written to: its own watchdog makes the outputs safe, and the message says so.
