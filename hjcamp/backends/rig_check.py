@@ -13,7 +13,7 @@ from nidaqmx.errors import Error
 
 from hjcamp.backends.rig_fault import LeftAt
 from hjcamp.backends.rig_limits import COMMAND_PHASE, LimitCheck
-from hjcamp.backends.rig_tasks import AT_START, RigTasks, device_facts
+from hjcamp.backends.rig_tasks import AT_START, RigTasks, device_facts, first_line, last_words, not_written
 from hjcamp.errors import RigStopped, UsageError
 
 DEGREE = pi / 180
@@ -86,7 +86,7 @@ class RigCheck:
             if reason is None:
                 tasks.write(self.command, self.motor, 0.0, preload_speed)
         except Error as error:
-            reason = str(error).strip().splitlines()[0]
+            reason = first_line(error)
         if reason is not None:
             raise RigStopped(f"the rig was made safe during the check: {reason}")
 
@@ -199,14 +199,15 @@ def open_check(
             tasks = RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3, left)
             check = RigCheck(tasks, limit_check(config, wiring), config, ask, lambda: signals.reason, facts)
             check.command, check.motor, check.arm = left.motor, left.motor, left.arm
+            signals.last_words = lambda: last_words(tasks)
             try:
                 yield check
             finally:
                 problem = tasks.make_safe(check.motor)
-                note_parked(config, wiring, check.motor)
+                note_parked(config, wiring, None if problem else tasks.stands_at(check.motor))
                 tasks.close()
                 if problem is not None:
-                    raise RigStopped(f"THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand")
+                    raise RigStopped(not_written(tasks, problem))
         finally:
             connection.close()
 

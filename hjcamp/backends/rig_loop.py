@@ -12,7 +12,7 @@ from nidaqmx.errors import Error
 from hjcamp.backends.rig_control import COMMAND, DITHER, PHASE, PRELOAD_SPEED, RigControl
 from hjcamp.backends.rig_journal import Journal
 from hjcamp.backends.rig_limits import COMMAND_PHASE, RELEASE_PHASE, LimitCheck
-from hjcamp.backends.rig_tasks import RigTasks
+from hjcamp.backends.rig_tasks import RigTasks, first_line
 from hjcamp.backends.rig_timing import LoopTiming
 from hjcamp.errors import HjcampError
 
@@ -43,7 +43,7 @@ class RigLoop:
 
     def run(self) -> None:
         """Make the test to the end of its release phase; raises ``Stopped`` with the reason of an early end."""
-        tasks, control, journal = self.tasks, self.control, self.journal
+        control, journal = self.control, self.journal
         out = control.out
         longest = len(journal.rows)
         while True:
@@ -53,7 +53,7 @@ class RigLoop:
             phase = out[PHASE]
             if phase > RELEASE_PHASE:
                 break
-            tasks.write(out[COMMAND], self.motor, out[DITHER], out[PRELOAD_SPEED])
+            self.write(out[COMMAND], out[DITHER], out[PRELOAD_SPEED])
             if journal.count + missed + 1 > longest:
                 raise Stopped("the test takes longer than its phases may")
             row = journal.rows[journal.count]
@@ -78,7 +78,7 @@ class RigLoop:
             self.check(missed, pressure1, pressure2, arm, "while the pump returned to its start: ")
             command = 0.0 if abs(command) <= step else command - copysign(step, command)
             out[COMMAND] = command
-            self.tasks.write(command, self.motor, 0.0, 0.0)
+            self.write(command, 0.0, 0.0)
 
     def read(self) -> tuple[int, float, float, float]:
         """Wait for the next sample; return samples missed, pressures (Pa) and arm angle (rad)."""
@@ -86,17 +86,20 @@ class RigLoop:
         try:
             missed = tasks.read()
         except Error as error:
-            lines = str(error).strip().splitlines()
-            code = getattr(error, "error_code", None)
-            raise Stopped(
-                f"reading failed: {lines[0] if lines else error}" + (f" (error {code})" if code else "")
-            ) from error
+            raise Stopped(f"reading failed: {first_line(error)}") from error
         self.timing.cycle(time.perf_counter_ns(), missed)
         encoders = wiring.encoders
         self.arm = arm = encoders["arm"].sign * tasks.counts[0] * encoders["arm"].count
         self.motor = encoders["pump"].sign * tasks.counts[1] * encoders["pump"].count
         pressure1 = wiring.pressures["pressure1"].pascal(float(tasks.volts[0]))
         return missed, pressure1, wiring.pressures["pressure2"].pascal(float(tasks.volts[1])), arm
+
+    def write(self, command: float, dither: float, preload_speed: float) -> None:
+        """Write all outputs: pump command (rad), dither (V), preload speed (m/s)."""
+        try:
+            self.tasks.write(command, self.motor, dither, preload_speed)
+        except Error as error:
+            raise Stopped(f"writing failed: {first_line(error)}") from error
 
     def check(self, missed: int, pressure1: float, pressure2: float, arm: float, when: str = "") -> None:
         """Raise ``Stopped`` where this sample says that the rig must be made safe."""
