@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import suppress
 from typing import Annotated, Any
 
 import typer
@@ -33,11 +35,11 @@ def serve(
     fault: Annotated[
         list[str] | None, typer.Option(help="KIND@SAMPLE or KIND@SAMPLE#TEST; more than one is fine.")
     ] = None,
-    anybody: Annotated[bool, typer.Option(help="Serve on an address that other computers reach.")] = False,
+    anybody: Annotated[bool, typer.Option("--anybody", help="Serve on an address that other computers reach.")] = False,
 ) -> None:
     """Serve a virtual rig on the vendor's protocol, in lockstep virtual time, until Ctrl-C."""
     from hjcamp.backends.virtual_rig.faults import parse_fault
-    from hjcamp.backends.virtual_rig.server import check_address, start_server
+    from hjcamp.backends.virtual_rig.server import check_address, client_address, is_local, start_server
     from hjcamp.configuration.composer import Composer, free
     from hjcamp.effects import chosen_effects
     from hjcamp.errors import UsageError
@@ -50,15 +52,25 @@ def serve(
     hidden = Composer().compose(lines).config.get("effects") or {}
     chosen_effects(hidden)
     server, port, _ = start_server(address, faults, hidden)
-    host = address.rpartition(":")[0]
-    print(f"a virtual rig is served at {host}:{port}; Ctrl-C ends it")
-    print(
-        f"use it with: backend=nidaqmx rig=virtual rig.connection={{kind:address,address:'{host}:{port}'}}", flush=True
-    )
+    if not is_local(address):
+        print(
+            f"hjcamp: WARNING: listening on {address.rpartition(':')[0]}:{port}, where other computers can reach it: "
+            "whoever does can run tests on it, without a password",
+            file=sys.stderr,
+        )
+    where = client_address(address, port)
+    _say(f"a virtual rig is served at {where}; Ctrl-C ends it")
+    _say(f"use it with: backend=nidaqmx rig=virtual rig.connection={{kind:address,address:'{where}'}}")
     try:
         server.wait_for_termination()
     finally:
         server.stop(0.5).wait()
+
+
+def _say(text: str) -> None:
+    # Nobody need read it: a terminal that is closed must not stop the rig.
+    with suppress(OSError):
+        print(text, flush=True)
 
 
 def check(
