@@ -232,9 +232,7 @@ class RigTasks:
 
 def last_words(tasks: RigTasks) -> str:
     """Return what is known of the outputs while a call is stuck."""
-    return (
-        "The outputs are safe" if tasks.is_safe else not_written(tasks, f"last written: {tasks.last_written()}")
-    )
+    return "The outputs are safe" if tasks.is_safe else not_written(tasks, f"last written: {tasks.last_written()}")
 
 
 def not_written(tasks: RigTasks, problem: str) -> str:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
-from processes import CALL, program, served_rig, wait_until
+from processes import CALL, connection, program, served_rig, wait_until
 
 from hjcamp import cli
+from hjcamp.backends import rig_connection
+from hjcamp.backends.rig_tasks import RigTasks
+from hjcamp.backends.rig_wiring import read_wiring
 from hjcamp.backends.virtual_rig.server import check_free, client_address
 from hjcamp.errors import HjcampError
 
@@ -58,9 +63,28 @@ def test_the_address_for_clients() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (["--rate", "0.1"], "only with --real-time"),
+        (["--real-time", "--rate", "0"], "from 0.01 to 1"),
+        (["--real-time", "--rate", "-1"], "from 0.01 to 1"),
+        (["--real-time", "--rate", "nan"], "from 0.01 to 1"),
         (["--address", "*:31763", "--anybody"], "HOST:PORT"),
     ],
 )
 def test_refused(arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["rig", "serve", *arguments]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_the_server_says_when_its_watchdog_trips(tmp_path: Path, compose: Any) -> None:
+    with served_rig(tmp_path, "--real-time", "--rate", "0.1") as (process, port):
+        config, said = compose(connection(port)), tmp_path / "out.txt"
+        way = rig_connection.connect(config, 1)
+        tasks = RigTasks(read_wiring(config), way, 0.1)
+        tasks.read()
+        tasks.write(0.0, 0.0, 0.0, 1e-3)
+        wait_until(lambda: "the watchdog has tripped" in said.read_text(), process)
+        line = next(line for line in said.read_text().splitlines() if "tripped" in line)
+        assert re.search(r"tripped, [1-5] samples after its last reset; .*Dev1/ao1 0 V", line), line
+        assert "in real time at 0.1 of the clock" in said.read_text()
+        tasks.close()
+        way.close()

@@ -1,11 +1,11 @@
-"""The virtual rig behind a socket: lockstep virtual time, so that the speed of the connection does not matter."""
+"""The virtual rig behind a socket: in lockstep virtual time, or with time that passes by itself."""
 
 from __future__ import annotations
 
 import errno
 import socket
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -80,16 +80,22 @@ def start_server(
     address: str = "localhost:0",
     faults: Iterable[Fault] = (),
     hidden: Mapping[str, Mapping[str, float]] | None = None,
+    rate: float | None = None,
+    report: Callable[[str], None] = lambda text: None,
 ) -> tuple[Any, int, VirtualDevice]:
-    """Start serving on ``address`` (HOST:PORT, port 0 picks a free one); return server, port and device."""
+    """Start serving on ``address`` (HOST:PORT, port 0 picks a free one); return server, port and device.
+
+    ``rate``: seconds of the plant for each second of the wall clock, None for lockstep; ``report`` hears of the watchdog.
+    """
     check_free(address)
-    device = VirtualDevice(faults, hidden)
+    device = VirtualDevice(faults, hidden, rate, report)
     server = grpc.server(ThreadPoolExecutor(max_workers=4), options=OPTIONS)
     add_NiDAQmxServicer_to_server(VirtualServicer(device), server)
     server.add_generic_rpc_handlers((bench_handler(device),))
     try:
         port = server.add_insecure_port(address)
     except RuntimeError as error:
+        device.close()
         raise HjcampError(f"cannot serve on {address}: {error}") from error
     server.start()
     return server, port, device

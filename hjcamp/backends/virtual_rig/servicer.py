@@ -12,10 +12,9 @@ from nidaqmx._stubs.nidaqmx_pb2_grpc import NiDAQmxServicer
 from nidaqmx.utils import unflatten_channel_string
 from session_pb2 import Session
 
-from hjcamp.backends.virtual_rig.device import VirtualDevice, Watchdog
+from hjcamp.backends.virtual_rig.device import PERIOD_S, VirtualDevice, Watchdog
 from hjcamp.backends.virtual_rig.sessions import NO_SUCH_CHANNEL, NO_SUCH_TASK, RESERVED, DeviceError, Task
 
-PERIOD_S = 1e-3
 TASK_NAME = 0x1276
 SAMPLES_ACQUIRED = 0x192A
 PRODUCT, SERIAL = 0x631, 0x632
@@ -32,7 +31,11 @@ def call(method: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(method)
     def answer(self: VirtualServicer, request: Any, context: Any) -> Any:
         with self.device.lock:
+            if not context.is_active():
+                # Its client has given it up: what it asked for may be the opposite of what is right by now.
+                return context.abort(grpc.StatusCode.CANCELLED, "the call was given up")
             self.device.called()
+            self.device.catch_up()
             try:
                 return method(self, request, context)
             except DeviceError as error:
@@ -125,6 +128,8 @@ class VirtualServicer(NiDAQmxServicer):
         task.running = True
         if task.kind == "ci":
             self.device.zero(self._encoder(task), round(task.initial))
+        if task.kind == "ai":
+            self.device.read_at = self.device.samples
         if task.session in self._watchdogs and self.device.watchdog is not None:
             self.device.watchdog.running = True
             self.device.watchdog.last_reset = self.device.samples
