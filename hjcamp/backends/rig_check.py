@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import pi
@@ -142,9 +145,30 @@ class RigCheck:
             return Finding("arm", False, f"{text} with the pump at {self.travel():.2f} mm: stuck, or not wired")
         if turned < 0:
             return Finding("arm", False, f"{text}: the wrong way; set rig.inputs.arm.sign to its negative")
-        if not self.ask(f"The arm should have turned by about {turned:.0f} deg in the positive direction. Did it?"):
+        if not self.answer(f"The arm should have turned by about {turned:.0f} deg in the positive direction. Did it?"):
             return Finding("arm", False, f"{text}, which the user did not see: wrong encoder or wrong lines")
         return Finding("arm", True, text)
+
+    def answer(self, question: str) -> bool:
+        """Return what the user says; the rig is held meanwhile, sample by sample, for its watchdog waits for nobody."""
+        answers: list[Future[bool]] = []
+
+        def ask() -> None:
+            answer: Future[bool] = Future()
+            try:
+                answer.set_result(self.ask(question))
+            except BaseException as error:
+                answer.set_exception(error)
+            answers.append(answer)
+
+        threading.Thread(target=ask, name="question", daemon=True).start()
+        while not answers:
+            start = time.monotonic()
+            self.sample()
+            if time.monotonic() - start < 0.5 * PERIOD:
+                # Virtual time does not pass by itself, and must not run away while somebody thinks.
+                time.sleep(0.5 * PERIOD)
+        return answers[0].result()
 
     def go_back(self) -> Finding:
         """The pump goes back, then the lines are released."""
