@@ -11,6 +11,7 @@ import grpc
 ANSWER_S = 1.0  # for the way there and back, beyond what the call itself may wait
 SETUP_S = 5.0  # opening a device takes longer than using it
 GRACE_S = 0.5  # for all calls together, once one was not answered
+PAUSED_S = 0.3  # a deadline is noticed sooner, unless this process was stopped
 IN_LOOP = ("GetReadAttributeUInt64", "ControlWatchdogTask")
 # Pings only while a call waits, and rarer than servers complain about.
 KEEPALIVE = (
@@ -62,10 +63,11 @@ class Deadlines(grpc.UnaryUnaryClientInterceptor):
 
     def intercept_unary_unary(self, continuation: Callable[..., Any], details: Any, request: Any) -> Any:
         """Make one call."""
+        start = time.monotonic()
         allowed = seconds_for(details.method, request) if details.timeout is None else details.timeout
         timeout = allowed
         if self._give_up_at is not None:
-            timeout = min(allowed, max(self._give_up_at - time.monotonic(), 1e-3))
+            timeout = min(allowed, max(self._give_up_at - start, 1e-3))
         answer = continuation(
             _Details(
                 details.method,
@@ -84,11 +86,11 @@ class Deadlines(grpc.UnaryUnaryClientInterceptor):
             self._give_up_at = time.monotonic() + GRACE_S
         if code is not grpc.StatusCode.DEADLINE_EXCEEDED:
             return answer
-        return NoAnswer(
-            f"the device server did not answer within {timeout:.2g} s"
-            if timeout == allowed
-            else "the device server does not answer"
-        )
+        if timeout < allowed:
+            return NoAnswer("the device server does not answer")
+        paused = time.monotonic() - start - timeout
+        still = f" (this program itself stood still for {paused:.1f} s)" if paused > PAUSED_S else ""
+        return NoAnswer(f"the device server did not answer within {timeout:.2g} s{still}")
 
 
 def seconds_for(method: str | bytes, request: Any) -> float:

@@ -110,11 +110,10 @@ class StopSignals:
                     self._end(self.reason)
 
     def _end(self, reason: str) -> None:
-        words = [f"{reason}, and a call to the rig has not returned for {PATIENCE_S:g} s"]
+        words = [f"{reason}, and the test has not ended within {PATIENCE_S:g} s: a call is stuck"]
 
         def ask() -> None:
-            if self.last_words is not None:
-                words.append(self.last_words())
+            words.append("Nothing had been moved yet" if self.last_words is None else self.last_words())
 
         asking = threading.Thread(target=ask, daemon=True)
         asking.start()
