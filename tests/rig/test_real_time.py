@@ -18,7 +18,7 @@ from hjcamp.backends.rig_tasks import RigTasks
 from hjcamp.backends.rig_wiring import read_wiring
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.backends.virtual_rig.faults import Fault
-from hjcamp.errors import RigStopped
+from hjcamp.errors import RigStopped, UsageError
 
 TABLE = Path(__file__).parents[2] / "docs" / "rig_faults.md"
 ROWS = [(KINDS[place % len(KINDS)], phase) for place, phase in enumerate(PHASES)]
@@ -46,6 +46,18 @@ def test_time_passes_without_a_client(living: VirtualDevice) -> None:
         assert time.monotonic() < began + 30.0
         time.sleep(0.001)
     assert time.monotonic() - began > 0.08  # and no faster than the clock
+
+
+def test_what_is_refused_leaves_the_rig_as_it_was(living: VirtualDevice, compose: Any) -> None:
+    plant, config = living.plant, compose()
+    config = {**config, "rig": {**config["rig"], "outputs": {}}}
+    with pytest.raises(UsageError):
+        living.arrange(config, 1)
+    start = living.samples
+    time.sleep(0.02)
+    living.catch_up()
+    assert living.plant is plant
+    assert living.samples > start
 
 
 def test_the_watchdog_ends_the_preload(living: VirtualDevice, compose: Any) -> None:

@@ -99,15 +99,17 @@ class VirtualDevice:
         """
         if owner != self.owner and time.monotonic() - self._last_call < IDLE_S:
             raise HjcampError("another client is at work on this virtual rig")
-        self.owner = owner
-        self.tasks = Tasks()
-        self._clear()
-        self.tests += 1
-        self.gone = False
-        self.wiring = read_wiring(config)
-        self.plant = VirtualPlant(config, seed, self.hidden)
-        self.volts = {output.channel: 0.0 for output in self.wiring.outputs.values()}
-        self._began = time.monotonic()
+        # What is refused leaves everything as it was: the clock of the rig goes on.
+        wiring, plant = read_wiring(config), VirtualPlant(config, seed, self.hidden)
+        with self.lock:
+            self.owner = owner
+            self.tasks = Tasks()
+            self._clear()
+            self.tests += 1
+            self.gone = False
+            self.wiring, self.plant = wiring, plant
+            self.volts = {output.channel: 0.0 for output in wiring.outputs.values()}
+            self._began = time.monotonic()
 
     def run_by_itself(self, rate: float | None) -> None:
         """Let time pass from now on, ``rate`` seconds of the plant for each of the wall clock; None: in lockstep again."""
