@@ -24,7 +24,7 @@ from hjcamp.backends.rig_park import note_parked, parked_at
 from hjcamp.backends.rig_reach import check_reach
 from hjcamp.backends.rig_silence import coupling_of
 from hjcamp.backends.rig_stop import while_moving
-from hjcamp.backends.rig_tasks import RigTasks, device_facts
+from hjcamp.backends.rig_tasks import RigTasks, device_facts, last_words, not_written
 from hjcamp.backends.rig_timing import LoopTiming, undisturbed
 from hjcamp.backends.rig_wiring import Wiring, read_wiring
 from hjcamp.backends.simulation import (
@@ -82,6 +82,7 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
                     lambda: signals.reason,
                     parked,
                 )
+                signals.last_words = lambda: _close_log(loop)
                 drive(loop, config)
             finally:
                 journal.close()
@@ -125,14 +126,11 @@ def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
         reason = f"{type(error).__name__}: {error}"
     finally:
         problem = loop.tasks.make_safe(loop.motor)
-        note_parked(config, loop.tasks.wiring, loop.motor)
+        note_parked(config, loop.tasks.wiring, None if problem else loop.tasks.stands_at(loop.motor))
         loop.journal.close()
         loop.tasks.close()
     if problem is not None:
-        reason = reason or "the end of the test"
-        raise RigStopped(
-            f"{reason}. THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand. {_watchdog(loop, config)}"
-        )
+        raise RigStopped(f"{reason or 'the end of the test'}. {not_written(loop.tasks, problem)}")
     if reason and may_go_on:
         raise RigFault(f"the rig was made safe: {reason}", LeftAt(loop.motor, loop.arm))
     if reason:
@@ -174,11 +172,10 @@ def limit_check(config: Mapping[str, Any], wiring: Wiring) -> LimitCheck:
     return LimitCheck(read_limits(config), lead, voltages, coupling_of(config), tracked)
 
 
-def _watchdog(loop: RigLoop, config: Mapping[str, Any]) -> str:
-    timeout, interlock = loop.tasks.wiring.watchdog_s, interlock_of(config)
-    if timeout is None:
-        return "The device has no watchdog" + (f"; rig.interlock: {interlock}" if interlock else "")
-    return f"The device's watchdog makes them safe {timeout * 1e3:g} ms after the last write"
+def _close_log(loop: RigLoop) -> str:
+    """Close the log of a test whose thread is stuck in a call; return what is known of the outputs."""
+    loop.journal.close()
+    return last_words(loop.tasks)
 
 
 def rig_facts(config: Mapping[str, Any], devices: str) -> dict[str, str]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import pi
@@ -13,7 +16,7 @@ from nidaqmx.errors import Error
 
 from hjcamp.backends.rig_fault import LeftAt
 from hjcamp.backends.rig_limits import COMMAND_PHASE, LimitCheck
-from hjcamp.backends.rig_tasks import AT_START, RigTasks, device_facts
+from hjcamp.backends.rig_tasks import AT_START, RigTasks, device_facts, first_line, last_words, not_written
 from hjcamp.errors import RigStopped, UsageError
 
 DEGREE = pi / 180
@@ -88,7 +91,7 @@ class RigCheck:
                 self.command = tasks.put_out[0]
                 reason = self.limits.clipped(tasks.beyond, wiring.outputs)
         except Error as error:
-            reason = str(error).strip().splitlines()[0]
+            reason = first_line(error)
         if reason is not None:
             raise RigStopped(f"the rig was made safe during the check: {reason}")
 
@@ -144,9 +147,30 @@ class RigCheck:
             return Finding("arm", False, f"{text} with the pump at {self.travel():.2f} mm: stuck, or not wired")
         if turned < 0:
             return Finding("arm", False, f"{text}: the wrong way; set rig.inputs.arm.sign to its negative")
-        if not self.ask(f"The arm should have turned by about {turned:.0f} deg in the positive direction. Did it?"):
+        if not self.answer(f"The arm should have turned by about {turned:.0f} deg in the positive direction. Did it?"):
             return Finding("arm", False, f"{text}, which the user did not see: wrong encoder or wrong lines")
         return Finding("arm", True, text)
+
+    def answer(self, question: str) -> bool:
+        """Return what the user says; the rig is held meanwhile, sample by sample, for its watchdog waits for nobody."""
+        answers: list[Future[bool]] = []
+
+        def ask() -> None:
+            answer: Future[bool] = Future()
+            try:
+                answer.set_result(self.ask(question))
+            except BaseException as error:
+                answer.set_exception(error)
+            answers.append(answer)
+
+        threading.Thread(target=ask, name="question", daemon=True).start()
+        while not answers:
+            start = time.monotonic()
+            self.sample()
+            if time.monotonic() - start < 0.5 * PERIOD:
+                # Virtual time does not pass by itself, and must not run away while somebody thinks.
+                time.sleep(0.5 * PERIOD)
+        return answers[0].result()
 
     def go_back(self) -> Finding:
         """The pump goes back, then the lines are released."""
@@ -203,14 +227,15 @@ def open_check(
             tasks = RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3, left)
             check = RigCheck(tasks, limit_check(config, wiring), config, ask, lambda: signals.reason, facts)
             check.command, check.motor, check.arm = left.motor, left.motor, left.arm
+            signals.last_words = lambda: last_words(tasks)
             try:
                 yield check
             finally:
                 problem = tasks.make_safe(check.motor)
-                note_parked(config, wiring, check.motor)
+                note_parked(config, wiring, None if problem else tasks.stands_at(check.motor))
                 tasks.close()
                 if problem is not None:
-                    raise RigStopped(f"THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand")
+                    raise RigStopped(not_written(tasks, problem))
         finally:
             connection.close()
 

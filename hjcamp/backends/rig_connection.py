@@ -60,7 +60,9 @@ def connect(config: Mapping[str, Any], seed: int | None) -> Connection:
         return Connection(GrpcSessionOptions(channel, ""), lambda: None)
     import grpc
 
-    channel = grpc.insecure_channel(str(address))
+    from hjcamp.backends.rig_deadline import KEEPALIVE, with_deadlines
+
+    channel = grpc.insecure_channel(str(address), options=KEEPALIVE)
     try:
         _reach(channel, str(address))
         if given.get("virtual", True) and seed is not None:
@@ -68,7 +70,7 @@ def connect(config: Mapping[str, Any], seed: int | None) -> Connection:
     except BaseException:
         channel.close()
         raise
-    return Connection(GrpcSessionOptions(channel, ""), channel.close)
+    return Connection(GrpcSessionOptions(with_deadlines(channel), ""), channel.close)
 
 
 def _require_driver() -> None:

@@ -12,7 +12,7 @@ from nidaqmx.errors import Error
 from hjcamp.backends.rig_control import COMMAND, DITHER, PHASE, PRELOAD_SPEED, RigControl
 from hjcamp.backends.rig_journal import Journal
 from hjcamp.backends.rig_limits import COMMAND_PHASE, RELEASE_PHASE, LimitCheck
-from hjcamp.backends.rig_tasks import RigTasks
+from hjcamp.backends.rig_tasks import RigTasks, first_line
 from hjcamp.backends.rig_timing import LoopTiming
 from hjcamp.errors import HjcampError
 
@@ -82,11 +82,28 @@ class RigLoop:
             self.write(command, 0.0, 0.0)
             self.check_range("while the pump returned to its start: ")
 
+    def read(self) -> tuple[int, float, float, float]:
+        """Wait for the next sample; return samples missed, pressures (Pa) and arm angle (rad)."""
+        tasks, wiring = self.tasks, self.tasks.wiring
+        try:
+            missed = tasks.read()
+        except Error as error:
+            raise Stopped(f"reading failed: {first_line(error)}") from error
+        self.timing.cycle(time.perf_counter_ns(), missed)
+        encoders = wiring.encoders
+        self.arm = arm = encoders["arm"].sign * tasks.counts[0] * encoders["arm"].count
+        self.motor = encoders["pump"].sign * tasks.counts[1] * encoders["pump"].count
+        pressure1 = wiring.pressures["pressure1"].pascal(float(tasks.volts[0]))
+        return missed, pressure1, wiring.pressures["pressure2"].pascal(float(tasks.volts[1])), arm
+
     def write(self, command: float, dither: float, preload_speed: float) -> None:
         """Write the outputs (rad, V, m/s); what they really gave stands in the row of ``rig_step`` from here on."""
         if not isfinite(command + dither + preload_speed):
             raise Stopped(f"the control law asks for {command:g} rad, {dither:g} V, {preload_speed:g} m/s")
-        self.tasks.write(command, self.motor, dither, preload_speed)
+        try:
+            self.tasks.write(command, self.motor, dither, preload_speed)
+        except Error as error:
+            raise Stopped(f"writing failed: {first_line(error)}") from error
         self.control.out[COMMAND], self.control.out[DITHER] = self.tasks.put_out
 
     def check_range(self, when: str = "") -> None:
@@ -94,24 +111,6 @@ class RigLoop:
         reason = self.limits.clipped(self.tasks.beyond, self.tasks.wiring.outputs)
         if reason is not None:
             raise Stopped(f"{when}{reason}")
-
-    def read(self) -> tuple[int, float, float, float]:
-        """Wait for the next sample; return samples missed, pressures (Pa) and arm angle (rad)."""
-        tasks, wiring = self.tasks, self.tasks.wiring
-        try:
-            missed = tasks.read()
-        except Error as error:
-            lines = str(error).strip().splitlines()
-            code = getattr(error, "error_code", None)
-            raise Stopped(
-                f"reading failed: {lines[0] if lines else error}" + (f" (error {code})" if code else "")
-            ) from error
-        self.timing.cycle(time.perf_counter_ns(), missed)
-        encoders = wiring.encoders
-        self.arm = arm = encoders["arm"].sign * tasks.counts[0] * encoders["arm"].count
-        self.motor = encoders["pump"].sign * tasks.counts[1] * encoders["pump"].count
-        pressure1 = wiring.pressures["pressure1"].pascal(float(tasks.volts[0]))
-        return missed, pressure1, wiring.pressures["pressure2"].pascal(float(tasks.volts[1])), arm
 
     def check(self, missed: int, pressure1: float, pressure2: float, arm: float, when: str = "") -> None:
         """Raise ``Stopped`` where this sample says that the rig must be made safe."""

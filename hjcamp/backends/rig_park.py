@@ -22,7 +22,8 @@ def keeps_its_place(config: Mapping[str, Any], wiring: Wiring) -> bool:
 def parked_at(config: Mapping[str, Any], wiring: Wiring) -> float:
     """Return the motor angle (rad) at which the last test on this wiring left the pump, 0 where it went back.
 
-    Raises ``RigUnavailable`` where nobody knows: the last test was killed, and its first write would be a jump.
+    Raises ``RigUnavailable`` where nobody knows (the last test was killed, or could not write its outputs): the first
+    write would be a jump.
     """
     if not keeps_its_place(config, wiring) or not parked_path(config).is_file():
         return 0.0
@@ -31,7 +32,7 @@ def parked_at(config: Mapping[str, Any], wiring: Wiring) -> float:
     except (OSError, ValueError, KeyError, TypeError):
         name = config["rig"].get("name")
         raise RigUnavailable(
-            "the last test on this rig was killed, so nobody knows where the pump stands: "
+            "the last test on this rig was killed or could not write its outputs, so nobody knows where the pump stands: "
             f"bring it to its start by hand with the drive switched off, then run `hjcamp rig check rig={name}`"
         ) from None
 

@@ -58,6 +58,7 @@ class RigTasks:
         self.put_out = (left.motor, 0.0)
         self.beyond: tuple[str, float] | None = None
         self.is_safe = True
+        self.watchdog_was_first = False
         self._timeout = timeout
         self._left = left
         self._last_ns = 0
@@ -65,6 +66,7 @@ class RigTasks:
         self._watchdog: Any = None
         self._guarded = False
         self._opened: list[Any] = []
+        self._asked = np.zeros(len(wiring.outputs))
         self._written = np.zeros(len(wiring.outputs))
         self._names = list(wiring.outputs)
         self._counts_samples = True
@@ -73,7 +75,7 @@ class RigTasks:
         except Error as error:
             self.close()
             reason = "another program uses it" if getattr(error, "error_code", 0) in IN_USE else "it cannot be opened"
-            raise RigUnavailable(f"rig: {reason}: {_first_line(error)}") from error
+            raise RigUnavailable(f"rig: {reason}: {first_line(error)}") from error
         except BaseException:
             self.close()
             raise
@@ -157,7 +159,7 @@ class RigTasks:
 
     def write(self, command: float, motor: float, dither: float, preload_speed: float) -> None:
         """Write all outputs: pump command and measured motor angle (rad), dither (V), preload speed (m/s)."""
-        wiring, out = self.wiring, self._written
+        wiring, out = self.wiring, self._asked
         in_voltage = wiring.quantity == "voltage"
         self.put_out, self.beyond = (command, dither), None
         for place, name in enumerate(self._names):
@@ -175,6 +177,7 @@ class RigTasks:
                 self._clipped(name, given / output.volts_per_unit, motor)
         self.is_safe = False
         self._writer.write_one_sample(out, self._timeout)
+        self._written[:] = out
         if self._watchdog is not None:
             # Until the first write the outputs are safe, and what comes before it may take longer than the timeout.
             if self._guarded:
@@ -202,13 +205,25 @@ class RigTasks:
             except (Error, OSError, ValueError) as error:
                 if getattr(error, "error_code", None) == WATCHDOG_EXPIRED:
                     # The device was faster: its outputs have their safe state already.
-                    self.is_safe = True
+                    self.is_safe = self.watchdog_was_first = True
                     return None
-                problem = _first_line(error)
+                problem = first_line(error)
             else:
                 self.is_safe = True
                 return None
-        return problem
+        return f"{problem}; last written: {self.last_written()}"
+
+    def stands_at(self, motor: float) -> float:
+        """Return where a pump that holds its position stands (rad): where it was measured, or at its last command."""
+        if not self.watchdog_was_first:
+            return motor
+        return float(self._written[self._names.index("pump")] / self.wiring.outputs["pump"].volts_per_unit)
+
+    def last_written(self) -> str:
+        """Return every output with the voltage that was last written to it."""
+        outputs = self.wiring.outputs
+        written = zip(self._names, self._written, strict=True)
+        return ", ".join(f"{name} {outputs[name].channel} {volts:.4g} V" for name, volts in written)
 
     def _write_safe(self, motor: float) -> None:
         outputs = self.wiring.outputs
@@ -216,6 +231,7 @@ class RigTasks:
             outputs[name].volts(motor) if (volts := outputs[name].safe_v) is None else volts for name in self._names
         ]
         self._writer.write_one_sample(np.array(safe), self._timeout)
+        self._written[:] = safe
 
     def close(self) -> None:
         """Stop and clear all tasks; never raises for a device that is gone."""
@@ -234,6 +250,22 @@ class RigTasks:
         self._opened, self._watchdog = [], None
 
 
+def last_words(tasks: RigTasks) -> str:
+    """Return what is known of the outputs while a call is stuck."""
+    return "The outputs are safe" if tasks.is_safe else not_written(tasks, f"last written: {tasks.last_written()}")
+
+
+def not_written(tasks: RigTasks, problem: str) -> str:
+    """Return what to say where the outputs could not be made safe, and what does it without us."""
+    timeout = tasks.wiring.watchdog_s
+    watchdog = (
+        "The device has no watchdog" + (f"; rig.interlock: {tasks.wiring.interlock}" if tasks.wiring.interlock else "")
+        if timeout is None
+        else f"The device's watchdog makes them safe {timeout * 1e3:g} ms after the last write"
+    )
+    return f"THE OUTPUTS COULD NOT BE WRITTEN ({problem}): switch the drives off by hand. {watchdog}"
+
+
 def device_facts(wiring: Wiring, connection: Connection) -> str:
     """Return product and serial number of each device, for the log; nothing is reserved or moved."""
     facts = []
@@ -244,7 +276,9 @@ def device_facts(wiring: Wiring, connection: Connection) -> str:
     return ", ".join(facts)
 
 
-def _first_line(error: BaseException) -> str:
+def first_line(error: BaseException) -> str:
+    """Return what an error of the vendor's client says, in one line with its code."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     code = getattr(error, "error_code", None)
-    return (lines[0] if lines else type(error).__name__) + (f" (error {code})" if code else "")
+    text = lines[0].removeprefix(f"{getattr(error, 'rpc_code', '')}: ") if lines else type(error).__name__
+    return text + (f" (error {code})" if code else "")

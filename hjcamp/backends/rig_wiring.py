@@ -73,7 +73,8 @@ class Output:
 
 @dataclass(frozen=True)
 class Wiring:
-    """All terminals of a rig. ``quantity``: the pump drive takes a position, or a motor voltage (we close the loop)."""
+    """All terminals of a rig. ``quantity``: the pump drive takes a position, or a motor voltage (we close the loop);
+    ``interlock``: what stops the drives where the device has no watchdog."""
 
     pressures: dict[str, PressureInput]
     encoders: dict[str, EncoderInput]
@@ -84,6 +85,7 @@ class Wiring:
     timing: str
     watchdog_s: float | None
     devices: tuple[str, ...]
+    interlock: str | None = None
 
     def physical_outputs(self, volts: Mapping[str, float]) -> tuple[float, float, float]:
         """Return what the voltages mean to the drives: pump command (rad), dither (V), preload speed (m/s)."""
@@ -130,6 +132,7 @@ def read_wiring(config: Mapping[str, Any]) -> Wiring:
         timing,
         _number(watchdog, "timeout_ms", where) * 1e-3 if watchdog.get("enabled") else None,
         (),
+        rig.get("interlock"),
     )
     return _with_devices(wiring, config, where)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from hjcamp import backends
-from hjcamp.campaign.plan import Plan
+from hjcamp.records.plan import Plan
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import suppress
 from typing import Annotated, Any
 
 import typer
@@ -33,32 +35,52 @@ def serve(
     fault: Annotated[
         list[str] | None, typer.Option(help="KIND@SAMPLE or KIND@SAMPLE#TEST; more than one is fine.")
     ] = None,
-    anybody: Annotated[bool, typer.Option(help="Serve on an address that other computers reach.")] = False,
+    anybody: Annotated[bool, typer.Option("--anybody", help="Serve on an address that other computers reach.")] = False,
+    real_time: Annotated[
+        bool, typer.Option("--real-time", help="Time passes by itself, as on a real rig; otherwise a read is a sample.")
+    ] = False,
+    rate: Annotated[
+        float | None, typer.Option(help="Seconds of the rig for each of the clock, 0.01 to 1, with --real-time.")
+    ] = None,
 ) -> None:
-    """Serve a virtual rig on the vendor's protocol, in lockstep virtual time, until Ctrl-C."""
+    """Serve a virtual rig on the vendor's protocol, in lockstep virtual time or in real time, until Ctrl-C."""
     from hjcamp.backends.virtual_rig.faults import parse_fault
-    from hjcamp.backends.virtual_rig.server import check_address, start_server
+    from hjcamp.backends.virtual_rig.server import check_address, client_address, is_local, start_server
     from hjcamp.configuration.composer import Composer, free
     from hjcamp.effects import chosen_effects
     from hjcamp.errors import UsageError
 
     check_address(address, anybody)
+    if rate is not None and not (real_time and 0.01 <= rate <= 1.0):
+        raise UsageError(f"--rate {rate:g}: only with --real-time, and from 0.01 to 1")
     faults = [parse_fault(text) for text in fault or []]
     lines = [free(line.lstrip("+")) for line in overrides or []]
     if wrong := [line for line in lines if not line.lstrip("+").startswith("effects.")]:
         raise UsageError(f"'{wrong[0]}': only effects can be hidden in the rig; the client says what hardware is on it")
     hidden = Composer().compose(lines).config.get("effects") or {}
     chosen_effects(hidden)
-    server, port, _ = start_server(address, faults, hidden)
-    host = address.rpartition(":")[0]
-    print(f"a virtual rig is served at {host}:{port}; Ctrl-C ends it")
-    print(
-        f"use it with: backend=nidaqmx rig=virtual rig.connection={{kind:address,address:'{host}:{port}'}}", flush=True
-    )
+    server, port, device = start_server(address, faults, hidden, (rate or 1.0) if real_time else None, _say)
+    if not is_local(address):
+        print(
+            f"hjcamp: WARNING: listening on {address.rpartition(':')[0]}:{port}, where other computers can reach it: "
+            "whoever does can run tests on it, without a password",
+            file=sys.stderr,
+        )
+    where = client_address(address, port)
+    pace = f", in real time at {rate or 1.0:g} of the clock" if real_time else ""
+    _say(f"a virtual rig is served at {where}{pace}; Ctrl-C ends it")
+    _say(f"use it with: backend=nidaqmx rig=virtual rig.connection={{kind:address,address:'{where}'}}")
     try:
         server.wait_for_termination()
     finally:
         server.stop(0.5).wait()
+        device.close()
+
+
+def _say(text: str) -> None:
+    # Nobody need read it: a terminal that is closed must not stop the rig.
+    with suppress(OSError):
+        print(text, flush=True)
 
 
 def check(

@@ -91,7 +91,9 @@ def safe_outputs(device: VirtualDevice, case: Case, when: str, kept: int, messag
 
 def readable(run: Path, log: str, folder: Path) -> tuple[str, int]:
     """Return whether what was logged until the stop can be read, and how many samples that is."""
-    part = run / (log + ".part")
+    # What a killed client leaves before the command phase has a name of its own.
+    parts = [run / (log + ".part"), run / log.replace(".mcap", ".before.mcap.part")]
+    part = next((path for path in parts if path.exists()), parts[0])
     assert part.exists(), list(run.rglob("*"))
     assert not (run / log).exists()
     try:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
+import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
+from hjcamp.backends import rig_stop
 from hjcamp.backends.rig_stop import StopSignals, while_moving
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="os.kill")
@@ -80,3 +84,54 @@ def test_a_terminal_that_is_gone_does_not_break_the_handler() -> None:
     with StopSignals(gone) as signals:
         send(signal.SIGHUP)
         assert signals.asked
+
+
+STUCK = """
+import ctypes, sys, threading
+from hjcamp.backends import rig_stop
+rig_stop.PATIENCE_S = 0.5
+locked = threading.Lock()
+mutex, library = ctypes.create_string_buffer(256), ctypes.CDLL(None)
+with rig_stop.StopSignals(print) as signals, rig_stop.while_moving():
+    signals.last_words = lambda: "The outputs are safe"
+    print("stuck", flush=True)
+    for _ in range(2):
+        locked.acquire() if sys.argv[1] == "python" else library.pthread_mutex_lock(mutex)
+"""
+
+
+@pytest.mark.parametrize("place", ["python", "driver"])
+@pytest.mark.parametrize("numbers", [[signal.SIGTERM], [signal.SIGINT, signal.SIGINT]], ids=["sigterm", "ctrl_c"])
+def test_a_stuck_call_does_not_hold_the_process(place: str, numbers: list[int]) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(Path(rig_stop.__file__).parents[2])}
+    with subprocess.Popen(
+        [sys.executable, "-c", STUCK, place], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+    ) as process:
+        try:
+            assert process.stdout is not None and process.stdout.readline() == "stuck\n"
+            for number in numbers[:-1]:
+                process.send_signal(number)
+                # The first Ctrl-C lets the test in hand finish.
+                time.sleep(1.0)
+                assert process.poll() is None
+            process.send_signal(numbers[-1])
+            _, err = process.communicate(timeout=30.0)
+            assert process.returncode == 3
+            assert "the test has not ended within 0.5 s: a call is stuck. The outputs are safe" in err
+        finally:
+            process.kill()
+
+
+def test_a_test_that_ends_in_time_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    ended: list[str] = []
+    monkeypatch.setattr(rig_stop, "PATIENCE_S", 0.05)
+    monkeypatch.setattr(StopSignals, "_end", lambda self, reason: ended.append(reason))
+    with StopSignals(lambda text: None) as signals:
+        with while_moving():
+            send(signal.SIGTERM)
+        time.sleep(0.2)
+        assert signals.reason is not None and ended == []
+        with while_moving():
+            send(signal.SIGTERM)
+            time.sleep(0.2)
+        assert ended == ["SIGTERM was received"]

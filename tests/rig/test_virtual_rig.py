@@ -14,6 +14,7 @@ from hjcamp.backends.rig_connection import RigUnavailable
 from hjcamp.backends.rig_wiring import read_wiring
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.backends.virtual_rig.faults import Fault
+from hjcamp.errors import RigStopped
 
 SEED = 42
 CONDITIONS = (
@@ -79,6 +80,35 @@ def test_a_parked_pump_comes_back_slowly(compose: Any, device: VirtualDevice, mo
     rig_park.note_parked(config, wiring, None)  # as a killed test leaves it
     with pytest.raises(RigUnavailable, match="bring it to its start by hand"):
         backends.run_test(config, SEED)
+
+
+@pytest.mark.parametrize("fault", ["late_samples", "lost_sensor"])
+def test_where_a_stopped_pump_stands(
+    compose: Any, device: VirtualDevice, monkeypatch: pytest.MonkeyPatch, fault: str
+) -> None:
+    monkeypatch.setattr(rig_park, "keeps_its_place", lambda config, wiring: True)
+    device.faults = [Fault(fault, 1000)]
+    config = compose()
+    with pytest.raises(RigStopped):
+        backends.run_test(config, SEED)
+    wiring = read_wiring(config)
+    # Held at its last command where the watchdog was first, otherwise where it was measured: in both what it was told.
+    held = device.volts["Dev1/ao0"] / wiring.outputs["pump"].volts_per_unit
+    measured = device.counts("pump") * wiring.encoders["pump"].count
+    assert rig_park.parked_at(config, wiring) == pytest.approx(held)
+    assert (abs(held - measured) > 0.2) == (fault == "late_samples")
+
+
+def test_nobody_knows_where_a_pump_stands_that_could_not_be_told(
+    compose: Any, device: VirtualDevice, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rig_park, "keeps_its_place", lambda config, wiring: True)
+    device.faults = [Fault("device_gone", 1000)]
+    config = compose()
+    with pytest.raises(RigStopped, match="COULD NOT BE WRITTEN"):
+        backends.run_test(config, SEED)
+    with pytest.raises(RigUnavailable, match="could not write its outputs"):
+        rig_park.parked_at(config, read_wiring(config))
 
 
 def test_a_late_sample_is_counted_and_held(compose: Any, device: VirtualDevice) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from hjcamp.backends.rig_wiring import Wiring, read_wiring
 from hjcamp.backends.virtual_rig.faults import Fault
 from hjcamp.backends.virtual_rig.plant import READINGS, VirtualPlant
-from hjcamp.backends.virtual_rig.sessions import DeviceError, Tasks
+from hjcamp.backends.virtual_rig.sessions import NO_SUCH_TASK, DeviceError, Tasks
 from hjcamp.errors import HjcampError
 
 DEVICE_GONE = -201003
@@ -25,6 +25,8 @@ NOT_ARRANGED = -200088
 SWING_V = 0.2
 IDLE_S = 2.0  # a client that is silent for so long is no longer there
 STEPS_MISSED = {"late_samples": 5, "one_late_sample": 1}
+PERIOD_S = 1e-3
+TICK_S = 5e-3
 
 
 @dataclass
@@ -37,15 +39,28 @@ class Watchdog:
     last_reset: int = 0
     expired: bool = False
 
+    def due(self, sample: int) -> bool:
+        """Return whether it trips at this sample."""
+        return self.running and not self.expired and sample - self.last_reset >= self.samples
+
 
 class VirtualDevice:
-    """A data acquisition device whose terminals are wired to a virtual plant; time is lockstep.
+    """A data acquisition device whose terminals are wired to a virtual plant.
 
-    A read of the analog inputs is the next edge of the sample clock. ``written`` keeps (sample, channel, volts) of
-    every change of an output, so that a test can see when the rig was safe.
+    Without ``rate`` time is lockstep: a read of the analog inputs is the next edge of the sample clock. With it the
+    plant's time passes by itself, ``rate`` seconds for each second of the wall clock: every call meets the plant as it
+    is by then, and between calls a thread keeps it up to date. ``written`` keeps (sample, channel, volts) of every
+    change of an output, ``trips`` (sample of the last reset, sample of the trip) of the watchdog, so that a test can see
+    when the rig was safe; ``report`` is told of each trip.
     """
 
-    def __init__(self, faults: Iterable[Fault] = (), hidden: Mapping[str, Mapping[str, float]] | None = None) -> None:
+    def __init__(
+        self,
+        faults: Iterable[Fault] = (),
+        hidden: Mapping[str, Mapping[str, float]] | None = None,
+        rate: float | None = None,
+        report: Callable[[str], None] = lambda text: None,
+    ) -> None:
         self.faults = list(faults)
         self.hidden = dict(hidden or {})
         self.lock = threading.RLock()
@@ -55,15 +70,25 @@ class VirtualDevice:
         self.gone = False
         self.tasks = Tasks()
         self.owner = ""
+        self.rate: float | None = None
+        self._report = report
         self._last_call = float("-inf")
+        self._edge = threading.Condition(self.lock)
+        self._closed = threading.Event()
+        self._ticker: threading.Thread | None = None
+        self._began = 0.0
         self._clear()
+        if rate is not None:
+            self.run_by_itself(rate)
 
     def _clear(self) -> None:
         self.samples = 0
         self.volts: dict[str, float] = {}
         self.inputs: dict[str, float] = {}
         self.written: list[tuple[int, str, float]] = []
+        self.trips: list[tuple[int, int]] = []
         self.watchdog: Watchdog | None = None
+        self.read_at = 0
         self._counter_start: dict[str, int] = {}
         self._done: set[str] = set()
 
@@ -74,37 +99,79 @@ class VirtualDevice:
         """
         if owner != self.owner and time.monotonic() - self._last_call < IDLE_S:
             raise HjcampError("another client is at work on this virtual rig")
-        self.owner = owner
-        self.tasks = Tasks()
-        self._clear()
-        self.tests += 1
-        self.gone = False
-        self.wiring = read_wiring(config)
-        self.plant = VirtualPlant(config, seed, self.hidden)
-        self.volts = {output.channel: 0.0 for output in self.wiring.outputs.values()}
+        # What is refused leaves everything as it was: the clock of the rig goes on.
+        wiring, plant = read_wiring(config), VirtualPlant(config, seed, self.hidden)
+        with self.lock:
+            self.owner = owner
+            self.tasks = Tasks()
+            self._clear()
+            self.tests += 1
+            self.gone = False
+            self.wiring, self.plant = wiring, plant
+            self.volts = {output.channel: 0.0 for output in wiring.outputs.values()}
+            self._began = time.monotonic()
+
+    def run_by_itself(self, rate: float | None) -> None:
+        """Let time pass from now on, ``rate`` seconds of the plant for each of the wall clock; None: in lockstep again."""
+        with self.lock:
+            self.rate = rate
+            if rate is None:
+                return
+            self._began = time.monotonic() - self.samples * PERIOD_S / rate
+            if self._ticker is None:
+                self._ticker = threading.Thread(target=self._tick, name="virtual rig", daemon=True)
+                self._ticker.start()
+
+    def close(self) -> None:
+        """End the thread that keeps the time."""
+        self._closed.set()
+        if self._ticker is not None:
+            self._ticker.join()
+
+    def catch_up(self) -> None:
+        """Bring the plant to the present; nothing in lockstep."""
+        with self.lock:
+            if self.rate is None or self.plant is None:
+                return
+            present = int((time.monotonic() - self._began) * self.rate / PERIOD_S)
+            while self.samples < present and not self.gone:
+                self._step()
+
+    def _tick(self) -> None:
+        while not self._closed.wait(TICK_S):
+            self.catch_up()
 
     def called(self) -> None:
         """Note that a client is at work."""
         self._last_call = time.monotonic()
 
     def clock(self) -> None:
-        """Wait for the next edge of the sample clock, and latch all inputs."""
+        """Wait for the next edge of the sample clock that was not read yet, and latch all inputs."""
         self.alive()
-        assert self.plant is not None and self.wiring is not None
+        ahead = 1
         for kind in self._due():
             if kind in STEPS_MISSED and kind not in self._done:
                 self._done.add(kind)
-                for _ in range(STEPS_MISSED[kind]):
-                    self._step()
-            if kind == "burst_line":
-                self.plant.burst(1)
-            if kind == "device_gone":
-                self._vanish()
+                ahead += STEPS_MISSED[kind]
             if kind == "error_code":
                 raise DeviceError(READ_FAILED, "Onboard device memory overflow.")
             if kind == "clock_stopped":
                 raise DeviceError(READ_TIMED_OUT, "Some or all of the samples requested have not yet been acquired.")
-        self._step()
+        self._wait_for(self.read_at + ahead)
+        self.alive()
+        self.read_at = self.samples
+
+    def _wait_for(self, sample: int) -> None:
+        test = self.tests
+        self.catch_up()
+        while self.samples < sample and not self.gone:
+            if self.rate is None:
+                self._step()
+                continue
+            self._edge.wait(max(0.0, self._began + sample * PERIOD_S / self.rate - time.monotonic()))
+            if self.tests != test:
+                raise DeviceError(NO_SUCH_TASK, "The task was aborted: another client has taken the rig over.")
+            self.catch_up()
 
     def write(self, channel: str, volts: float) -> None:
         """Set an analog output; it takes effect at once, which is the beginning of the present sample."""
@@ -139,20 +206,33 @@ class VirtualDevice:
         for channel, volts in states.items():
             self._set(channel, volts)
         self.gone = True
-        self.alive()
+
+    def _trip(self, watchdog: Watchdog) -> None:
+        watchdog.expired = True
+        for channel, volts in watchdog.states.items():
+            self._set(channel, volts)
+        self.trips.append((watchdog.last_reset, self.samples))
+        outputs = ", ".join(f"{channel} {volts:.4g} V" for channel, volts in self.volts.items())
+        self._report(
+            f"sample {self.samples}: the watchdog has tripped, {self.samples - watchdog.last_reset} samples after its "
+            f"last reset; outputs: {outputs}"
+        )
 
     def _due(self) -> list[str]:
         return [one.kind for one in self.faults if one.test in (0, self.tests) and self.samples >= one.sample]
 
     def _step(self) -> None:
         assert self.plant is not None and self.wiring is not None
-        wiring = self.wiring
+        wiring, due = self.wiring, self._due()
+        if "device_gone" in due:
+            self._vanish()
+            return
+        if "burst_line" in due:
+            self.plant.burst(1)
         self.samples += 1
         watchdog = self.watchdog
-        if watchdog is not None and watchdog.running and self.samples - watchdog.last_reset > watchdog.samples:
-            watchdog.expired = True
-            for channel, volts in watchdog.states.items():
-                self._set(channel, volts)
+        if watchdog is not None and watchdog.due(self.samples):
+            self._trip(watchdog)
         seen = dict(zip(READINGS, self.plant.advance(np.array(wiring.physical_outputs(self.volts))), strict=True))
         latched = {
             "arm": wiring.encoders["arm"].sign * round(seen["arm_deg"] / self.plant.count("arm_deg")),

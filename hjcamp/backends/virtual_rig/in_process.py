@@ -45,6 +45,9 @@ class _Context:
     def __init__(self) -> None:
         self._metadata: tuple[Any, ...] = ()
 
+    def is_active(self) -> bool:
+        return True
+
     def set_trailing_metadata(self, metadata: tuple[tuple[str, str], ...]) -> None:
         self._metadata = tuple(_Entry(entry) for entry in metadata)
 

@@ -12,10 +12,9 @@ from nidaqmx._stubs.nidaqmx_pb2_grpc import NiDAQmxServicer
 from nidaqmx.utils import unflatten_channel_string
 from session_pb2 import Session
 
-from hjcamp.backends.virtual_rig.device import VirtualDevice, Watchdog
-from hjcamp.backends.virtual_rig.sessions import NO_SUCH_CHANNEL, DeviceError, Task
+from hjcamp.backends.virtual_rig.device import PERIOD_S, VirtualDevice, Watchdog
+from hjcamp.backends.virtual_rig.sessions import NO_SUCH_CHANNEL, NO_SUCH_TASK, RESERVED, DeviceError, Task
 
-PERIOD_S = 1e-3
 TASK_NAME = 0x1276
 SAMPLES_ACQUIRED = 0x192A
 PRODUCT, SERIAL = 0x631, 0x632
@@ -32,7 +31,11 @@ def call(method: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(method)
     def answer(self: VirtualServicer, request: Any, context: Any) -> Any:
         with self.device.lock:
+            if not context.is_active():
+                # Its client has given it up: what it asked for may be the opposite of what is right by now.
+                return context.abort(grpc.StatusCode.CANCELLED, "the call was given up")
             self.device.called()
+            self.device.catch_up()
             try:
                 return method(self, request, context)
             except DeviceError as error:
@@ -76,7 +79,7 @@ class VirtualServicer(NiDAQmxServicer):
     @call
     def CreateTask(self, request: Any, context: Any) -> Any:  # noqa: N802
         task = self.device.tasks.create(request.session_name)
-        return messages.CreateTaskResponse(task=Session(name=task.name), new_session_initialized=True)
+        return messages.CreateTaskResponse(task=Session(name=task.session), new_session_initialized=True)
 
     @call
     def ClearTask(self, request: Any, context: Any) -> Any:  # noqa: N802
@@ -125,14 +128,19 @@ class VirtualServicer(NiDAQmxServicer):
         task.running = True
         if task.kind == "ci":
             self.device.zero(self._encoder(task), round(task.initial))
-        if task.name in self._watchdogs and self.device.watchdog is not None:
+        if task.kind == "ai":
+            self.device.read_at = self.device.samples
+        if task.session in self._watchdogs and self.device.watchdog is not None:
             self.device.watchdog.running = True
             self.device.watchdog.last_reset = self.device.samples
         return messages.StartTaskResponse()
 
     @call
     def StopTask(self, request: Any, context: Any) -> Any:  # noqa: N802
-        self.device.tasks.find(request.task.name).running = False
+        task = self.device.tasks.find(request.task.name)
+        task.running = False
+        if task.session in self._watchdogs and self.device.watchdog is not None:
+            self.device.watchdog.running = False
         return messages.StopTaskResponse()
 
     @call
@@ -165,28 +173,35 @@ class VirtualServicer(NiDAQmxServicer):
 
     @call
     def CreateWatchdogTimerTaskEx(self, request: Any, context: Any) -> Any:  # noqa: N802
+        if self.device.watchdog is not None:
+            raise DeviceError(RESERVED, "The specified resource is reserved: the watchdog belongs to another task.")
         task = self.device.tasks.create(request.session_name)
-        self._watchdogs.add(task.name)
+        self._watchdogs.add(task.session)
         self.device.watchdog = Watchdog(max(1, round(request.timeout / PERIOD_S)))
-        answer = messages.CreateWatchdogTimerTaskExResponse(task=Session(name=task.name))
+        answer = messages.CreateWatchdogTimerTaskExResponse(task=Session(name=task.session))
         answer.new_session_initialized = True
         return answer
 
     @call
     def CfgWatchdogAOExpirStates(self, request: Any, context: Any) -> Any:  # noqa: N802
+        watchdog = self._watchdog(request)
         names = unflatten_channel_string(request.channel_names)
-        assert self.device.watchdog is not None
         for name, volts, kind in zip(names, request.expir_state_array, request.output_type_array, strict=True):
             if kind == VOLTAGE:
-                self.device.watchdog.states[name] = volts
+                watchdog.states[name] = volts
         return messages.CfgWatchdogAOExpirStatesResponse()
 
     @call
     def ControlWatchdogTask(self, request: Any, context: Any) -> Any:  # noqa: N802
         self.device.alive()
-        if self.device.watchdog is not None:
-            self.device.watchdog.last_reset = self.device.samples
+        self._watchdog(request).last_reset = self.device.samples
         return messages.ControlWatchdogTaskResponse()
+
+    def _watchdog(self, request: Any) -> Watchdog:
+        task = self.device.tasks.find(request.task.name)
+        if task.session not in self._watchdogs or self.device.watchdog is None:
+            raise DeviceError(NO_SUCH_TASK, f"Task '{task.name}' is no watchdog.")
+        return self.device.watchdog
 
     def _encoder(self, task: Task) -> str:
         assert self.device.wiring is not None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import uuid
 from dataclasses import dataclass, field
 
 RESERVED = -50103
@@ -22,9 +23,10 @@ class DeviceError(Exception):
 
 @dataclass
 class Task:
-    """One task: its channels in order, with what is measured at a counter."""
+    """One task: its channels in order, with what is measured at a counter. Who knows ``session`` may use it."""
 
     name: str
+    session: str
     kind: str = ""
     channels: list[str] = field(default_factory=list)
     initial: float = 0.0
@@ -33,7 +35,11 @@ class Task:
 
 
 class Tasks:
-    """All tasks by name. A terminal belongs to the task that named it first until that is cleared."""
+    """All tasks by session. A terminal belongs to the task that named it first until that is cleared.
+
+    The protocol knows a task by the name of its session alone, so one without a name gets a name that nobody guesses:
+    only the client that made it can use it.
+    """
 
     def __init__(self) -> None:
         self._tasks: dict[str, Task] = {}
@@ -41,27 +47,27 @@ class Tasks:
 
     def create(self, name: str) -> Task:
         """Add a task; without a name it gets one."""
-        name = name or f"_unnamedTask<{next(self._numbers)}>"
         if name in self._tasks:
             raise DeviceError(DUPLICATE_NAME, f"Specified task name '{name}' conflicts with an existing task name.")
-        self._tasks[name] = Task(name)
-        return self._tasks[name]
-
-    def find(self, name: str) -> Task:
-        """Return the task of that name."""
-        if name not in self._tasks:
-            raise DeviceError(NO_SUCH_TASK, "Task specified is invalid or does not exist.")
-        return self._tasks[name]
-
-    def clear(self, name: str) -> Task:
-        """Remove a task and give its terminals free."""
-        task = self.find(name)
-        del self._tasks[name]
+        task = Task(name, name) if name else Task(f"_unnamedTask<{next(self._numbers)}>", uuid.uuid4().hex)
+        self._tasks[task.session] = task
         return task
 
-    def add_channel(self, name: str, kind: str, channel: str) -> Task:
+    def find(self, session: str) -> Task:
+        """Return the task of that session."""
+        if session not in self._tasks:
+            raise DeviceError(NO_SUCH_TASK, "Task specified is invalid or does not exist.")
+        return self._tasks[session]
+
+    def clear(self, session: str) -> Task:
+        """Remove a task and give its terminals free."""
+        task = self.find(session)
+        del self._tasks[session]
+        return task
+
+    def add_channel(self, session: str, kind: str, channel: str) -> Task:
         """Add a terminal to a task; one that another task holds is refused, as the driver does."""
-        task = self.find(name)
+        task = self.find(session)
         for other in self._tasks.values():
             if channel in other.channels:
                 raise DeviceError(
@@ -71,9 +77,9 @@ class Tasks:
         task.channels.append(channel)
         return task
 
-    def running(self, name: str, kind: str) -> Task:
+    def running(self, session: str, kind: str) -> Task:
         """Return a task that was started; raises the driver's error for another."""
-        task = self.find(name)
+        task = self.find(session)
         if not task.running or task.kind != kind:
-            raise DeviceError(NOT_RUNNING, f"Task '{name}' is not running.")
+            raise DeviceError(NOT_RUNNING, f"Task '{task.name}' is not running.")
         return task
