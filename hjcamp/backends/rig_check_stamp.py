@@ -14,14 +14,25 @@ from hjcamp.backends.rig_connection import RigUnavailable
 from hjcamp.errors import HjcampError
 
 DECIDES = ("connection", "inputs", "outputs", "limits", "output_timing", "watchdog", "sensors")
+SCALES = (("pump", "lead_mm_per_rev"), ("amplifier", "command_deg_per_v"))
 
 
 def stamp_path(config: Mapping[str, Any]) -> Path:
-    """Return the file that says that this wiring, with these limits, was checked; another wiring has another."""
+    """Return the file that says that this wiring, with these scales and limits, was checked; another has another."""
     rig = {key: config["rig"].get(key) for key in DECIDES}
-    digest = hashlib.sha256(json.dumps(rig, sort_keys=True).encode()).hexdigest()[:16]
+    rig |= {f"{group}.{key}": config[group].get(key) for group, key in SCALES}
+    return state_folder() / f"{config['rig'].get('name', 'rig')}_{digest_of(rig)}.json"
+
+
+def digest_of(content: Mapping[str, Any]) -> str:
+    """Return a short hash of plain values."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def state_folder() -> Path:
+    """Return the folder of what is remembered of this computer's rigs."""
     base = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
-    return base / "hjcamp" / "rig_checks" / f"{config['rig'].get('name', 'rig')}_{digest}.json"
+    return base / "hjcamp" / "rig_checks"
 
 
 def write_stamp(config: Mapping[str, Any], findings: Mapping[str, Any]) -> Path:

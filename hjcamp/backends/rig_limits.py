@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass
 from math import inf, pi
 from typing import Any
 
+from hjcamp.backends.rig_schema import LimitSettings
 from hjcamp.backends.rig_silence import RELEASE_PHASE, Coupling, Silence
-from hjcamp.errors import UsageError, unknown
+from hjcamp.schema import checked
 
 DEGREE = pi / 180
 SPEED_SAMPLES = 10
@@ -36,33 +37,14 @@ class Limits:
     missed_at_once: float
     missed_in_all: float
     read_timeout_ms: float
-    arm_silent_deg: float = 6.0  # up to 1.7 in simulated tests with any effect of the library
+    arm_silent_deg: float = 6.0
 
 
 def read_limits(config: Mapping[str, Any]) -> Limits:
-    """Return the limits of ``config["rig"]``; each must be there, a missing one is no permission.
-
-    Where ``arm_silent_deg`` is not named it is 6: a rig described before there was such a limit has it too.
-    """
-    given = config["rig"]["limits"]
-    where = f"rig '{config['rig'].get('name')}', limits"
-    names = [field.name for field in fields(Limits)]
-    defaults = {field.name: field.default for field in fields(Limits) if field.default is not MISSING}
-    for name in given:
-        if name not in names:
-            raise unknown("limit", name, names, where)
-    values = {}
-    for name in names:
-        if name not in given and name not in defaults:
-            raise UsageError(f"{where}: {name} is missing; null says that there is none")
-        value = given.get(name, defaults.get(name))
-        if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
-            raise UsageError(f"{where}: {name} is {value!r}; a number or null is needed")
-        none = -inf if "_low_" in name else inf
-        values[name] = none if value is None else float(value)
-    if values["read_timeout_ms"] == inf:
-        raise UsageError(f"{where}: read_timeout_ms must be a number: a stopped sample clock must be noticed")
-    return Limits(**values)
+    """Return the limits of ``config["rig"]``; raises ``UsageError`` for one that is missing or out of its bounds."""
+    given = checked(LimitSettings, config["rig"].get("limits"), "rig.limits").model_dump()
+    none = {name: -inf if "_low_" in name else inf for name in given}
+    return Limits(**{name: none[name] if value is None else float(value) for name, value in given.items()})
 
 
 class LimitCheck:

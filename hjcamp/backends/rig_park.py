@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from hjcamp.backends.rig_check_stamp import stamp_path
+from hjcamp.backends.rig_check_stamp import digest_of, state_folder
 from hjcamp.backends.rig_connection import RigUnavailable
 from hjcamp.backends.rig_wiring import Wiring
 
@@ -54,4 +54,7 @@ def note_parked(config: Mapping[str, Any], wiring: Wiring, motor: float | None) 
 
 
 def _path(config: Mapping[str, Any]) -> Path:
-    return stamp_path(config).with_suffix(".parked")
+    # The pump stays where it is when a limit or a scale is changed: only its drive decides.
+    rig = config["rig"]
+    drive = {"connection": rig["connection"], "channel": rig["outputs"]["pump"]["channel"]}
+    return state_folder() / f"{rig.get('name', 'rig')}_{digest_of(drive)}.parked"

@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.campaign.campaign_file import RUN_KEYS, Campaign, label_of, read_campaign
 from hjcamp.campaign.conditions import Draft, draft_conditions
 from hjcamp.campaign.plan import Condition, Plan, PlannedTest
-from hjcamp.campaign.values import check_count, check_values
+from hjcamp.configuration.check import check_configuration
+from hjcamp.configuration.run_keys import RunKeys, read_run_keys
 from hjcamp.errors import UsageError, nearest, unknown
+from hjcamp.schema import naming
+from hjcamp.trajectories import build_trajectory
 
 if TYPE_CHECKING:
     from hjcamp.configuration.composer import Composer, Composition
@@ -26,15 +29,17 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
     ``asked`` is the composed configuration of the call, ``choice`` the campaign's name in it (None: the one condition
     that ``asked`` describes), ``lines`` the user's overrides. Raises ``UsageError`` for anything that cannot be run.
     """
-    repetitions = check_count(asked.get("repetitions"), "repetitions")
-    seed = check_count(asked.get("seed"), "seed", lowest=0)
+    composer.refuse_bundles(lines)
+    run = read_run_keys(asked)
+    repetitions, seed = run.repetitions, run.seed
     if choice is None:
         name = "__".join(label_of("", str(asked[group].get("name"))) for group in ("trajectory", "controller"))
         campaign, drafts = Campaign(SINGLE, "one condition, no campaign", {}, ()), [Draft(name, tuple(lines))]
     else:
         campaign = read_campaign(asked["campaign"], choice)
-        campaign, drafts = draft_conditions(campaign, lines, composer)
-    drafts = _selected(drafts, asked.get("conditions"))
+        campaign, drafts = draft_conditions(campaign, lines, composer, run.most_tests)
+    drafts = _selected(drafts, run.conditions)
+    _refuse_too_many(drafts, run, composer)
     conditions = tuple(
         _condition(draft, composer.compose(draft.overrides), repetitions, seed, composer) for draft in drafts
     )
@@ -50,7 +55,7 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
         for condition in conditions
         for repetition in range(1, repetitions + 1)
     )
-    tables = _tables(asked.get("tables"), composer)
+    tables = _tables(run.tables, composer)
     decisive = [campaign.name, tables, repetitions, seed, [[one.name, one.config] for one in conditions]]
     return Plan(
         campaign.name,
@@ -69,15 +74,14 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
 def check_call(lines: Sequence[str], composer: Composer) -> None:
     """Raise ``UsageError`` for a call that cannot be run, judging by its first condition: cheap enough for a sweep."""
     asked = composer.compose(lines)
-    check_count(asked.config.get("repetitions"), "repetitions")
-    check_count(asked.config.get("seed"), "seed", lowest=0)
-    _tables(asked.config.get("tables"), composer)
+    run = read_run_keys(asked.config)
+    _tables(run.tables, composer)
     first = asked
     if choice := asked.choices.get("campaign"):
         campaign = read_campaign(asked.config["campaign"], choice)
-        drafts = _selected(draft_conditions(campaign, lines, composer)[1], asked.config.get("conditions"))
+        drafts = _selected(draft_conditions(campaign, lines, composer, run.most_tests)[1], run.conditions)
         first = composer.compose(drafts[0].overrides)
-    check_values(first.config, f"'{' '.join(lines)}'")
+    check_configuration(first.config, f"'{' '.join(lines)}'")
 
 
 def seed_of(seed: int, condition: str, repetition: int) -> int:
@@ -98,23 +102,26 @@ def sha256_of(content: Any) -> str:
 
 
 def _condition(draft: Draft, composition: Composition, repetitions: int, seed: int, composer: Composer) -> Condition:
-    from hjcamp import backends
-    from hjcamp.trajectories import build_trajectory
-
     config = {key: value for key, value in composition.config.items() if key not in RUN_KEYS}
     choices = {group: choice for group, choice in composition.choices.items() if choice and group != "campaign"}
-    for group, choice in choices.items():
-        if isinstance(config.get(group), dict):
-            config[group].setdefault("name", choice)
     where = f"condition '{draft.name}'"
-    check_values(config, where)
-    config["controller_model"] = composer.model(str(config["controller"].get("model")))
+    check_configuration(config, where)
+    with naming(where):
+        config["controller_model"] = composer.model(str(config["controller"].get("model")))
     duration = float(build_trajectory(config["trajectory"]).duration)
-    check_test = getattr(backends, "check_test", None)
-    if check_test is not None:
-        check_test(config)
     sha256 = sha256_of(config)
     return Condition(draft.name, choices, {**config, "repetitions": repetitions, "seed": seed}, duration, sha256)
+
+
+def _refuse_too_many(drafts: Sequence[Draft], run: RunKeys, composer: Composer) -> None:
+    count = len(drafts) * run.repetitions
+    if count > run.most_tests:
+        first = composer.compose(drafts[0].overrides).config
+        days = count * build_trajectory(first["trajectory"]).duration / 86400
+        raise UsageError(
+            f"{len(drafts)} conditions x {run.repetitions} repetitions = {count} tests, some {days:.3g} days of motion; "
+            f"at most {run.most_tests} are made, unless you say most_tests={count}"
+        )
 
 
 def _selected(drafts: list[Draft], patterns: Any) -> list[Draft]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,10 +27,15 @@ from omegaconf.errors import OmegaConfBaseException
 
 from hjcamp.configuration import hydra_plugins
 from hjcamp.configuration.search_path import packaged_root
-from hjcamp.errors import UsageError
+from hjcamp.configuration.yaml_file import check_file
+from hjcamp.errors import UsageError, shown, unknown
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
-COMPOSE_ERRORS = (HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError)
+COMPOSE_ERRORS = (
+    HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError, RecursionError
+)  # fmt: skip
+OUR_PROVIDERS = ("main", "hjcamp", "hydra", "schema")
+LONGEST_CHAIN = 20  # a file that is asked for more often within one composition leads back to itself
 FREE_KEYS = ("effects.", "model.effects.", "model.parameters.")
 
 
@@ -47,9 +53,14 @@ class _FilesReadOnce(ConfigRepository):
     def __init__(self, config_search_path: ConfigSearchPath) -> None:
         super().__init__(config_search_path)
         self._read: dict[str, ConfigResult | None] = {}
+        self.asked: Counter[str] = Counter()
 
     def load_config(self, config_path: str) -> ConfigResult | None:
+        self.asked[config_path] += 1
         if config_path not in self._read:
+            source = self._find_object_source(config_path, ObjectType.CONFIG)
+            if source is not None and source.scheme() == "file" and source.provider not in OUR_PROVIDERS:
+                check_file(Path(source.path, f"{config_path.removesuffix('.yaml')}.yaml"))
             self._read[config_path] = super().load_config(config_path)
         result = self._read[config_path]
         # Composing writes into what it is given.
@@ -60,7 +71,7 @@ class _FilesReadOnce(ConfigRepository):
         twin = _FilesReadOnce.__new__(_FilesReadOnce)
         twin.config_search_path = getattr(self, "config_search_path", None)  # type: ignore[assignment]
         twin.sources = list(self.sources)
-        twin._read = self._read
+        twin._read, twin.asked = self._read, self.asked
         return twin
 
 
@@ -86,7 +97,7 @@ class Composer:
                 path.append(provider, address)
         self._models: dict[str, dict[str, Any]] = {}
         self._loader = ConfigLoaderImpl(path)
-        self._loader.repository = _FilesReadOnce(path)
+        self._files = self._loader.repository = _FilesReadOnce(path)
 
     def compose(self, overrides: Sequence[str]) -> Composition:
         """Return the configuration under ``overrides`` (Hydra's grammar).
@@ -95,24 +106,54 @@ class Composer:
         """
         from hjcamp.configuration.explain import explain
 
+        self.refuse_bundles(overrides)
+        self._files.asked.clear()
         try:
             composed = self._loader.load_configuration("config", list(overrides), RunMode.RUN)
             choices = {str(group): choice for group, choice in composed.hydra.runtime.choices.items()}
             with open_dict(composed):
                 composed.pop("hydra")
             config = OmegaConf.to_container(composed, resolve=True)
+        except RecursionError:
+            circle = sorted(path for path, count in self._files.asked.items() if count > LONGEST_CHAIN)
+            named = f"the defaults of {', '.join(circle)} lead back to themselves" if circle else "it refers to itself"
+            raise UsageError(f"the configuration never ends: {named}") from None
         except COMPOSE_ERRORS as error:
             raise explain(error, overrides, self) from error
         assert isinstance(config, dict)
-        return Composition(
-            {str(key): value for key, value in config.items()},
-            {group: choice for group, choice in choices.items() if not group.startswith("hydra/")},
-        )
+        choices = {group: choice for group, choice in choices.items() if not group.startswith("hydra/")}
+        for group, choice in choices.items():
+            if choice is not None and any(part in ("", ".", "..") for part in str(choice).split("/")):
+                raise unknown(group, str(choice), self.options(group))
+            if choice is not None and isinstance(config.get(group), dict) and group != "campaign":
+                config[group].setdefault("name", choice)
+        return Composition({str(key): value for key, value in config.items()}, choices)
+
+    def refuse_bundles(self, overrides: Sequence[str]) -> None:
+        """Raise ``UsageError`` for a group that is given a list or a mapping in the place of one choice."""
+        for line in overrides:
+            key, _, value = line.partition("=")
+            group = key.lstrip("+")
+            if not value.startswith(("[", "{")) or not self.is_group(group):
+                continue
+            inside = value.strip("[]{} ").replace(" ", "")
+            if value.startswith("["):
+                hint = f"one after the other: hjcamp run -m {group}={inside}"
+            else:
+                hint = f"choose with {group}=NAME and set a parameter with {group.replace('/', '.')}.PARAMETER=VALUE"
+            allowed = ", ".join(self.options(group))
+            raise UsageError(f"{shown(line)}: a group takes one choice; {hint}. Allowed: {allowed}")
 
     def model(self, name: str) -> dict[str, Any]:
-        """Return the group ``model`` as saved under ``name``, for a controller that calculates with it."""
+        """Return the group ``model`` as saved under ``name``; ``UsageError`` for one that cannot be calculated with."""
+        from hjcamp.configuration.check import check_model
+
         if name not in self._models:
-            self._models[name] = self.compose([f"model={name}"]).config["model"]
+            if name not in self.options("model"):
+                raise unknown("model", name, self.options("model"))
+            content = self.compose([f"model={name}"]).config["model"]
+            check_model(content, f"model {name}")
+            self._models[name] = content
         return copy.deepcopy(self._models[name])
 
     def is_group(self, key: str) -> bool:
@@ -161,10 +202,12 @@ def parse_overrides(lines: Sequence[str]) -> list[Override]:
     for line in lines:
         try:
             parsed.append(parser.parse_override(line))
-        except HydraException as error:
-            detail = str(error).splitlines()[0].split(". See ")[0] if str(error) else "not understood"
+        except (HydraException, ValueError, RecursionError) as error:
+            detail = (
+                str(error).splitlines()[0].split(". See ")[0].split("; use ")[0] if str(error) else "not understood"
+            )
             raise UsageError(
-                f"cannot read the override '{line}': {detail}. Expected GROUP=CHOICE or PARAMETER=VALUE"
+                f"cannot read the override {shown(line)}: {detail[:200]}. Expected GROUP=CHOICE or PARAMETER=VALUE"
             ) from error
     return parsed
 

@@ -12,6 +12,7 @@ from hydra.plugins.search_path_plugin import SearchPathPlugin
 from omegaconf import OmegaConf
 
 from hjcamp.configuration.search_path import campaign_folders, configuration_folders, packaged_root
+from hjcamp.configuration.yaml_file import check_file
 from hjcamp.errors import UsageError
 
 GROUP = "campaign"
@@ -28,10 +29,11 @@ class CampaignSource(ConfigSource):
     def load_config(self, config_path: str) -> ConfigResult:
         """Return the campaign file as the configuration of the package ``campaign``."""
         file = self._file(config_path)
-        if file is None or not file.is_file():
+        if file is None:
             raise ConfigLoadError(f"Config not found : {config_path}")
+        check_file(file)
         content = OmegaConf.load(file)
-        if not OmegaConf.is_dict(content):
+        if not OmegaConf.is_dict(content) or not content:
             raise UsageError(f"campaign file {file} holds no keys; it needs at least 'name' and 'vary'")
         return ConfigResult(config=content, path=str(file), provider=self.provider, header={"package": None})
 
@@ -46,7 +48,8 @@ class CampaignSource(ConfigSource):
     def is_config(self, config_path: str) -> bool:
         """Return whether a campaign file of that name exists."""
         file = self._file(config_path)
-        return file is not None and file.is_file()
+        # What is there and cannot be read must be refused by its name, not be passed over.
+        return file is not None and (file.exists() or file.is_symlink())
 
     def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:
         """Return the names of the campaigns, or of the one group."""
