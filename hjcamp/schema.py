@@ -17,7 +17,15 @@ from pydantic_core import PydanticCustomError
 
 from hjcamp.errors import UsageError, shown, unknown
 
-NAMES = {float: "a number", int: "a whole number", bool: "true or false", str: "a text", type(None): "null"}
+NAMES = {
+    float: "a number",
+    int: "a whole number",
+    bool: "true or false",
+    str: "a text",
+    type(None): "null",
+    list: "a list",
+    dict: "a mapping of names to values",
+}
 
 
 class Group(BaseModel):
@@ -105,7 +113,7 @@ def _walk(schema: type[Group], location: Sequence[Any]) -> tuple[type[Group] | N
 
 
 def _leaves(annotation: Any) -> Iterator[Any]:
-    if get_origin(annotation) in (Union, types.UnionType, dict, list):
+    if get_origin(annotation) in (Union, types.UnionType, dict):
         for argument in get_args(annotation):
             yield from _leaves(argument)
     else:
@@ -119,17 +127,17 @@ def _is_group(annotation: Any) -> bool:
 def _need(field: FieldInfo | None, model: type[Group] | None) -> str:
     if model is not None:
         return f"a mapping of {', '.join(model.model_fields)}"
-    if field is None:
-        return "another value"
+    if field is None or get_origin(field.annotation) is dict:
+        return NAMES[dict]
     limits = {key: getattr(one, key) for one in field.metadata for key in ("ge", "le") if hasattr(one, key)}
     if any(math.isinf(one) for one in limits.values()):
         limits = {}
     options = []
     for leaf in dict.fromkeys(_leaves(field.annotation)):
+        style = ".0f" if leaf is int else "g"
+        within = f" from {limits['ge']:{style}} to {limits['le']:{style}}" if limits and leaf in (float, int) else ""
         if get_origin(leaf) is Literal:
             options += [shown(one) for one in get_args(leaf)]
         else:
-            style = ".0f" if leaf is int else "g"
-            within = f" from {limits['ge']:{style}} to {limits['le']:{style}}" if limits else ""
-            options.append(NAMES.get(leaf, "a value") + (within if leaf in (float, int) else ""))
+            options.append(NAMES.get(get_origin(leaf) or leaf, "a value") + within)
     return " or ".join(options)

@@ -5,14 +5,23 @@ A limit that guards people or glass must be a number within the bounds given her
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from hjcamp.schema import Group, between, needs
 
 COUNTS = (4, 10_000_000)  # one pulse read four times; beyond the finest ring encoders
 RANGE_V = (-10.0, 10.0)  # of the analog outputs
+
+
+def _is_sign(value: int) -> int:
+    if value not in (-1, 1):
+        raise needs("-1 or 1")
+    return value
+
+
+Sign = Annotated[int, AfterValidator(_is_sign)]
 
 
 def channel() -> Any:
@@ -91,7 +100,7 @@ class EncoderSettings(Group):
     channel: str = channel()
     pulses_per_turn: int = between(1, COUNTS[1])
     decoding: Literal["x1", "x2", "x4"] = "x4"
-    sign: Literal[-1, 1] = 1
+    sign: Sign = 1
 
 
 class Inputs(Group):
@@ -139,7 +148,7 @@ class PumpOutput(OutputSettings):
     quantity: Literal["position", "voltage"]
     v_per_deg: float | None = between(-10.0, 10.0, default=None)
     loop_v_per_deg: float = between(1e-5, 10.0, default=1 / 36)
-    sign: Literal[-1, 1] = 1
+    sign: Sign = 1
 
     def allowed_safe(self) -> float | str:
         return "hold" if self.quantity == "position" else 0.0

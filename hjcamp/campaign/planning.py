@@ -13,7 +13,7 @@ from hjcamp.campaign.conditions import Draft, draft_conditions
 from hjcamp.campaign.plan import Condition, Plan, PlannedTest
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
-from hjcamp.errors import UsageError, nearest, unknown
+from hjcamp.errors import UsageError, nearest, shown, unknown
 from hjcamp.schema import naming
 from hjcamp.trajectories import build_trajectory
 
@@ -32,6 +32,8 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
     composer.refuse_bundles(lines)
     run = read_run_keys(asked)
     repetitions, seed = run.repetitions, run.seed
+    if choice is None and asked.get("campaign"):
+        raise UsageError(f"campaign is {shown(asked['campaign'])}, but none is chosen; choose with campaign=NAME")
     if choice is None:
         name = "__".join(label_of("", str(asked[group].get("name"))) for group in ("trajectory", "controller"))
         campaign, drafts = Campaign(SINGLE, "one condition, no campaign", {}, ()), [Draft(name, tuple(lines))]
@@ -118,8 +120,9 @@ def _refuse_too_many(drafts: Sequence[Draft], run: RunKeys, composer: Composer) 
     if count > run.most_tests:
         first = composer.compose(drafts[0].overrides).config
         days = count * build_trajectory(first["trajectory"]).duration / 86400
+        conditions = f"{len(drafts)} condition{'s' * (len(drafts) != 1)}"
         raise UsageError(
-            f"{len(drafts)} conditions x {run.repetitions} repetitions = {count} tests, some {days:.3g} days of motion; "
+            f"{conditions} x {run.repetitions} repetitions = {count} tests, some {days:.3g} days of motion; "
             f"at most {run.most_tests} are made, unless you say most_tests={count}"
         )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections import Counter
+import traceback
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -35,7 +35,6 @@ COMPOSE_ERRORS = (
     HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError, RecursionError
 )  # fmt: skip
 OUR_PROVIDERS = ("main", "hjcamp", "hydra", "schema")
-LONGEST_CHAIN = 20  # a file that is asked for more often within one composition leads back to itself
 FREE_KEYS = ("effects.", "model.effects.", "model.parameters.")
 
 
@@ -53,10 +52,8 @@ class _FilesReadOnce(ConfigRepository):
     def __init__(self, config_search_path: ConfigSearchPath) -> None:
         super().__init__(config_search_path)
         self._read: dict[str, ConfigResult | None] = {}
-        self.asked: Counter[str] = Counter()
 
     def load_config(self, config_path: str) -> ConfigResult | None:
-        self.asked[config_path] += 1
         if config_path not in self._read:
             source = self._find_object_source(config_path, ObjectType.CONFIG)
             if source is not None and source.scheme() == "file" and source.provider not in OUR_PROVIDERS:
@@ -71,7 +68,7 @@ class _FilesReadOnce(ConfigRepository):
         twin = _FilesReadOnce.__new__(_FilesReadOnce)
         twin.config_search_path = getattr(self, "config_search_path", None)  # type: ignore[assignment]
         twin.sources = list(self.sources)
-        twin._read, twin.asked = self._read, self.asked
+        twin._read = self._read
         return twin
 
 
@@ -97,7 +94,7 @@ class Composer:
                 path.append(provider, address)
         self._models: dict[str, dict[str, Any]] = {}
         self._loader = ConfigLoaderImpl(path)
-        self._files = self._loader.repository = _FilesReadOnce(path)
+        self._loader.repository = _FilesReadOnce(path)
 
     def compose(self, overrides: Sequence[str]) -> Composition:
         """Return the configuration under ``overrides`` (Hydra's grammar).
@@ -107,23 +104,23 @@ class Composer:
         from hjcamp.configuration.explain import explain
 
         self.refuse_bundles(overrides)
-        self._files.asked.clear()
         try:
             composed = self._loader.load_configuration("config", list(overrides), RunMode.RUN)
             choices = {str(group): choice for group, choice in composed.hydra.runtime.choices.items()}
             with open_dict(composed):
                 composed.pop("hydra")
             config = OmegaConf.to_container(composed, resolve=True)
-        except RecursionError:
-            circle = sorted(path for path, count in self._files.asked.items() if count > LONGEST_CHAIN)
-            named = f"the defaults of {', '.join(circle)} lead back to themselves" if circle else "it refers to itself"
-            raise UsageError(f"the configuration never ends: {named}") from None
+        except RecursionError as error:
+            circle = _circle(error)
+            raise UsageError(
+                f"the configuration refers to itself{': the defaults of ' if circle else ''}{', '.join(circle)}"
+            ) from None
         except COMPOSE_ERRORS as error:
             raise explain(error, overrides, self) from error
         assert isinstance(config, dict)
         choices = {group: choice for group, choice in choices.items() if not group.startswith("hydra/")}
         for group, choice in choices.items():
-            if choice is not None and any(part in ("", ".", "..") for part in str(choice).split("/")):
+            if choice is not None and any(part[:1] in ("", ".", "_") for part in str(choice).split("/")):
                 raise unknown(group, str(choice), self.options(group))
             if choice is not None and isinstance(config.get(group), dict) and group != "campaign":
                 config[group].setdefault("name", choice)
@@ -147,12 +144,14 @@ class Composer:
     def model(self, name: str) -> dict[str, Any]:
         """Return the group ``model`` as saved under ``name``; ``UsageError`` for one that cannot be calculated with."""
         from hjcamp.configuration.check import check_model
+        from hjcamp.schema import naming
 
         if name not in self._models:
             if name not in self.options("model"):
                 raise unknown("model", name, self.options("model"))
             content = self.compose([f"model={name}"]).config["model"]
-            check_model(content, f"model {name}")
+            with naming(f"model '{name}'"):
+                check_model(content, "model")
             self._models[name] = content
         return copy.deepcopy(self._models[name])
 
@@ -193,6 +192,13 @@ class Composer:
         return [
             f"{source.scheme()}://{source.path}" for source in sources if source.provider not in ("hydra", "schema")
         ]
+
+
+def _circle(error: RecursionError) -> list[str]:
+    """Return the files whose lists of defaults lead back to themselves, as Hydra was reading them."""
+    frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
+    paths = [frame.f_locals.get("path") for frame in frames if frame.f_code.co_name == "_create_defaults_tree_impl"]
+    return sorted({path for path in paths if isinstance(path, str) and paths.count(path) > 2})
 
 
 def parse_overrides(lines: Sequence[str]) -> list[Override]:

@@ -8,7 +8,7 @@ from typing import Any
 from hjcamp.schema import Group, between, checked
 
 LARGEST = 2**63 - 1
-Word = str | int | float
+Word = str | int
 
 
 class RunKeys(Group):
@@ -22,7 +22,7 @@ class RunKeys(Group):
     run_dir: Word | None = None
     fail_fast: bool = False
     keep_going: bool = False
-    most_tests: int = between(1, 10_000_000, default=100_000)
+    most_tests: int = between(1, LARGEST, default=100_000)
 
 
 def read_run_keys(config: Mapping[str, Any]) -> RunKeys:
