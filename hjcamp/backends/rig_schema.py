@@ -21,7 +21,14 @@ def _is_sign(value: int) -> int:
     return value
 
 
+def _names_a_file(value: str) -> str:
+    if not value or set(value) & set("/\\\0"):
+        raise needs("a name without / and \\")
+    return value
+
+
 Sign = Annotated[int, AfterValidator(_is_sign)]
+FileName = Annotated[str, AfterValidator(_names_a_file)]
 
 
 def channel() -> Any:
@@ -215,7 +222,7 @@ class LimitSettings(Group):
 class Rig(Group):
     """A rig; for a simulated test its sensors and scatter are enough."""
 
-    name: str
+    name: FileName
     sensors: Sensors
     scatter: ScatterSettings
     connection: ConnectionSettings | None = None

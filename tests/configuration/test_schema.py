@@ -142,6 +142,7 @@ def plan_of(composer: Composer, *lines: str) -> Any:
         ("payload=[none,brass_8p5g]", "a group takes one choice"),
         ("+campaign.repetitions=3", "none is chosen; choose with campaign=NAME"),
         ("model=../model/published", "unknown model '../model/published'; did you mean 'published'"),
+        ("rig.name=../../elsewhere", "rig.name is '../../elsewhere'; a name without / and"),
         ("rig=_bench", "unknown rig '_bench'"),
         ("+x._target_=os.system", "unknown group or parameter 'x'"),
         ("+pump.boer_mm=3", "unknown parameter 'boer_mm' in pump; did you mean 'bore_mm'"),
