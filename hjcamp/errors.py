@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable
+
+LONGEST_SHOWN = 80
 
 
 class HjcampError(Exception):
@@ -42,7 +45,18 @@ def unknown(kind: str, name: str, allowed: Iterable[str], where: str = "") -> Us
     ``kind`` is what the name stands for ("effect"), ``where`` the place it was read from.
     """
     names = sorted(map(str, allowed))
+    name = name if len(name) <= LONGEST_SHOWN else f"{name[:LONGEST_SHOWN]}..."
     match = nearest(name, names)
     hint = f"; did you mean '{match}'?" if match else "."
     place = f" in {where}" if where else ""
     return UsageError(f"unknown {kind} '{name}'{place}{hint} Allowed: {', '.join(names) or 'none'}")
+
+
+def shown(value: object) -> str:
+    """Return a value as a message shows it: as YAML writes it, and never longer than a line."""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    if isinstance(value, int) and abs(value) >= 10**30:
+        return f"a number of about {int(value.bit_length() * math.log10(2)) + 1} digits"
+    text = repr(value)
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}... ({len(text)} characters)"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import unknown
 
 BACKENDS = ("simulation", "nidaqmx")
 
@@ -18,17 +18,6 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, NDArray[np
     """Run one test on the configured backend; return the columns of its log and further metadata."""
     columns, notes = _backend(config).run_test(config, seed)
     return columns, notes
-
-
-def check_test(config: Mapping[str, Any]) -> None:
-    """Raise ``UsageError`` for a configuration with which the backend cannot make a test; nothing is touched."""
-    from hjcamp.backends.configuration_check import check_configuration
-
-    backend = _backend(config)
-    check_configuration(config)
-    check = getattr(backend, "check_test", None)
-    if check is not None:
-        check(config)
 
 
 def notices(config: Mapping[str, Any]) -> list[str]:
@@ -53,10 +42,6 @@ def look_again(config: Mapping[str, Any], left: Any) -> str:
 
 def _backend(config: Mapping[str, Any]) -> Any:
     name = config["backend"]["name"]
-    if name == "replay":
-        raise UsageError(
-            "backend 'replay' drives a model along logs that exist: hjcamp compare PATH --model MODEL does it"
-        )
     if name not in BACKENDS:
         raise unknown("backend", name, BACKENDS)
     return importlib.import_module(f"hjcamp.backends.{name}")

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass
 from math import inf, pi
 from typing import Any
 
+from hjcamp.backends.rig_schema import LimitSettings
 from hjcamp.backends.rig_silence import RELEASE_PHASE, Coupling, Silence
 from hjcamp.backends.rig_wiring import Output
-from hjcamp.errors import UsageError, unknown
+from hjcamp.schema import checked
 
 DEGREE = pi / 180
 SPEED_SAMPLES = 10
@@ -37,34 +38,15 @@ class Limits:
     missed_at_once: float
     missed_in_all: float
     read_timeout_ms: float
-    arm_silent_deg: float = 6.0  # up to 1.7 in simulated tests with any effect of the library
-    output_clipped_ms: float = 0.0  # not a single sample
+    arm_silent_deg: float = 6.0
+    output_clipped_ms: float = 0.0
 
 
 def read_limits(config: Mapping[str, Any]) -> Limits:
-    """Return the limits of ``config["rig"]``; each must be there, a missing one is no permission.
-
-    A rig that was described before there was ``arm_silent_deg`` (6) and ``output_clipped_ms`` (0) has them too.
-    """
-    given = config["rig"]["limits"]
-    where = f"rig '{config['rig'].get('name')}', limits"
-    names = [field.name for field in fields(Limits)]
-    defaults = {field.name: field.default for field in fields(Limits) if field.default is not MISSING}
-    for name in given:
-        if name not in names:
-            raise unknown("limit", name, names, where)
-    values = {}
-    for name in names:
-        if name not in given and name not in defaults:
-            raise UsageError(f"{where}: {name} is missing; null says that there is none")
-        value = given.get(name, defaults.get(name))
-        if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
-            raise UsageError(f"{where}: {name} is {value!r}; a number or null is needed")
-        none = -inf if "_low_" in name else inf
-        values[name] = none if value is None else float(value)
-    if values["read_timeout_ms"] == inf:
-        raise UsageError(f"{where}: read_timeout_ms must be a number: a stopped sample clock must be noticed")
-    return Limits(**values)
+    """Return the limits of ``config["rig"]``; raises ``UsageError`` for one that is missing or out of its bounds."""
+    given = checked(LimitSettings, config["rig"].get("limits"), "rig.limits").model_dump()
+    none = {name: -inf if "_low_" in name else inf for name in given}
+    return Limits(**{name: none[name] if value is None else float(value) for name, value in given.items()})
 
 
 class LimitCheck:

@@ -11,8 +11,10 @@ import yaml
 
 from hjcamp.calibrate.estimate import Estimate
 from hjcamp.calibrate.identify import Calibration
+from hjcamp.configuration.check import check_model
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.schema import naming
 from hjcamp.storage import whole_file
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
@@ -42,10 +44,13 @@ def write_configuration(
 ) -> tuple[Path, Path]:
     """Write ``model/NAME.yaml`` and ``rig/NAME.yaml`` under ``folder``, each whole or not at all; return their paths.
 
-    ``reference`` is the resolved configuration of the hardware, ``origin`` is what the provenance says besides.
+    ``reference`` is the resolved configuration of the hardware, ``origin`` is what the provenance says besides. Raises
+    ``UsageError``, and writes nothing, where a value is one that no command would take.
     """
     paths = paths_of(name, folder)
     texts = model_text(name, calibration, origin), rig_text(name, calibration, reference)
+    with naming("what was identified is no model that could be used"):
+        check_model(yaml.safe_load(texts[0]), "model")
     for path, text in zip(paths, texts, strict=True):
         with whole_file(path) as stream:
             stream.write(text.encode())

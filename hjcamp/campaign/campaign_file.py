@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
+from hjcamp.configuration.run_keys import RunKeys
 from hjcamp.errors import UsageError, unknown
 
 KEYS = ("name", "description", "fixed", "vary", "repetitions", "seed", "tables")
-RUN_KEYS = (
-    "campaign", "repetitions", "seed", "tables", "conditions", "workers", "run_dir", "fail_fast", "keep_going", "hydra",
-)  # fmt: skip
+RUN_KEYS = ("campaign", "hydra", *RunKeys.model_fields)
 
 
 @dataclass(frozen=True)

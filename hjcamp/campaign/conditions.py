@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -25,11 +26,13 @@ class Draft:
     overrides: tuple[str, ...]
 
 
-def draft_conditions(campaign: Campaign, lines: Sequence[str], composer: Composer) -> tuple[Campaign, list[Draft]]:
+def draft_conditions(
+    campaign: Campaign, lines: Sequence[str], composer: Composer, most: int
+) -> tuple[Campaign, list[Draft]]:
     """Return the campaign as narrowed by the command line, and its conditions in the order of the axes.
 
     ``lines`` are the user's overrides. They come after the campaign's: one of a fixed key replaces it, one of a varied
-    key narrows the axis to that value.
+    key narrows the axis to that value. Raises ``UsageError`` for more than ``most`` conditions.
     """
     user = [item for item in parse_overrides(lines) if key_of(item).split(".")[0] not in RUN_KEYS]
     fixed = _without_replaced(campaign.fixed, user, composer)
@@ -37,6 +40,13 @@ def draft_conditions(campaign: Campaign, lines: Sequence[str], composer: Compose
     for item in user:
         axes = tuple(_narrow(axis, item, composer) for axis in axes)
     narrowed = replace(campaign, fixed=fixed, axes=axes)
+    sizes = [len(axis.cases) for axis in axes]
+    if math.prod(sizes) > most:
+        product_text = " x ".join(map(str, sizes))
+        raise UsageError(
+            f"campaign '{campaign.name}' varies {product_text} = {math.prod(sizes)} conditions; at most {most} tests "
+            f"are made, unless you say most_tests={math.prod(sizes)}"
+        )
     drafts = []
     varied = {key for axis in axes for key in axis.keys}
     own = [item.input_line or "" for item in user if not (key_of(item) in varied and not item.is_delete())]

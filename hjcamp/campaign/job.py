@@ -18,8 +18,8 @@ from hjcamp.campaign.folder import folder_for
 from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import run_plan
-from hjcamp.campaign.values import check_count
 from hjcamp.configuration.composer import Composer
+from hjcamp.configuration.run_keys import read_run_keys
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
 
 BASIC_LAUNCHER = "hydra._internal.core_plugins.basic_launcher.BasicLauncher"
@@ -82,14 +82,14 @@ def run_campaign(config: DictConfig, sweep: bool) -> Path:
     assert isinstance(asked, dict)
     plain = {str(key): value for key, value in asked.items()}
     lines = [str(line) for line in hydra.overrides.task]
-    workers = None if plain.get("workers") is None else check_count(plain["workers"], "workers")
+    keys = read_run_keys(plain)
     sources = [(str(source.provider), f"{source.schema}://{source.path}") for source in hydra.runtime.config_sources]
-    rule = StopRule(bool(plain.get("fail_fast")), bool(plain.get("keep_going")))
+    rule = StopRule(keys.fail_fast, keys.keep_going)
     composer = Composer(sources)
     if sweep and plain["backend"].get("name") != "simulation" and hydra.launcher._target_ != BASIC_LAUNCHER:
         raise UsageError("a rig runs one test at a time: leave hydra/launcher out, its default is the basic launcher")
     plan = make_plan(plain, hydra.runtime.choices.get("campaign"), lines, composer)
-    run_dir = Path(str(plain["run_dir"])) if plain.get("run_dir") else None
+    run_dir = Path(str(keys.run_dir)) if keys.run_dir else None
     if sweep:
         run_dir = Path(os.path.relpath(hydra.runtime.output_dir))
     console = make_console()
@@ -97,6 +97,6 @@ def run_campaign(config: DictConfig, sweep: bool) -> Path:
     folder, goes_on = folder_for(plan, plain, lines, run_dir)
     if goes_on:
         console.print(f"goes on in {folder.path}", style="dim")
-    result = run_plan(folder, console, workers, rule)
+    result = run_plan(folder, console, keys.workers, rule)
     conclude(folder, result, console)
     return folder.path

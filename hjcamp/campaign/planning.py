@@ -8,16 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.campaign.campaign_file import RUN_KEYS, Campaign, label_of, read_campaign
 from hjcamp.campaign.conditions import Draft, draft_conditions
-from hjcamp.campaign.values import check_count, check_values
-from hjcamp.errors import UsageError, nearest, unknown
+from hjcamp.configuration.check import check_configuration
+from hjcamp.configuration.run_keys import RunKeys, read_run_keys
+from hjcamp.errors import UsageError, nearest, shown, unknown
 from hjcamp.records.plan import Condition, Plan, config_sha256, plan_sha256, planned_tests
+from hjcamp.schema import naming
+from hjcamp.trajectories import build_trajectory
 
 if TYPE_CHECKING:
     from hjcamp.configuration.composer import Composer, Composition
 
 SINGLE = "single"
-# What a plan adds to the configuration that was composed.
-ADDED = ("controller_model", "repetitions", "seed")
 
 
 def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str], composer: Composer) -> Plan:
@@ -26,20 +27,24 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
     ``asked`` is the composed configuration of the call, ``choice`` the campaign's name in it (None: the one condition
     that ``asked`` describes), ``lines`` the user's overrides. Raises ``UsageError`` for anything that cannot be run.
     """
-    repetitions = check_count(asked.get("repetitions"), "repetitions")
-    seed = check_count(asked.get("seed"), "seed", lowest=0)
+    composer.refuse_bundles(lines)
+    run = read_run_keys(asked)
+    repetitions, seed = run.repetitions, run.seed
+    if choice is None and asked.get("campaign"):
+        raise UsageError(f"campaign is {shown(asked['campaign'])}, but none is chosen; choose with campaign=NAME")
     if choice is None:
         name = "__".join(label_of("", str(asked[group].get("name"))) for group in ("trajectory", "controller"))
         campaign, drafts = Campaign(SINGLE, "one condition, no campaign", {}, ()), [Draft(name, tuple(lines))]
     else:
         campaign = read_campaign(asked["campaign"], choice)
-        campaign, drafts = draft_conditions(campaign, lines, composer)
-    drafts = _selected(drafts, asked.get("conditions"))
+        campaign, drafts = draft_conditions(campaign, lines, composer, run.most_tests)
+    drafts = _selected(drafts, run.conditions)
+    _refuse_too_many(drafts, run, composer)
     conditions = tuple(
         _condition(draft, composer.compose(draft.overrides), repetitions, seed, composer) for draft in drafts
     )
     _refuse_equal(conditions)
-    tables = _tables(asked.get("tables"), composer)
+    tables = _tables(run.tables, composer)
     return Plan(
         campaign.name,
         campaign.description,
@@ -57,15 +62,14 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
 def check_call(lines: Sequence[str], composer: Composer) -> None:
     """Raise ``UsageError`` for a call that cannot be run, judging by its first condition: cheap enough for a sweep."""
     asked = composer.compose(lines)
-    check_count(asked.config.get("repetitions"), "repetitions")
-    check_count(asked.config.get("seed"), "seed", lowest=0)
-    _tables(asked.config.get("tables"), composer)
+    run = read_run_keys(asked.config)
+    _tables(run.tables, composer)
     first = asked
     if choice := asked.choices.get("campaign"):
         campaign = read_campaign(asked.config["campaign"], choice)
-        drafts = _selected(draft_conditions(campaign, lines, composer)[1], asked.config.get("conditions"))
+        drafts = _selected(draft_conditions(campaign, lines, composer, run.most_tests)[1], run.conditions)
         first = composer.compose(drafts[0].overrides)
-    check_values(first.config, f"'{' '.join(lines)}'")
+    check_configuration(first.config, f"'{' '.join(lines)}'")
 
 
 def check_plan(plan: Plan, where: str) -> None:
@@ -73,8 +77,7 @@ def check_plan(plan: Plan, where: str) -> None:
     for condition in plan.conditions:
         place = f"{where}, condition '{condition.name}'"
         try:
-            check_values({key: value for key, value in condition.config.items() if key not in ADDED}, place)
-            _check_test(condition.config)
+            check_configuration(condition.config, place)
         except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
             # Hashes that are right do not make a configuration one of ours.
             reason = f"{type(error).__name__}: {error}"
@@ -84,26 +87,25 @@ def check_plan(plan: Plan, where: str) -> None:
 def _condition(draft: Draft, composition: Composition, repetitions: int, seed: int, composer: Composer) -> Condition:
     config = {key: value for key, value in composition.config.items() if key not in RUN_KEYS}
     choices = {group: choice for group, choice in composition.choices.items() if choice and group != "campaign"}
-    for group, choice in choices.items():
-        if isinstance(config.get(group), dict):
-            config[group].setdefault("name", choice)
-    check_values(config, f"condition '{draft.name}'")
-    config["controller_model"] = composer.model(str(config["controller"].get("model")))
-    duration = _check_test(config)
+    where = f"condition '{draft.name}'"
+    check_configuration(config, where)
+    with naming(where):
+        config["controller_model"] = composer.model(str(config["controller"].get("model")))
+    duration = float(build_trajectory(config["trajectory"]).duration)
     config |= {"repetitions": repetitions, "seed": seed}
     return Condition(draft.name, choices, config, duration, config_sha256(config))
 
 
-def _check_test(config: Mapping[str, Any]) -> float:
-    """Return how long the motion of a test takes, s; raises ``UsageError`` where its backend cannot make it."""
-    from hjcamp import backends
-    from hjcamp.trajectories import build_trajectory
-
-    duration = float(build_trajectory(config["trajectory"]).duration)
-    check_test = getattr(backends, "check_test", None)
-    if check_test is not None:
-        check_test(config)
-    return duration
+def _refuse_too_many(drafts: Sequence[Draft], run: RunKeys, composer: Composer) -> None:
+    count = len(drafts) * run.repetitions
+    if count > run.most_tests:
+        first = composer.compose(drafts[0].overrides).config
+        days = count * build_trajectory(first["trajectory"]).duration / 86400
+        conditions = f"{len(drafts)} condition{'s' * (len(drafts) != 1)}"
+        raise UsageError(
+            f"{conditions} x {run.repetitions} repetitions = {count} tests, some {days:.3g} days of motion; "
+            f"at most {run.most_tests} are made, unless you say most_tests={count}"
+        )
 
 
 def _selected(drafts: list[Draft], patterns: Any) -> list[Draft]:

@@ -118,13 +118,16 @@ def show_effect(name: str) -> None:
 
 def configured(overrides: list[str]) -> dict[str, Any]:
     """Return the configuration of the test that the picture shows."""
+    from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer, free
 
     if any(line.startswith("campaign=") for line in overrides):
         raise UsageError(
             "campaign=...: a picture shows one test; choose trajectory=, controller=, payload= ... instead"
         )
-    return Composer().compose([free(line) for line in (*TEST, *overrides)]).config
+    config = Composer().compose([free(line) for line in (*TEST, *overrides)]).config
+    check_configuration(config)
+    return config
 
 
 def check_suffix(path: Path) -> None:

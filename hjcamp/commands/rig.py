@@ -90,9 +90,11 @@ def check(
     """Check wiring, noise, preload and directions with small motions; a rig must pass before it runs a campaign."""
     from hjcamp.backends import before_moving
     from hjcamp.backends.rig_check import Finding, check_rig
+    from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer, free
 
     config = Composer().compose([free(line) for line in overrides or []] + ["backend=nidaqmx"]).config
+    check_configuration(config)
 
     def say(finding: Finding) -> None:
         print(f"{'ok    ' if finding.passed else 'FAILED'} {finding.name:<8} {finding.text}", flush=True)

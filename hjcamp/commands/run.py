@@ -71,8 +71,12 @@ def call_hydra(arguments: list[str]) -> None:
     if not (parsed.help or parsed.hydra_help or parsed.shell_completion):
         lines = parse_overrides(overrides)
         check_overrides(overrides, parse_overrides)
+        own = [str(line.input_line) for line in lines if not line.is_hydra_override()]
         if parsed.multirun:
             check_sweep(lines, Composer(folder=folder))
+        elif not (parsed.config_name or parsed.config_path):
+            # Hydra reads the same files: what it would stumble over is said here.
+            Composer(folder=folder).compose(own)
     jobs.JobEnd.error = None
     jobs.SweepFolder.path = None
     before = sys.argv

@@ -95,9 +95,12 @@ def tune_campaign(
     from hjcamp.campaign.gains_file import free_place, write_gains
     from hjcamp.campaign.retune import FACTOR, gains_of
     from hjcamp.commands.plan import compose_plan
+    from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer
 
-    first = gains_of(Composer(folder=config_dir).compose([f"controller/gains={start}"]).config, f"--from {start}")
+    config = Composer(folder=config_dir).compose([f"controller/gains={start}"]).config
+    check_configuration(config, f"--from {start}")
+    first = gains_of(config, f"--from {start}")
     plan = compose_plan(lines, config_dir)
     cases = cases_of(plan)
     if name is not None and len(cases) > 1:

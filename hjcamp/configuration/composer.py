@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import functools
+import traceback
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -31,10 +32,14 @@ from hjcamp.configuration import hydra_plugins
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.configuration.trust import check_overrides
 from hjcamp.configuration.variation import Loaded, NotJoinedError, Variations
-from hjcamp.errors import UsageError
+from hjcamp.configuration.yaml_file import check_file
+from hjcamp.errors import UsageError, shown, unknown
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
-COMPOSE_ERRORS = (HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError)
+COMPOSE_ERRORS = (
+    HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError, RecursionError
+)  # fmt: skip
+OUR_PROVIDERS = ("main", "hjcamp", "hydra", "schema")
 MAIN = "config"
 FREE_KEYS = ("effects.", "model.effects.", "model.parameters.")
 
@@ -56,6 +61,9 @@ class _FilesReadOnce(ConfigRepository):
 
     def load_config(self, config_path: str) -> ConfigResult | None:
         if config_path not in self._read:
+            source = self._find_object_source(config_path, ObjectType.CONFIG)
+            if source is not None and source.scheme() == "file" and source.provider not in OUR_PROVIDERS:
+                check_file(Path(source.path, f"{config_path.removesuffix('.yaml')}.yaml"))
             self._read[config_path] = super().load_config(config_path)
         result = self._read[config_path]
         # Composing writes into what it is given.
@@ -122,9 +130,10 @@ class Composer:
         from hjcamp.configuration.explain import explain
 
         check_overrides(overrides, parse_overrides)
+        self.refuse_bundles(overrides)
         try:
             found = self._variations.compose([_parsed(line) for line in overrides])
-            return Composition(found.config, found.choices)
+            return self._named(found.config, found.choices)
         except (NotJoinedError, *COMPOSE_ERRORS):
             pass
         try:
@@ -133,13 +142,40 @@ class Composer:
             with open_dict(composed):
                 composed.pop("hydra")
             config = OmegaConf.to_container(composed, resolve=True)
+        except RecursionError as error:
+            circle = _circle(error)
+            raise UsageError(
+                f"the configuration refers to itself{': the defaults of ' if circle else ''}{', '.join(circle)}"
+            ) from None
         except COMPOSE_ERRORS as error:
             raise explain(error, overrides, self) from error
         assert isinstance(config, dict)
-        return Composition(
-            {str(key): value for key, value in config.items()},
-            {group: choice for group, choice in choices.items() if not group.startswith("hydra/")},
-        )
+        choices = {group: choice for group, choice in choices.items() if not group.startswith("hydra/")}
+        return self._named({str(key): value for key, value in config.items()}, choices)
+
+    def _named(self, config: dict[str, Any], choices: dict[str, str]) -> Composition:
+        """Return the composition, each group with its name; refuse a choice that is no name of one."""
+        for group, choice in choices.items():
+            if choice is not None and any(part[:1] in ("", ".", "_") for part in str(choice).split("/")):
+                raise unknown(group, str(choice), self.options(group))
+            if choice is not None and isinstance(config.get(group), dict) and group != "campaign":
+                config[group].setdefault("name", choice)
+        return Composition(config, choices)
+
+    def refuse_bundles(self, overrides: Sequence[str]) -> None:
+        """Raise ``UsageError`` for a group that is given a list or a mapping in the place of one choice."""
+        for line in overrides:
+            key, _, value = line.partition("=")
+            group = key.lstrip("+")
+            if not value.startswith(("[", "{")) or not self.is_group(group):
+                continue
+            inside = value.strip("[]{} ").replace(" ", "")
+            if value.startswith("["):
+                hint = f"one after the other: hjcamp run -m {group}={inside}"
+            else:
+                hint = f"choose with {group}=NAME and set a parameter with {group.replace('/', '.')}.PARAMETER=VALUE"
+            allowed = ", ".join(self.options(group))
+            raise UsageError(f"{shown(line)}: a group takes one choice; {hint}. Allowed: {allowed}")
 
     def _load(self, overrides: Sequence[Override]) -> Loaded:
         """Compose without Hydra's own configuration, which takes half the time; the base with it, so that it is checked."""
@@ -156,9 +192,17 @@ class Composer:
         return Loaded({str(key): value for key, value in config.items()}, choices)
 
     def model(self, name: str) -> dict[str, Any]:
-        """Return the group ``model`` as saved under ``name``, for a controller that calculates with it."""
+        """Return the group ``model`` as saved under ``name``; ``UsageError`` for one that cannot be calculated with."""
+        from hjcamp.configuration.check import check_model
+        from hjcamp.schema import naming
+
         if name not in self._models:
-            self._models[name] = self.compose([f"model={name}"]).config["model"]
+            if name not in self.options("model"):
+                raise unknown("model", name, self.options("model"))
+            content = self.compose([f"model={name}"]).config["model"]
+            with naming(f"model '{name}'"):
+                check_model(content, "model")
+            self._models[name] = content
         return copy.deepcopy(self._models[name])
 
     def is_group(self, key: str) -> bool:
@@ -205,6 +249,13 @@ def _parsed(line: str) -> Override:
     return OverridesParser.create().parse_override(line)
 
 
+def _circle(error: RecursionError) -> list[str]:
+    """Return the files whose lists of defaults lead back to themselves, as Hydra was reading them."""
+    frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
+    paths = [frame.f_locals.get("path") for frame in frames if frame.f_code.co_name == "_create_defaults_tree_impl"]
+    return sorted({path for path in paths if isinstance(path, str) and paths.count(path) > 2})
+
+
 def parse_overrides(lines: Sequence[str]) -> list[Override]:
     """Return the parsed overrides; raises ``UsageError`` where a line does not follow Hydra's grammar."""
     parsed = []
@@ -212,10 +263,12 @@ def parse_overrides(lines: Sequence[str]) -> list[Override]:
     for line in lines:
         try:
             parsed.append(parser.parse_override(line))
-        except HydraException as error:
-            detail = str(error).splitlines()[0].split(". See ")[0] if str(error) else "not understood"
+        except (HydraException, ValueError, RecursionError) as error:
+            detail = (
+                str(error).splitlines()[0].split(". See ")[0].split("; use ")[0] if str(error) else "not understood"
+            )
             raise UsageError(
-                f"cannot read the override '{line}': {detail}. Expected GROUP=CHOICE or PARAMETER=VALUE"
+                f"cannot read the override {shown(line)}: {detail[:200]}. Expected GROUP=CHOICE or PARAMETER=VALUE"
             ) from error
     return parsed
 

@@ -18,6 +18,7 @@ from omegaconf import OmegaConf
 
 from hjcamp.configuration.search_path import campaign_folders, configuration_folders, packaged_root
 from hjcamp.configuration.trust import check_file, check_group, with_our_hydra
+from hjcamp.configuration.yaml_file import check_file as check_yaml
 from hjcamp.errors import UsageError
 
 GROUP = "campaign"
@@ -57,12 +58,12 @@ class CampaignSource(ConfigSource):
     def load_config(self, config_path: str) -> ConfigResult:
         """Return the campaign file as the configuration of the package ``campaign``."""
         file = self._file(config_path)
-        if file is None or not file.is_file():
+        if file is None:
             raise ConfigLoadError(f"Config not found : {config_path}")
-        with readable(file):
-            content = OmegaConf.load(file)
+        check_yaml(file)
+        content = OmegaConf.load(file)
         check_file(file, content, None)
-        if not OmegaConf.is_dict(content):
+        if not OmegaConf.is_dict(content) or not content:
             raise UsageError(f"campaign file {file} holds no keys; it needs at least 'name' and 'vary'")
         return ConfigResult(config=content, path=str(file), provider=self.provider, header={"package": None})
 
@@ -77,7 +78,8 @@ class CampaignSource(ConfigSource):
     def is_config(self, config_path: str) -> bool:
         """Return whether a campaign file of that name exists."""
         file = self._file(config_path)
-        return file is not None and file.is_file()
+        # What is there and cannot be read must be refused by its name, not be passed over.
+        return file is not None and (file.exists() or file.is_symlink())
 
     def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:
         """Return the names of the campaigns, or of the one group."""

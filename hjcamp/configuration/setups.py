@@ -15,5 +15,9 @@ def _composer() -> Composer:
 
 @functools.lru_cache(maxsize=64)
 def configuration_for(names: tuple[tuple[str, str], ...]) -> dict[str, Any]:
-    """Return the configuration with the given choices (group, choice); names unknown here are refused."""
-    return dict(_composer().compose([f"{group}={choice}" for group, choice in names]).config)
+    """Return the configuration with the given choices (group, choice); names and values that cannot be are refused."""
+    from hjcamp.configuration.check import check_configuration
+
+    config = dict(_composer().compose([f"{group}={choice}" for group, choice in names]).config)
+    check_configuration(config)
+    return config

@@ -23,12 +23,12 @@ class Pid(Controller):
         "1", 5.0, (1.0, LONGEST_DERIVATIVE - 1.0), text="samples over which the error is differenced"
     )
     first_direction = Parameter("1", 1.0, (-1.0, 1.0), text="direction of the first motion")
-    positive_kp = Parameter("1", 1.05, text="proportional gain, positive direction")
-    positive_ki = Parameter("1/s", 70.0, text="integral gain, positive direction")
-    positive_kd = Parameter("s", 0.015, text="derivative gain, positive direction")
-    negative_kp = Parameter("1", 1.4, text="proportional gain, negative direction")
-    negative_ki = Parameter("1/s", 90.0, text="integral gain, negative direction")
-    negative_kd = Parameter("s", 0.018, text="derivative gain, negative direction")
+    positive_kp = Parameter("1", 1.05, (0.0, 1e3), text="proportional gain, positive direction")
+    positive_ki = Parameter("1/s", 70.0, (0.0, 1e5), text="integral gain, positive direction")
+    positive_kd = Parameter("s", 0.015, (0.0, 10.0), text="derivative gain, positive direction")
+    negative_kp = Parameter("1", 1.4, (0.0, 1e3), text="proportional gain, negative direction")
+    negative_ki = Parameter("1/s", 90.0, (0.0, 1e5), text="integral gain, negative direction")
+    negative_kd = Parameter("s", 0.018, (0.0, 10.0), text="derivative gain, negative direction")
 
     direction = Memory()
     integral = Memory()

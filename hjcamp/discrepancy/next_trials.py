@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.backends.simulation import log_columns, model_values, prepare
+from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.composer import Composer, as_override
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.procedure import Procedure
@@ -65,6 +66,7 @@ class Bench:
         self.scatter = scatter
         self.composer = Composer()
         config = self.composer.compose(self.overrides).config
+        check_configuration(config)
         self.config = config
         self.values = _hardware(config).values
         self._views = Views(Evidence(()), self.effects)

@@ -11,7 +11,7 @@ from typing import Any
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.unknowns import base_unknowns
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.storage import whole_file
 
@@ -24,16 +24,9 @@ def saved_model(name: str) -> Candidate:
     from hjcamp.configuration.composer import Composer
     from hjcamp.effects import chosen_effects
 
-    composer = Composer()
-    if name not in composer.options("model"):
-        raise unknown("model", name, composer.options("model"))
-    content = composer.model(name)
-    parameters = content.get("parameters") or {}
-    for key in parameters:
-        if key not in PumpJoint.parameters:
-            raise unknown("plant parameter", key, PumpJoint.parameters, f"model {name}")
-    _, effects = chosen_effects(content.get("effects") or {})
-    return Candidate({key: float(value) for key, value in parameters.items()}, effects)
+    content = Composer().model(name)
+    _, effects = chosen_effects(content["effects"])
+    return Candidate({key: float(value) for key, value in content["parameters"].items()}, effects)
 
 
 def complete(candidate: Candidate, evidence: Evidence) -> Candidate:

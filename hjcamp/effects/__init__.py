@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.binding import Library, library_for
 from hjcamp.model.catalogue import scan
 from hjcamp.model.effect import Effect
@@ -32,15 +33,21 @@ def find_effect(name: str, folders: Sequence[Path] | None = None) -> type[Effect
     return effects[name]
 
 
-def chosen_effects(values: dict[str, dict[str, float]]) -> tuple[list[type[Effect]], dict[str, dict[str, float]]]:
-    """Return the effects of a configuration in alphabetical order, and their checked parameters."""
+def chosen_effects(
+    values: Mapping[str, Any], where: str = "effects"
+) -> tuple[list[type[Effect]], dict[str, dict[str, float]]]:
+    """Return the effects of a configuration in alphabetical order, and their checked parameters.
+
+    ``where`` is the path of ``values`` in the configuration; an effect without parameters has its defaults.
+    """
     library = load_effects()
     effects, checked = [], {}
-    for name in sorted(values):
+    for name in sorted(values, key=str):
         if name not in library:
-            raise unknown("effect", name, library, "the configuration's effects")
-        if not isinstance(values[name] or {}, dict):
-            raise UsageError(f"effect {name}: give its parameters as name: value, not {values[name]!r}")
+            raise unknown("effect", str(name), library, where)
+        given = {} if values[name] is None else values[name]
+        if not isinstance(given, Mapping):
+            raise UsageError(f"{where}.{name} is {shown(given)}; give its parameters as {where}.{name}.PARAMETER=VALUE")
         effects.append(library[name])
-        checked[name] = library[name].checked(values[name] or {}, "the configuration")
+        checked[name] = library[name].checked(given, where)
     return effects, checked

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import inspect
-import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -141,20 +140,14 @@ class Effect:
         return {name: parameter.default for name, parameter in cls.parameters.items()}
 
     @classmethod
-    def checked(cls, values: dict[str, float], where: str = "") -> dict[str, float]:
-        """Return ``values`` completed by the defaults; refuse unknown names and values that are not within bounds."""
+    def checked(cls, values: Mapping[str, float], where: str = "effects") -> dict[str, float]:
+        """Return ``values`` completed by the defaults; refuse unknown names and values that are not within bounds.
+
+        ``where`` is the path of the mapping of effects that ``values`` come from.
+        """
         full = cls.defaults()
-        place = f"effect {cls.name}" + (f" ({where})" if where else "")
         for name, value in values.items():
             if name not in cls.parameters:
-                raise unknown("parameter", name, cls.parameters, place)
-            low, high = cls.parameters[name].bounds
-            try:
-                number = float(value)
-            except (TypeError, ValueError):
-                raise UsageError(f"{place}: {name} = {value!r} is not a number") from None
-            if not math.isfinite(number) or not low <= number <= high:
-                unit = cls.parameters[name].unit
-                raise UsageError(f"{place}: {name} = {number:g} {unit} is outside {low:g} ... {high:g} {unit}")
-            full[name] = number
+                raise unknown("parameter", name, cls.parameters, f"{where}.{cls.name}")
+            full[name] = cls.parameters[name].checked(value, f"{where}.{cls.name}.{name}")
         return full

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+import numbers
 from dataclasses import dataclass, field
 from typing import Any
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, shown
 
 PRIORS = ("uniform", "log-uniform", "normal", "log-normal")
 # Two thirds of what a log-normal prior expects lie within this factor of the default.
@@ -52,6 +53,16 @@ class Parameter:
             raise UsageError(f"{where}: a log-uniform prior needs a lower bound above zero, not {low:g}")
         if self.prior == "log-normal" and self.default <= 0:
             raise UsageError(f"{where}: a log-normal prior needs a default above zero, not {self.default:g}")
+
+    def checked(self, value: object, path: str) -> float:
+        """Return ``value`` as a float; ``UsageError`` where it is no number or not within the bounds."""
+        number = finite_number(value)
+        low, high = self.bounds
+        if number is None or not low <= number <= high:
+            within = f"a number from {low:g} to {high:g}" if math.isfinite(high - low) else "a finite number"
+            unit = "" if self.unit == "1" else f" {self.unit}"
+            raise UsageError(f"{path} is {shown(value)}; {within}{unit} is needed")
+        return number
 
     def unusual(self, value: float) -> float:
         """Return by how many standard deviations the size of ``value`` differs from what is expected; 0 where nothing is."""
@@ -172,6 +183,17 @@ class Cut:
     driven: dict[str, str] = field(default_factory=dict)
     slopes: dict[str, str] = field(default_factory=dict)
     frozen: tuple[str, ...] = ()
+
+
+def finite_number(value: object) -> float | None:
+    """Return ``value`` as a float, None where it is no finite number (a bool and a text are none)."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:
+        return None
+    return number if math.isfinite(number) else None
 
 
 def declared(owner: type, kind: type) -> dict[str, Any]:

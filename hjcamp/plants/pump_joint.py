@@ -36,22 +36,26 @@ class PumpJoint(Plant):
     direction = Input("1", text="friction regime: 0 held, +1 and -1 moving")
     time = Input("s", text="time since the start of the command phase")
 
-    pump_gain = Parameter("m/(rad*s^3)", 350.9, text="numerator of the pump's transfer function (4.3.4)")
-    pump_a2 = Parameter("1/s", 245.0, text="its coefficient of s^2 (4.3.4)")
-    pump_a1 = Parameter("1/s^2", 35700.0, text="its coefficient of s (4.3.4)")
-    pump_a0 = Parameter("1/s^3", 2205000.0, text="its constant coefficient (4.3.4)")
+    pump_gain = Parameter("m/(rad*s^3)", 350.9, (1e-6, 1e12), text="numerator of the pump's transfer function (4.3.4)")
+    pump_a2 = Parameter("1/s", 245.0, (1e-3, 1e6), text="its coefficient of s^2 (4.3.4)")
+    pump_a1 = Parameter("1/s^2", 35700.0, (1e-3, 1e9), text="its coefficient of s (4.3.4)")
+    pump_a0 = Parameter("1/s^3", 2205000.0, (1e-3, 1e12), text="its constant coefficient (4.3.4)")
     pump_delay = Parameter("s", 0.002, (0.0, 0.1), text="delay of its command (4.3.4)")
-    pump_speed_limit = Parameter("m/s", 0.060, text="largest speed of the pistons (4.3.5)")
-    pump_acceleration_limit = Parameter("m/s^2", INFINITE, text="largest acceleration of the pistons")
-    dither_gain = Parameter("rad/V", 0.628, text="pump command equivalent to one volt at the motor")
-    pump_lead = Parameter("m/rad", 1e-3 / (2 * math.pi), text="travel of the pistons for one radian of the motor (3.8)")
-    pump_area = Parameter("m^2", math.pi / 4 * 6.35e-3**2, text="bore area of a pump cylinder (4.4.1)")
-    joint_area = Parameter("m^2", math.pi / 4 * 4.0e-3**2, text="bore area of a joint cylinder (4.4.1)")
+    pump_speed_limit = Parameter("m/s", 0.060, (1e-4, 10.0), text="largest speed of the pistons (4.3.5)")
+    pump_acceleration_limit = Parameter("m/s^2", INFINITE, (1e-3, INFINITE), text="largest acceleration of the pistons")
+    dither_gain = Parameter("rad/V", 0.628, (0.0, 1e3), text="pump command equivalent to one volt at the motor")
+    pump_lead = Parameter(
+        "m/rad", 1e-3 / (2 * math.pi), (1e-6, 0.1), text="travel of the pistons for one radian of the motor (3.8)"
+    )
+    pump_area = Parameter("m^2", math.pi / 4 * 6.35e-3**2, (1e-9, 1e-2), text="bore area of a pump cylinder (4.4.1)")
+    joint_area = Parameter("m^2", math.pi / 4 * 4.0e-3**2, (1e-9, 1e-2), text="bore area of a joint cylinder (4.4.1)")
     line_stiffness = Parameter("Pa/m^3", 2.57e13, (1e11, 1e16), "log-uniform", "dp/dV of one line (4.4.3)")
     stiffness_asymmetry = Parameter("1", 0.0, (-0.3, 0.3), text="difference of dp/dV of the two lines over their mean")
-    vapour_pressure = Parameter("Pa", -99e3, text="gauge pressure below which the water parts")
-    pulley_radius = Parameter("m", 3.41e-3, text="pitch radius of the pulley (3.6)")
-    travel_stop = Parameter("m", INFINITE, text="travel of the sliders at which they meet a stop (E2: none by default)")
+    vapour_pressure = Parameter("Pa", -99e3, (-2e5, 0.0), text="gauge pressure below which the water parts")
+    pulley_radius = Parameter("m", 3.41e-3, (1e-5, 1.0), text="pitch radius of the pulley (3.6)")
+    travel_stop = Parameter(
+        "m", INFINITE, (1e-5, INFINITE), text="travel of the sliders at which they meet a stop (E2: none)"
+    )
     stop_stiffness = Parameter("N/m", 1e5, (1e3, 1e8), text="stiffness of that stop")
     moving_mass = Parameter("kg", 0.0185, (1e-3, 10.0), "log-uniform", "effective mass at the sliders (4.5.2)")
     static_positive = Parameter("N", 7.20, (0.05, 60.0), text="static friction, positive direction (4.5.1.4)")
@@ -60,9 +64,9 @@ class PumpJoint(Plant):
     static_negative = Parameter("N", 4.03, (0.05, 60.0), text="static friction, negative direction (4.5.1.3)")
     coulomb_negative = Parameter("N", 2.97, (0.05, 60.0), text="Coulomb friction, negative direction")
     viscous_negative = Parameter("N*s/m", 17.2, (0.0, 1000.0), text="viscous friction, negative direction")
-    encoder_count = Parameter("rad", 2 * math.pi / 1024, text="one count of the arm encoder (3.7)")
-    pump_count = Parameter("rad", 2 * math.pi / 4096, text="one count of the pump motor encoder")
-    pressure_noise = Parameter("Pa", 700.0, text="standard deviation of a pressure sample")
+    encoder_count = Parameter("rad", 2 * math.pi / 1024, (1e-7, 2.0), text="one count of the arm encoder (3.7)")
+    pump_count = Parameter("rad", 2 * math.pi / 4096, (1e-7, 2.0), text="one count of the pump motor encoder")
+    pressure_noise = Parameter("Pa", 700.0, (0.0, 1e6), text="standard deviation of a pressure sample")
 
     channels = (
         Channel("arm_deg", "arm_reading", "joint", 180 / math.pi, counts="encoder_count"),

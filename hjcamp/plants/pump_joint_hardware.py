@@ -14,7 +14,7 @@ def transfer_function(config: Mapping[str, Any]) -> Mapping[str, float]:
     pump, amplifier = config["pump"], config["amplifier"]["name"]
     known = pump["transfer_function"]
     if amplifier not in known:
-        raise unknown("amplifier", amplifier, known, f"pump '{pump['name']}': it has no transfer function with it")
+        raise unknown("amplifier", amplifier, known, f"pump '{pump['name']}'")
     return known[amplifier]
 
 

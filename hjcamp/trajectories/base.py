@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, fields
 from typing import ClassVar, dataclass_transform
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, shown
+from hjcamp.model.parameter import finite_number
 
 Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]
 LONGEST_DURATION = 3600.0
+LARGEST = 1e9
+# Half a hundred turns of an arm or of a pump motor; no motion is faster than half the sampling rate.
+RANGES = {"deg": (-18000.0, 18000.0), "hz": (1e-4, 500.0), "s": (1e-3, LONGEST_DURATION)}
+UNITS = {"deg": "deg", "hz": "hz", "time": "s"}
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(field,))
@@ -23,7 +27,7 @@ class Trajectory:
 
     A kind is a subclass in a file of its own: its annotated attributes are the parameters of the configuration (unit in
     the name, seconds where there is none), and ``motion`` is the law. Parameters that are named ``duration`` or end in
-    ``_time`` or ``_hz`` must be positive, all numbers finite; anything else raises `UsageError`.
+    ``_time``, ``_hz`` or ``_deg`` have the ranges of `check_number`; anything else raises `UsageError`.
     """
 
     kind: ClassVar[str] = ""
@@ -37,9 +41,8 @@ class Trajectory:
         for parameter in fields(self):
             if parameter.init and parameter.type in ("float", float):
                 name = parameter.name
-                must_be_positive = name == "duration" or name.endswith(("_time", "_hz"))
-                number = check_number(f"trajectory.{name}", getattr(self, name), positive=must_be_positive)
-                object.__setattr__(self, name, number)
+                unit = "s" if name in ("duration", "time") else UNITS.get(name.rpartition("_")[2], "")
+                object.__setattr__(self, name, check_number(f"trajectory.{name}", getattr(self, name), unit))
         self.check()
         if self.duration > LONGEST_DURATION:
             raise UsageError(f"trajectory.duration is {self.duration:g} s; at most {LONGEST_DURATION:g} s are allowed")
@@ -77,15 +80,15 @@ class Trajectory:
         )
 
 
-def check_number(name: str, value: object, positive: bool = False) -> float:
-    """Return ``value`` as a float; `UsageError` where it is no finite number, or not positive where it must be."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise UsageError(f"{name} is {value!r}; a number is needed")
-    number = float(value)
-    if not math.isfinite(number):
-        raise UsageError(f"{name} is {number}; a finite number is needed")
-    if positive and number <= 0.0:
-        raise UsageError(f"{name} is {number:g}; a number greater than 0 is needed")
+def check_number(name: str, value: object, unit: str = "") -> float:
+    """Return ``value`` as a float; `UsageError` where it is no number within the range of its ``unit``.
+
+    ``unit`` is ``deg``, ``hz``, ``s`` (more than a sample, less than an hour), or empty for any other number.
+    """
+    low, high = RANGES.get(unit, (-LARGEST, LARGEST))
+    number = finite_number(value)
+    if number is None or not low <= number <= high:
+        raise UsageError(f"{name} is {shown(value)}; a number from {low:g} to {high:g} is needed")
     return number
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.trajectories.base import Array, Motion, Trajectory, check_number
 from hjcamp.trajectories.laws import LAWS, rise
 
@@ -79,24 +79,24 @@ class Segments(Trajectory):
 def read_segment(item: object, where: str, start: float, angle: float) -> Segment:
     """Return the part that one entry of the list describes; `UsageError` where it is neither move nor rest."""
     if not isinstance(item, Mapping):
-        raise UsageError(f"{where} is {item!r}; a move {{to_deg, in, law}} or a rest {{rest}} is needed")
+        raise UsageError(f"{where} is {shown(item)}; a move {{to_deg, in, law}} or a rest {{rest}} is needed")
     for name in item:
         if name not in ALLOWED:
             raise unknown("parameter", str(name), ALLOWED, where)
     if "rest" in item:
         if len(item) > 1:
             raise UsageError(f"{where} has 'rest' beside other parameters; a rest has nothing but its seconds")
-        return Segment(start, check_number(f"{where}.rest", item["rest"], positive=True), angle, 0.0, "linear")
+        return Segment(start, check_number(f"{where}.rest", item["rest"], "s"), angle, 0.0, "linear")
     if ("to_deg" in item) == ("by_deg" in item):
         raise UsageError(f"{where} needs one of to_deg and by_deg")
     if "in" not in item:
         raise UsageError(f"{where} needs 'in', the seconds that the move takes")
-    length = check_number(f"{where}.in", item["in"], positive=True)
+    length = check_number(f"{where}.in", item["in"], "s")
     law = str(item.get("law", "cycloid"))
     if law not in LAWS:
         raise unknown("law", law, LAWS, where)
     if "to_deg" in item:
-        travel = np.radians(check_number(f"{where}.to_deg", item["to_deg"])) - angle
+        travel = np.radians(check_number(f"{where}.to_deg", item["to_deg"], "deg")) - angle
     else:
-        travel = np.radians(check_number(f"{where}.by_deg", item["by_deg"]))
+        travel = np.radians(check_number(f"{where}.by_deg", item["by_deg"], "deg"))
     return Segment(start, length, angle, float(travel), law)

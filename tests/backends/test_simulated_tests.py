@@ -15,6 +15,7 @@ import pytest
 
 from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
+from hjcamp.errors import HjcampError
 
 ROOT = Path(__file__).parents[2]
 QUIET = ["rig.scatter.friction_between=0", "rig.scatter.friction_within=0", "rig.scatter.initial_pressure_mpa=0"]
@@ -99,3 +100,10 @@ def test_kernel_gives_the_same_answer_as_plain_python(composer: Composer, tmp_pa
     for name in compiled:
         # whole counts, and analog values to round-off
         assert plain[name] == pytest.approx(compiled[name], rel=1e-9, abs=1e-9), name
+
+
+@pytest.mark.parametrize("lines", [["controller.positive.kp=900"], ["++model.parameters.pump_area=0.01"]])
+def test_an_arm_that_goes_where_none_can_is_a_failed_test(composer: Composer, lines: list[str]) -> None:
+    composition = composer.compose(["trajectory=ramp_pos", *lines])
+    with pytest.raises(HjcampError, match="more than a turn: no arm of this joint can"):
+        run_test({**composition.config, "controller_model": composer.model("published")}, 1)

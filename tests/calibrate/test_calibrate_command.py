@@ -12,11 +12,13 @@ from identification_logs import compliance_log, friction_log, leakage_log, step_
 from mcap.writer import CompressionType, Writer
 
 from hjcamp import cli
-from hjcamp.calibrate.configuration_file import model_text
-from hjcamp.calibrate.identify import identify
+from hjcamp.calibrate.configuration_file import model_text, write_configuration
+from hjcamp.calibrate.estimate import Estimate, Finding
+from hjcamp.calibrate.identify import Calibration, identify
 from hjcamp.calibrate.kinds import kind_of
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.setups import configuration_for
+from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint_hardware import plant_parameters
 from hjcamp.records.log import TestLog
@@ -146,3 +148,12 @@ def test_campaigns_of_chapter_4_can_be_planned(name: str, conditions: int) -> No
     plan = make_plan(composer.compose([f"campaign={name}"]).config, name, [f"campaign={name}"], composer)
     assert len(plan.conditions) == conditions
     assert all(one.config["controller"]["name"] == "open_loop" for one in plan.conditions)
+
+
+def test_a_value_that_no_command_would_take_is_not_saved(empty_folder: Path) -> None:
+    viscous = Estimate("viscous_positive", -3.0, "N*s/m", None, 2, "viscous friction", "N*s/m")
+    found = Calibration({}, {"friction": Finding("friction", (viscous,))}, 2)
+    reference = Composer().compose([]).config
+    with pytest.raises(UsageError, match=r"no model that could be used: model\.parameters\.viscous_positive is -3"):
+        write_configuration("bench", found, reference, empty_folder / "conf", {})
+    assert not (empty_folder / "conf").exists()

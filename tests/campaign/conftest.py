@@ -22,4 +22,3 @@ def quick_test(config: dict, seed: int) -> tuple[dict[str, np.ndarray], dict[str
 def quick_backend(monkeypatch: pytest.MonkeyPatch) -> None:
     """Put the quick backend in the place of ours."""
     monkeypatch.setattr(hjcamp.backends, "run_test", quick_test, raising=False)
-    monkeypatch.setattr(hjcamp.backends, "check_test", lambda config: None, raising=False)

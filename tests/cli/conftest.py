@@ -40,7 +40,6 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureF
     monkeypatch.delenv("HJCAMP_CONF", raising=False)
     monkeypatch.setenv("HYDRA_FULL_ERROR", "1")
     monkeypatch.setattr(hjcamp.backends, "run_test", quick_test, raising=False)
-    monkeypatch.setattr(hjcamp.backends, "check_test", lambda config: None, raising=False)
 
     def answer(*arguments: str) -> Answer:
         capfd.readouterr()

@@ -27,7 +27,7 @@ def written(folder: Path) -> list[str]:
         (["campaign=controllers", "controller=pidd"], "unknown controller 'pidd'"),
         (["campaign=controllers", "trajectory=mixedd"], "did you mean 'mixed'"),
         (["campaign=controllers", "controller.positive.kpp=1"], "unknown parameter 'kpp'"),
-        (["campaign=controllers", "controller.positive.kp=nan"], "a finite number is needed"),
+        (["campaign=controllers", "controller.positive.kp=nan"], "a number from 0 to 1000 is needed"),
         (["campaign=controllers", "repetitions=0"], "repetitions is 0"),
         (["campaign=controllers", "repetitions=-3"], "repetitions is -3"),
         (["trajectory=ramp", "trajectory.duration=-1"], "trajectory.duration"),
@@ -40,7 +40,7 @@ def written(folder: Path) -> list[str]:
         (["campaign=controllers", "controler=pid"], "did you mean 'controller'"),
         (["-m", "campaign=controllers", "repetitions=0,1"], "repetitions is 0"),
         (["-m", "campaign=controllers", "amplifier=low_gain,middle_gain"], "unknown amplifier 'middle_gain'"),
-        (["-m", "seed=1,2", "controller.positive.kp=inf"], "a finite number is needed"),
+        (["-m", "seed=1,2", "controller.positive.kp=inf"], "controller.positive.kp is inf"),
     ],
 )
 def test_bad_input_is_one_message_and_nothing_is_written(
@@ -66,7 +66,7 @@ def test_bad_input_is_one_message_and_nothing_is_written(
         ("name: mine\nvary:\n  controller: [pid]\n  controller: [ffwd_pid]\n", "duplicate key"),
         ("name: mine\nvary: {controller: [pid]}\ncolour: red\n", "unknown key 'colour'"),
         ("just words\n", "unknown key 'just words'"),
-        ("", "varies nothing"),
+        ("", "holds no keys"),
     ],
 )
 def test_bad_campaign_files_are_one_message(call: Call, tmp_path: Path, text: str, words: str) -> None:
@@ -184,3 +184,35 @@ def test_runs_are_listed_shown_and_reported(call: Call, tmp_path: Path) -> None:
     code, _, err = call("report", path, "--check", "default")
     assert code == 1 and "outside the tolerances" in err
     assert call("log", "verify", path).out == "4 logs, 4 whole, 0 not\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("run", "keep_going=no"), "keep_going is 'no'; true or false"),
+        (("run", "-m", "seed=1,2", "keep_going=off"), "keep_going is 'off'"),
+        (("run", "campaign=[controllers,leakage]"), "hjcamp run -m campaign=controllers,leakage"),
+        (("run", f"controller.positive.kp={'1' * 5000}"), "4300 digits"),
+        (("rig", "check", "rig=example_pcie", "rig.limits.pressure_high_mpa=null"), "pressure_high_mpa is null"),
+        (("rig", "check", "rig=virtual", "rig.watchdog=true"), "rig.watchdog is true"),
+        (("next", "procedure.preload_mpa=-3"), "procedure.preload_mpa is -3"),
+        (("tune", "rig.scatter.friction_within=-3"), "friction_within is -3"),
+        (("effects", "leakage", "payload.mass_g=-1", "--figure", "x.png"), "payload.mass_g is -1"),
+    ],
+)
+def test_every_command_checks_the_values_first(
+    call: Call, tmp_path: Path, arguments: tuple[str, ...], words: str
+) -> None:
+    code, _, err = call(*arguments)
+    assert code == 2
+    assert words in err
+    assert err.count("\n") == 1
+    assert written(tmp_path) == []
+
+
+def test_run_names_the_file_that_hydra_would_stumble_over(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "conf" / "payload").mkdir(parents=True)
+    (tmp_path / "conf" / "payload" / "none.yaml").write_text("defaults: [none]\nname: none\n")
+    code, _, err = call("run")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "the defaults of payload/none" in err

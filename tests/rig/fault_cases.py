@@ -15,9 +15,15 @@ from hjcamp.errors import HjcampError
 
 # ramp_pos: preload to sample ~230, adjustment to ~390, rest to ~590, command phase to ~1590, release to ~1800.
 WHEN = {"start": 20, "middle": 1000, "end": 1500}
-OTHERS = {
-    "arm": ("arm_deg", "arm_speed_deg_per_s", "tracking_deg"),
-    "pump": ("pump_travel_mm", "pump_speed_mm_per_s", "pump_following_deg", "arm_silent_mm"),
+# The widest that each limit can be, so that the one in question is passed first.
+OTHERS: dict[str, dict[str, int | str]] = {
+    "arm": {"arm_deg": 360, "arm_speed_deg_per_s": 30000, "tracking_deg": "null"},
+    "pump": {
+        "pump_travel_mm": 50,
+        "pump_speed_mm_per_s": 1200,
+        "pump_following_deg": "null",
+        "arm_silent_mm": "null",
+    },
 }
 
 
@@ -34,7 +40,7 @@ class Case:
 
 def alone(kind: str, limit: str) -> tuple[str, ...]:
     """Return the overrides that leave of a group of limits only one."""
-    others = [f"rig.limits.{name}=null" for name in OTHERS[kind] if name != limit]
+    others = [f"rig.limits.{name}={widest}" for name, widest in OTHERS[kind].items() if name != limit]
     return (*others, "++rig.limits.arm_silent_deg=null")
 
 

@@ -156,19 +156,42 @@ def test_without_preload_the_arm_may_lag_further() -> None:
 
 def test_a_missing_limit_is_no_permission(compose: Any) -> None:
     config = compose()
+    given = config["rig"]["limits"]
     assert read_limits(config).arm_deg == 200.0
     assert read_limits(config).arm_silent_deg == 6.0
     assert read_limits(compose("++rig.limits.arm_silent_deg=null")).arm_silent_deg == float("inf")
-    broken = {**config, "rig": {**config["rig"], "limits": dict(config["rig"]["limits"])}}
-    del broken["rig"]["limits"]["arm_deg"]
-    with pytest.raises(UsageError, match="arm_deg is missing"):
-        read_limits(broken)
-    broken["rig"]["limits"] = {**config["rig"]["limits"], "arm_degs": 1}
-    with pytest.raises(UsageError, match="did you mean 'arm_deg'"):
-        read_limits(broken)
-    broken["rig"]["limits"] = {**config["rig"]["limits"], "arm_deg": "far"}
-    with pytest.raises(UsageError, match="a number or null"):
-        read_limits(broken)
+    old = {name: value for name, value in given.items() if name != "arm_silent_deg"}
+    assert read_limits({"rig": {"limits": old}}).arm_silent_deg == 6.0
+    with pytest.raises(UsageError, match=r"rig\.limits\.arm_deg is missing"):
+        read_limits({"rig": {"limits": {name: value for name, value in given.items() if name != "arm_deg"}}})
+    for change, words in (
+        ({"arm_degs": 1}, "did you mean 'arm_deg'"),
+        ({"arm_deg": "far"}, r"arm_deg is 'far'; a number from 1 to 360"),
+        ({"tracking_deg": "far"}, "a number from 0.1 to 720 or null"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            read_limits({"rig": {"limits": {**given, **change}}})
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *((name, None) for name in ("pressure_low_mpa", "pressure_high_mpa", "pump_travel_mm", "pump_speed_mm_per_s")),
+        *((name, None) for name in ("arm_deg", "arm_speed_deg_per_s", "missed_at_once", "missed_in_all")),
+        ("read_timeout_ms", None),
+        ("read_timeout_ms", -1000),
+        ("pressure_high_mpa", -5),
+        ("pressure_high_mpa", 50),
+        ("missed_at_once", 1e9),
+        ("missed_at_once", 10**9),
+        ("missed_in_all", 10**9),
+        ("arm_deg", True),
+    ],
+)
+def test_what_guards_people_or_glass_has_bounds(compose: Any, name: str, value: Any) -> None:
+    config = compose()
+    with pytest.raises(UsageError, match=rf"rig\.limits\.{name} is "):
+        read_limits({"rig": {"limits": {**config["rig"]["limits"], name: value}}})
 
 
 def test_null_is_no_limit() -> None:

@@ -125,18 +125,25 @@ BAD = [
     ({"kind": "rampe", "duration": 1.0}, "did you mean 'ramp'"),
     ({"kind": "ramp", "amplitude": 1.0, "rise_time": 1.0, "duration": 1.0}, "did you mean 'amplitude_deg'"),
     ({"kind": "ramp", "rise_time": 1.0, "duration": 1.0}, "amplitude_deg is missing"),
-    ({"kind": "ramp", "amplitude_deg": 1.0, "rise_time": 1.0, "duration": 0.0}, "greater than 0"),
+    (
+        {"kind": "ramp", "amplitude_deg": 1.0, "rise_time": 1.0, "duration": 0.0},
+        "duration is 0.0; a number from 0.001 to 3600",
+    ),
     ({"kind": "ramp", "amplitude_deg": 1.0, "rise_time": 1.0, "duration": 0.5}, "shorter"),
-    ({"kind": "ramp", "amplitude_deg": math.nan, "rise_time": 1.0, "duration": 1.0}, "finite"),
-    ({"kind": "ramp", "amplitude_deg": "ten", "rise_time": 1.0, "duration": 1.0}, "a number is needed"),
-    ({"kind": "ramp", "amplitude_deg": True, "rise_time": 1.0, "duration": 1.0}, "a number is needed"),
-    ({"kind": "sine", "amplitude_deg": 1.0, "frequency_hz": -1.0, "duration": 1.0}, "greater than 0"),
-    ({"kind": "sine", "amplitude_deg": 1.0, "frequency_hz": 1.0, "duration": math.inf}, "finite"),
-    ({"kind": "hold", "duration": 1e9}, "at most"),
+    ({"kind": "ramp", "amplitude_deg": math.nan, "rise_time": 1.0, "duration": 1.0}, "amplitude_deg is nan"),
+    ({"kind": "ramp", "amplitude_deg": "ten", "rise_time": 1.0, "duration": 1.0}, "amplitude_deg is 'ten'"),
+    ({"kind": "ramp", "amplitude_deg": True, "rise_time": 1.0, "duration": 1.0}, "amplitude_deg is true"),
+    (
+        {"kind": "sine", "amplitude_deg": 1.0, "frequency_hz": -1.0, "duration": 1.0},
+        "frequency_hz is -1.0; a number from 0.0001",
+    ),
+    ({"kind": "sine", "amplitude_deg": 1.0, "frequency_hz": 1.0, "duration": math.inf}, "duration is inf"),
+    ({"kind": "hold", "duration": 1e9}, "to 3600"),
+    ({"kind": "segments", "segments": [{"rest": 3000.0}, {"rest": 3000.0}]}, "at most"),
     ({"kind": "segments", "segments": []}, "at least one"),
     ({"kind": "segments", "segments": "rest"}, "at least one"),
     ({"kind": "segments", "segments": [{"rest": 1.0}], "duration": 2.0}, "unknown trajectory parameter 'duration'"),
-    ({"kind": "segments", "segments": [{"rest": 0.0}]}, "greater than 0"),
+    ({"kind": "segments", "segments": [{"rest": 0.0}]}, "rest is 0.0; a number from"),
     ({"kind": "segments", "segments": [{"rest": 1.0, "in": 2.0}]}, "beside other"),
     ({"kind": "segments", "segments": [{"to_deg": 1.0, "by_deg": 1.0, "in": 1.0}]}, "one of"),
     ({"kind": "segments", "segments": [{"to_deg": 1.0}]}, "needs 'in'"),
@@ -173,7 +180,7 @@ def test_a_users_folder_adds_a_kind(tmp_path: Path) -> None:
     trajectory = build_trajectory({"kind": "parabola", "duration": 2.0}, folders)
     assert isinstance(trajectory, Trajectory)
     assert np.degrees(trajectory.reference(2.0)[0]) == pytest.approx(20.0)
-    with pytest.raises(UsageError, match="finite"):
+    with pytest.raises(UsageError, match="acceleration_deg is inf"):
         build_trajectory({"kind": "parabola", "duration": 2.0, "acceleration_deg": math.inf}, folders)
 
 
