@@ -84,12 +84,17 @@ class State:
 
 @dataclass(frozen=True)
 class Input:
-    """A quantity that is given for each sample: a command, a flow, a measured motion."""
+    """A quantity that is given for each sample: a command, a flow, a measured motion.
+
+    ``field`` is the column of the test log that holds it in SI units, ``plausible`` what a sound log stays within.
+    """
 
     unit: str
     default: float = 0.0
     text: str = ""
     name: str = ""
+    field: str = ""
+    plausible: tuple[float, float] = (float("-inf"), float("inf"))
 
     def __set_name__(self, owner: type, name: str) -> None:
         object.__setattr__(self, "name", name)
@@ -101,6 +106,8 @@ class Channel:
 
     ``log_scale`` is the value in the log's unit of one SI unit; ``counts`` names the parameter that holds the
     resolution of a counting sensor (SI), ``noise`` the one that holds the standard deviation of an analog one.
+    ``plausible`` (SI) is what a sound log stays within, ``along`` are the columns of the same quantity that are not
+    measured, such as what is wanted of it.
     """
 
     field: str
@@ -110,6 +117,8 @@ class Channel:
     counts: str | None = None
     noise: str | None = None
     required: bool = True
+    plausible: tuple[float, float] = (float("-inf"), float("inf"))
+    along: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
