@@ -22,6 +22,7 @@ FEW = 0.01
 # What is geared moves by 0.15 to 1.1 of what drives it in all our campaigns; a wrong unit is off by ten and more.
 LEAST_GEARED, MOST_GEARED = 0.05, 4.0
 MOVES = math.radians(20)
+NEARLY = 5.0
 LEAST_SIZE = 0.02
 BLOCKED = "blocked"
 
@@ -127,10 +128,13 @@ def _geared(log: TestLog, wrong: set[str]) -> Iterator[Finding]:
 
 def _slow(name: str, other: str, share: float, does: str) -> Finding:
     """Return the finding of a column that moves only ``share`` of what the other one lets it."""
-    fits = {unit: factor for unit, factor in units_of(name).items() if factor > 1.0}
-    unit = min(fits, key=lambda one: abs(math.log(fits[one] * max(share, 1e-12))))
+    fits = {unit: factor for unit, factor in units_of(name).items() if 1 / NEARLY < factor * share < NEARLY}
+    unit = min(fits, key=lambda one: abs(math.log(fits[one] * share)), default=None)
+    looks = "another quantity" if unit is None else f"{unit}: {fits[unit]:.4g} times too small"
+    if share == 0.0:
+        return Finding(name, f"'{name}' never changes although '{other}', which it {does}, moves", False)
     text = f"'{name}' moves {share:.2g} of what '{other}', which it {does}, lets expect"
-    return Finding(name, f"{text}; looks like {unit}: {fits[unit]:.4g} times too small", False)
+    return Finding(name, f"{text}; looks like {looks}", False)
 
 
 def _configuration(attachments: Mapping[str, bytes]) -> Iterator[Finding]:
