@@ -38,11 +38,11 @@ def direct_estimate(evidence: Evidence) -> dict[str, float]:
             found.append(np.column_stack([difference, np.abs(test.velocity)])[test.velocity * direction > 2e-3])
     both = np.vstack(rows)
     estimate: dict[str, float] = {}
-    volume, pressure = float(both[:, 0] @ both[:, 0]), float(both[:, 0] @ both[:, 1])
+    square, product = float(both[:, 0] @ both[:, 0]), float(both[:, 0] @ both[:, 1])
     low, high = PumpJoint.parameters["line_stiffness"].bounds
     # Pressures that do not rise with the volume tell no stiffness: the published one is where the fit begins.
-    if volume > 0.0 and low <= pressure / (2 * volume) <= high:
-        estimate["line_stiffness"] = pressure / (2 * volume)
+    if square > 0.0 and low <= product / (2 * square) <= high:
+        estimate["line_stiffness"] = product / (2 * square)
     for direction, name in ((1.0, "positive"), (-1.0, "negative")):
         seen = np.vstack(pushes[direction])
         if len(seen) < 20:

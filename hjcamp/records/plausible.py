@@ -89,9 +89,7 @@ def _outside(name: str, log: TestLog, low: float, high: float, refused: bool) ->
         yield Finding(name, f"{text}; {held}; looks like a spike of the logger or the sensor", refused)
         return
     cause = _likely(name, values, low, high)
-    yield Finding(
-        name, f"'{name}' reaches {values[np.argmax(np.abs(values))]:.4g} {unit}; {held}; {cause}", refused
-    )
+    yield Finding(name, f"'{name}' reaches {values[np.argmax(np.abs(values))]:.4g} {unit}; {held}; {cause}", refused)
 
 
 def _likely(name: str, values: np.ndarray, low: float, high: float) -> str:
