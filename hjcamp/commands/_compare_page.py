@@ -5,33 +5,27 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hjcamp.commands._error_words import in_unit, worse_than_mean
+
 if TYPE_CHECKING:
     from hjcamp.discrepancy.compare import Compared, Comparison
     from hjcamp.report.discrepancy_figures import Overlay
 
 NOT_CALIBRATED = "not calibrated on these tests: friction and stiffness of another specimen count here"
 HEADINGS = ("model", "channel", "error", "floor", "error / floor", "r2")
-CHANNELS = {
-    "arm_deg": (1.0, "deg"),
-    "pressure1_mpa": (1e3, "kPa"),
-    "pressure2_mpa": (1e3, "kPa"),
-    "pump_deg": (1.0, "deg"),
-}
-
 
 def error_cells(one: Compared, name: str) -> list[str]:
     """Return the cells of one channel of one model: what it is, error, floor, error over floor, r2."""
-    from hjcamp.report.units import label, plain
+    from hjcamp.report.units import label
 
     error = one.errors[name]
     if error is None:
         return [label(name), "not logged", "", "", ""]
-    scale, unit = CHANNELS[name]
-    floor = "none" if error.floor is None else f"{plain(error.floor * scale)} {unit}"
+    floor = "none" if error.floor is None else in_unit(error.floor, name)
     over = "" if error.ratio is None else f"{error.ratio:.1f}"
     return [
         label(name),
-        f"{plain(error.rms * scale)} {unit}",
+        in_unit(error.rms, name),
         floor,
         over,
         "" if error.r2 is None else f"{error.r2:.3f}",
@@ -42,26 +36,25 @@ def places_in_words(one: Compared) -> list[str]:
     """Return the sentences of one model's places; without repetitions nothing says how much of the error is left."""
     from hjcamp.report.where_words import where_sentences
 
-    return where_sentences(one.places, one.score if one.replay.evidence.repeated else None)
+    said = where_sentences(one.places, one.score if one.replay.evidence.repeated else None)
+    return [*worse_than_mean(one.errors), *said]
 
 
 def write_pictures(found: Comparison, folder: Path) -> list[Path]:
     """Write overlay, where, horizon and the page that holds them; return their paths, the page last."""
-    import numpy as np
-
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.discrepancy_figures import HorizonCurve, draw_horizon, draw_overlay
+    from hjcamp.report.where_words import NO_FLOOR
     from hjcamp.storage import whole_file
 
     models, last, calibrated = found.models, found.models[-1], found.calibrated
     overlay = worst_overlay(models)
     shown = [*models, calibrated] if calibrated else models
     curves = [HorizonCurve(one.replay.name, one.horizon.time, one.horizon.rms) for one in shown]
-    floors = [one.horizon.floor for one in shown if one.horizon.floor is not None]
     pictures = {
         "overlay": draw_overlay(overlay),
         "where": draw_where(last),
-        "horizon": draw_horizon(curves, np.minimum.reduce(floors) if floors else None),
+        "horizon": draw_horizon(curves, last.horizon.floor),
     }
     if calibrated:
         pictures["where_calibrated"] = draw_where(calibrated)
@@ -69,11 +62,15 @@ def write_pictures(found: Comparison, folder: Path) -> list[Path]:
     for file, svg in zip(files, pictures.values(), strict=True):
         with whole_file(file) as stream:
             stream.write(svg.encode())
-    rows = [[one.replay.name, *error_cells(one, name)] for one in models for name in CHANNELS]
+    rows = [[one.replay.name, *error_cells(one, name)] for one in models for name in one.errors]
     force = "Force on the sliding arm that the model lacks, over speed and angle"
     parts = [
         page.table_of(HEADINGS, rows),
-        page.note("The floor is what repetitions of one test do not share: no model goes below it. 1.0 is perfect."),
+        page.note(
+            "The floor is what repetitions of one test do not share: no model goes below it. 1.0 is perfect."
+            if last.replay.evidence.repeated
+            else NO_FLOOR
+        ),
         page.picture(f"Overlay: {overlay.name}, the condition with the largest error of {models[0].replay.name}", pictures["overlay"]),
         page.heading(f"Where: {last.replay.name}" + (", as it stands" if calibrated else "")),
         page.note(NOT_CALIBRATED.capitalize() + ".") if calibrated else "",

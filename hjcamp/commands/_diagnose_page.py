@@ -13,11 +13,12 @@ DETECTABLE = ("effect", "parameter", "smallest that would have been seen")
 
 def write_pictures(told: Told, folder: Path) -> list[Path]:
     """Write the errors, what is unexplained, and the page that holds them; return their paths, the page last."""
+    from hjcamp.commands._error_words import over
     from hjcamp.report.discrepancy_figures import draw_errors
     from hjcamp.report.unexplained_figure import draw_unexplained
     from hjcamp.storage import whole_file
 
-    pictures = {"errors": draw_errors(told.errors())}
+    pictures = {"errors": draw_errors(told.scores(), over(told.judging.scale), told.judging.scale.repeated)}
     if (curve := told.unexplained) is not None:
         horizontal = f"{curve.driver.replace('_', ' ').capitalize()} ({curve.driver_unit})".replace(" ()", "")
         vertical = f"Unexplained {curve.quantity} ({curve.unit})"
@@ -33,24 +34,28 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
 
 
 def _page(told: Told, pictures: dict[str, str]) -> str:
-    from hjcamp.commands._diagnose_words import CALIBRATED, CANDIDATES, QUANTITY
+    from hjcamp.commands._diagnose_words import CALIBRATED, CANDIDATES, LEFT
+    from hjcamp.commands._error_words import error_table, over
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.units import label
     from hjcamp.report.units import told as told_value
+    from hjcamp.report.where_words import NO_FLOOR
 
     answer = told.answer()
-    fall = [f"Error {' -> '.join(f'{value:.2f} ({name})' for name, value in told.errors())}."]
+    scale = told.judging.scale
+    fall = [f"{over(scale).capitalize()}: {' -> '.join(f'{value:.2f} ({name})' for name, value in told.scores())}."]
     parts = [
         page.bullets([*answer[1:], *fall]),
         page.picture("Error before and after", pictures["errors"]),
-        page.note(f"Error {QUANTITY}."),
+        page.table_of(*error_table(told.errors(), scale)),
+        page.note("On tests that were not used for the fit." + ("" if scale.repeated else f" {NO_FLOOR}")),
     ]
     if told.unexplained is not None:
         parts += [page.heading("What no effect explains"), page.picture(answer[1], pictures["unexplained"])]
     parts += [page.heading("Where"), page.bullets(told.where()), page.place_table(told.content["where"])]
     if rows := told.candidates():
         parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows)]
-        parts.append(page.note("Error left: of the model with this effect, as in the picture."))
+        parts.append(page.note(LEFT))
     if told.content["minimum_detectable"]:
         least = [
             [name, label(row["parameter"]), told_value(row["value"], row["unit"], 2)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,9 @@ from hjcamp.report.units import label, told, told_interval
 from hjcamp.report.where_words import NEAR, where_sentences
 
 if TYPE_CHECKING:
+    from hjcamp.discrepancy.answer import Judging
     from hjcamp.discrepancy.diagnose import Diagnosis
+    from hjcamp.discrepancy.scale import Judged
     from hjcamp.discrepancy.unexplained import Unexplained
     from hjcamp.model.effect import Effect
 
@@ -21,12 +24,12 @@ TITLES = {
     "outside_library": "Outside library",
     "cannot_tell": "Cannot tell",
 }
-QUANTITY = (
-    "on tests not used for the fit, over arm, pressures, line cut, sliding force and first reading; "
-    "1 = the scatter between repetitions"
-)
 CALIBRATED = ("parameter", "published", "here", "95 %", "change")
-CANDIDATES = ("effect", "posterior", "error left", "parameter", "value", "95 %")
+CANDIDATES = ("effect", "posterior", "left", "parameter", "value", "95 %")
+LEFT = (
+    "Left: of all residuals on tests not used for the fit (windows, lines, sliding force, first reading), against the "
+    "calibrated model's; this ranks the effects."
+)
 MOVED = 0.01
 APART = 0.95
 LEVEL = 0.05
@@ -40,7 +43,8 @@ class Told:
     content: dict[str, Any]
     library: Mapping[str, type[Effect]]
     model: str
-    start_error: float | None
+    start: Judged | None
+    judging: Judging
     unexplained: Unexplained | None
 
     @property
@@ -96,24 +100,27 @@ class Told:
 
     def where(self) -> list[str]:
         """Return where the error is before the effects, and where what is left is after them."""
-        from hjcamp.discrepancy.answer import places_of
-
-        error = self.content["error"]
-        said = where_sentences(places_of(self.found, self.found.baseline), error["baseline"])
+        error = self.content["error"] if self.judging.scale.repeated else {"baseline": None, "augmented": None}
+        said = where_sentences(self.judging.places(self.found.baseline), error["baseline"])
         if self.found.final is not self.found.baseline:
-            left = where_sentences(places_of(self.found, self.found.final), error["augmented"])
+            left = where_sentences(self.judging.places(self.found.final), error["augmented"])
             with_ = " and ".join(self.found.final.candidate.effects)
             said = [f"Calibrated: {line}" if number == 0 else line for number, line in enumerate(said[:3])]
             said += [f"With {with_}: {left[0]}", *left[1:3]]
         return said
 
-    def errors(self) -> list[tuple[str, float]]:
-        """Return the named errors over the scatter: as started, calibrated, with the effects, floor."""
-        error, effects = self.content["error"], " and ".join(self.found.final.candidate.effects)
-        rows = [(self.model, self.start_error), ("calibrated", error["baseline"])]
+    def errors(self) -> list[tuple[str, Judged]]:
+        """Return the errors by name: as started, calibrated, with the effects."""
+        rows = [] if self.start is None else [(self.model, self.start)]
+        rows.append(("calibrated", self.judging.before))
         if self.found.final is not self.found.baseline:
-            rows.append((f"with {effects}", error["augmented"]))
-        return [(name, value) for name, value in (*rows, ("floor", error["floor"])) if value is not None]
+            rows.append((f"with {' and '.join(self.found.final.candidate.effects)}", self.judging.after))
+        return rows
+
+    def scores(self) -> list[tuple[str, float]]:
+        """Return the errors in one number each, and the floor last where there is one."""
+        rows = [(name, one.score) for name, one in self.errors() if math.isfinite(one.score)]
+        return [*rows, ("floor", 1.0)] if self.judging.scale.repeated else rows
 
     def calibration(self, every: bool = False) -> list[list[str]]:
         """Return the rows of the calibrated base parameters, those that moved or ``every`` one."""
@@ -128,10 +135,10 @@ class Told:
 
     def candidates(self, most: int | None = None) -> list[list[str]]:
         """Return the rows of the ranked effects, one for each parameter; an effect is named in its first."""
-        rows, baseline = [], self.content["error"]["baseline"]
+        rows = []
         for row in self.content["candidates"][:most]:
             ratio = row["heldout_error_ratio"]
-            left = "" if ratio is None or baseline is None else f"{ratio * baseline:.2f}"
+            left = "" if ratio is None else f"{100 * ratio:.0f} %"
             posterior = "<0.01" if row["posterior"] < 0.005 else f"{row['posterior']:.2f}"
             first = [row["effect"], posterior, left]
             for name, one in row["parameters"].items():

@@ -23,11 +23,23 @@ _kept: list[IO[str]] = []
 
 
 def evidence_of(paths: Sequence[Path]) -> Evidence:
-    """Return the evidence of the logs at ``paths``."""
+    """Return the evidence of the logs at ``paths``; refuse what cannot be, and say on stderr what is doubtful."""
+    import sys
+
     from hjcamp.discrepancy.evidence import prepare
     from hjcamp.records.find import read_logs
+    from hjcamp.records.plausible import refuse_implausible
 
-    return prepare(read_logs(list(paths)))
+    logs = read_logs(list(paths))
+    doubtful: dict[str, list[str]] = {}
+    for log in logs:
+        for one in refuse_implausible(log, str(log.path)):
+            doubtful.setdefault(one.field, []).append(f"{log.path}: {one.line}")
+    evidence = prepare(logs)
+    for lines in doubtful.values():
+        more = f" (and so in {len(lines) - 1} more logs)" if len(lines) > 1 else ""
+        print(f"{lines[0]}{more}", file=sys.stderr)
+    return evidence
 
 
 def check_answer_file(path: Path | None) -> None:

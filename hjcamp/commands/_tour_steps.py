@@ -11,6 +11,7 @@ from typing import Any
 from hjcamp.errors import HjcampError, UsageError
 
 MODEL = "tour_model"
+BOTH = "compare_both"
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,12 @@ class Tour:
 
 @dataclass(frozen=True)
 class Step:
-    """One step: its title, what to look at, the words of its command after ``hjcamp``, whether it draws."""
+    """One step: its title, what to look at, the words of its command after ``hjcamp``, the folder of its page."""
 
     title: str
     look: str
     words: Callable[[Tour], list[str]]
-    page: bool = False
+    page: str = ""
 
 
 def _compare(tour: Tour) -> list[str]:
@@ -67,7 +68,9 @@ def _add(tour: Tour) -> list[str]:
 
 def _compare_both(tour: Tour) -> list[str]:
     name = str(tour.answer(3).get("model"))
-    return ["compare", str(tour.folder), "--model", "published", "--model", name, "--json", str(tour.answer_file(4))]
+    models = ["--model", "published", "--model", name]
+    # A folder of its own: the page of step 1 stays beside it.
+    return ["compare", str(tour.folder), *models, "--into", str(tour.folder / BOTH), "--json", str(tour.answer_file(4))]
 
 
 def _open(tour: Tour) -> list[str]:
@@ -94,23 +97,23 @@ STEPS = (
         "'where'. Open the page: in the overlay model and measurement part within a second. Some of that is only "
         "another specimen's friction: the map shows a missing force that changes its sign with the direction.",
         _compare,
-        True,
+        "compare",
     ),
     Step(
         "What is missing?",
         "This joint is not the published one, so friction, stiffness and mass are calibrated first: they are not "
         "called missing. Then every effect of the library is tried. Twins, simulated tests in which nothing is "
         "missing, tell how much of an improvement is mere chance (p). Look at the line in capitals, at 'posterior' (how "
-        "sure it is of this effect and no other), and at the last error: it is of tests that the fit has not seen. "
+        "sure it is of this effect and no other), and at the errors: they are of tests that the fit has not seen. "
         "'Where' on the page tells which part of the rig is to blame once friction is right.",
         _diagnose,
-        True,
+        "diagnose",
     ),
     Step(
         "Add it to the model",
         "The effect is fitted together with the base parameters on all repetitions but the last of each condition; "
-        "the bars are the error on those last ones. The new model is a file that you can read and change; it says "
-        "where it comes from: the command, the intervals, the hashes of the logs.",
+        "the table and the bars are the error on those last ones, on the scale of step 1. The new model is a file that "
+        "you can read and change; it says where it comes from: the command, the intervals, the hashes of the logs.",
         _add,
     ),
     Step(
@@ -119,7 +122,7 @@ STEPS = (
         "measurement, and in the last picture its error is born no larger than the floor. The row of the pump is as "
         "before: how it follows its command is a part of the model that nothing was added to.",
         _compare_both,
-        True,
+        BOTH,
     ),
     Step(
         "Open the sealed answer",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -81,7 +82,9 @@ def split(words: list[str], library: Any) -> tuple[list[str], list[Path]]:
 def comment_of(model: str, found: Addition) -> list[str]:
     """Return the first lines of the model's file."""
     parts = " + ".join([model, "calibration", *found.effects])
-    errors = f"{found.start:.2f} -> {found.before:.2f} -> {found.after:.2f} x floor"
+    times = "x floor" if found.scale.repeated else "x spread of the measurement"
+    told = (found.start, found.before, found.after)
+    errors = f"{' -> '.join(f'{one.score:.2f}' for one in told)} {times}"
     return [
         parts,
         f"Error on {len(found.fold.held_out)} tests not used for the fit ({model}, calibrated, this): {errors}.",
@@ -106,23 +109,53 @@ def provenance_of(found: Addition, evidence: Evidence, command: str, content: di
         "made_at": utc_now(),
         "tests_fitted": len(found.fold.train),
         "tests_held_out": [evidence.tests[index].name for index in found.fold.held_out],
-        "heldout_error_over_floor": {key: round(value, 4) for key, value in content["error"].items()},
+        "heldout_error_over_floor": {
+            key: None if value is None else round(value, 4) for key, value in content["error"].items()
+        },
+        "helps": found.helps,
         "ci95": intervals,
         "logs_sha256": log_hashes(evidence),
     }
 
 
 def _print(console: Console, found: Addition, path: Path, model: str, name: str, repeated: bool) -> None:
-    from hjcamp.commands._diagnose_words import QUANTITY, parameters_told
+    from hjcamp.commands._diagnose_words import parameters_told
+    from hjcamp.commands._error_words import over, print_errors, print_wrapped
 
     parts = [f"{effect} ({parameters_told(rows)})" for effect, rows in found.effects.items()]
     console.print(f"{path}  = {model} + calibration + {' + '.join(parts)}", markup=False)
     if not repeated:
-        console.print("  exploratory: no test was repeated, so the floor is the whole residual", style="yellow")
-    bars = ((model, found.start), ("calibrated", found.before), (name, found.after), ("floor", 1.0))
-    longest, width = max(value for _, value in bars), max(len(text) for text, _ in bars)
-    console.print("  error", markup=False)
+        console.print("  exploratory: no test was repeated, so there is no floor to compare with", style="yellow")
+    count = len(found.fold.held_out)
+    apart = not set(found.fold.held_out) & set(found.fold.train)
+    console.print(
+        f"error on {count} tests {'that were not used for the fit' if apart else '(all: there are no others)'}"
+    )
+    told = [(model, found.start), ("calibrated", found.before), (name, found.after)]
+    print_errors(console, told, found.scale)
+    bars = [(text, one.score) for text, one in told if math.isfinite(one.score)]
+    bars += [("floor", 1.0)] if found.scale.repeated else []
+    longest, width = max([value for _, value in bars], default=1.0), max([len(text) for text, _ in bars], default=0)
+    console.print(f"  {over(found.scale)}", style="dim", markup=False)
     for text, value in bars:
-        bar = "█" * max(1, round(BAR * value / longest))
-        console.print(f"  {text:<{width}}  {bar} {value:.2f}", markup=False)
-    console.print(f"  ({QUANTITY})", style="dim", markup=False)
+        console.print(f"  {text:<{width}}  {'█' * max(1, round(BAR * value / longest))} {value:.2f}", markup=False)
+    print_wrapped(console, [helps_told(found)], 2, "")
+
+
+def helps_told(found: Addition) -> str:
+    """Return whether the effects help, and by what that is judged."""
+    names, (mean, error) = " and ".join(found.effects), found.fall
+    count = len(found.before.each)
+    if not math.isfinite(mean):
+        return f"{names}: nothing tells whether it helps; a model runs away on the tests that were not used."
+    unit = "floors" if found.scale.repeated else "of the measurement's spread"
+    falls = f"{'falls' if mean > 0 else 'rises'} by {abs(mean):.2g} {unit}"
+    if count < 2:
+        return f"{names}: the error {falls} on one test, whose scatter nothing tells."
+    judged = f"the error of the {count} tests, each on its own, {falls} on average"
+    if found.helps:
+        return f"{names} helps: {judged}, by more than the standard error of that ({error:.2g})."
+    return (
+        f"{names} DOES NOT HELP on these tests: {judged} (standard error {error:.2g}). "
+        "The model was saved all the same; leave the effect out unless other tests show it."
+    )

@@ -26,6 +26,7 @@ def compare(
     paths: Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")],
     model: Annotated[list[str] | None, typer.Option(help="A saved model; may be repeated.")] = None,
     json: Annotated[Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")] = None,
+    into: Annotated[Path | None, typer.Option(help="The folder of the page; compare, beside the logs, by default.")] = None,
 ) -> None:
     """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
     from hjcamp.campaign.console import make_console
@@ -35,6 +36,8 @@ def compare(
     if len(set(names)) < len(names):
         raise UsageError(f"--model {' --model '.join(names)}: each model once")
     check_answer_file(json)
+    if into is not None and into.exists() and not into.is_dir():
+        raise UsageError(f"--into {into}: this is a file; give a folder")
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.commands._compare_page import write_pictures
@@ -51,7 +54,7 @@ def compare(
         found = compare_models(evidence, tuple(load_effects().values()), models, calibrated, report)
         write_answer(json, answer(found.models, len(evidence.tests)))
         report("drawing", 0.8)
-        files = write_pictures(found, folder_for("compare", paths, json))
+        files = write_pictures(found, into or folder_for("compare", paths, json))
     _print(console, found, files)
     for number, command in enumerate(next_commands(found, paths)):
         console.print(f"{'        ' if number else 'next    '} {command}", markup=False)
@@ -101,31 +104,33 @@ def _print(console: Console, found: Comparison, files: list[Path]) -> None:
 
 
 def _say(console: Console, lines: list[str]) -> None:
-    for line in lines:
-        console.print(f"           {line}", markup=False)
+    from hjcamp.commands._error_words import print_wrapped
+
+    print_wrapped(console, lines, 11)
 
 
 def _table(console: Console, one: Compared) -> None:
     from rich.table import Table
 
-    from hjcamp.commands._compare_page import CHANNELS, HEADINGS, error_cells
+    from hjcamp.commands._compare_page import HEADINGS, error_cells
 
     table = Table(box=None, pad_edge=False, header_style="dim")
     table.add_column("               ", no_wrap=True)
     for heading in HEADINGS[2:]:
         table.add_column(heading, justify="right")
-    for name in CHANNELS:
+    for name in one.errors:
         first, *rest = error_cells(one, name)
         table.add_row(f"  {first}", *rest)
     console.print(table)
 
 
 def _bars(console: Console, models: list[Compared]) -> None:
+    from hjcamp.commands._error_words import OVER_FLOOR, OVER_SPREAD
+
     longest = max(one.score for one in models)
     width = max(len(one.replay.name) for one in models)
     repeated = models[0].replay.evidence.repeated
-    over = "floor" if repeated else "spread of the measurement"
-    console.print(f"error / {over}, geometric mean of arm and lines")
+    console.print(OVER_FLOOR if repeated else OVER_SPREAD)
     for one in models:
         bar = "█" * max(1, round(BAR * one.score / longest))
         console.print(f"  {one.replay.name:<{width}}  {bar} {one.score:.2f}", markup=False)

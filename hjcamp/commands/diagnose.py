@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from hjcamp.commands._diagnose_words import Told
+    from hjcamp.discrepancy.evidence import Evidence
 
 STYLES = {"nothing_missing": "green", "effect": "bold"}
 SHOWN = 6
@@ -51,7 +52,7 @@ def diagnose(
         from hjcamp.campaign.warm import is_warm, ready_to_diagnose
         from hjcamp.commands._diagnose_page import write_pictures
         from hjcamp.commands._diagnose_words import Told, looks_at_final
-        from hjcamp.discrepancy.answer import answer, start_error
+        from hjcamp.discrepancy.answer import Judging, answer
         from hjcamp.discrepancy.crew import Crew, available
         from hjcamp.discrepancy.diagnose import diagnose as search
         from hjcamp.discrepancy.effort import EFFORTS
@@ -70,10 +71,12 @@ def diagnose(
         crew = Crew(number, cluster, ready_to_diagnose if helped else None)
         try:
             evidence = evidence_of(paths)
+            _say_what_is_lacking(console, evidence)
             begin = start if start.base or start.effects else None
             found = search(evidence, effects, effort=effort, seed=seed, start=begin, crew=crew, report=report)
-            content = answer(found, effects, effort, 0.0, report)
-            before = start_error(found, start, effort)
+            judging = Judging(found, effects, effort)
+            content = answer(found, effects, effort, 0.0, report, judging)
+            before = judging.of_start(start)
         finally:
             crew.close()
         content["seconds"] = round(time.perf_counter() - began, 3)
@@ -83,12 +86,26 @@ def diagnose(
         if content["drivers"]:
             fit = found.final if looks_at_final(found, content["error"]["augmented"]) else found.baseline
             curve = unexplained(found.features, fit, found.floor, content["drivers"][0])
-        told = Told(found, content, library, model, before, curve)
+        told = Told(found, content, library, model, before, judging, curve)
         files = write_pictures(told, folder_for("diagnose", paths, json))
     _print(console, told)
     console.print(f"figures {'  '.join(str(file) for file in files[:-1])}", markup=False)
     console.print(f"page    {files[-1]}", markup=False)
     console.print(f"next    {next_command(content, paths, model)}", markup=False)
+
+
+def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:
+    """Say before anything is computed what these tests lack: for a verdict, and for a floor."""
+    from hjcamp.commands._error_words import print_wrapped
+    from hjcamp.discrepancy.verdict import lacks
+    from hjcamp.report.where_words import NO_FLOOR
+
+    lacking = [f"{one[:1].upper()}{one[1:]}." for one in lacks(evidence)]
+    if lacking:
+        lacking.insert(0, "These tests cannot tell which effect is missing, whatever is computed:")
+    lines = [*lacking, *([] if evidence.repeated else [NO_FLOOR])]
+    if lines:
+        print_wrapped(console, lines, 8, "lacking")
 
 
 def next_command(content: dict[str, Any], paths: list[Path], model: str = "published") -> str:
@@ -110,7 +127,8 @@ def next_command(content: dict[str, Any], paths: list[Path], model: str = "publi
 
 
 def _print(console: Console, told: Told) -> None:
-    from hjcamp.commands._diagnose_words import APART, CALIBRATED, QUANTITY, cut
+    from hjcamp.commands._diagnose_words import APART, CALIBRATED, cut
+    from hjcamp.commands._error_words import print_errors, print_wrapped
 
     found, content = told.found, told.content
     rows = told.calibration()
@@ -121,23 +139,19 @@ def _print(console: Console, told: Told) -> None:
         if still:
             console.print(f"  {still} more moved by less than 1 %", style="dim", markup=False)
     weighed = len({name for step in found.steps for name in step.fits})
-    count = (
-        f"screened {len(told.library)} effects, weighed {weighed}, {len(found.null.gains)} twins with nothing missing"
-    )
+    twins = f"{len(found.null.gains)} twins with nothing missing" if not found.lacking else "no twins: nothing to ask of them"
+    count = f"screened {len(told.library)} effects, weighed {weighed}, {twins}"
     console.print(f"{count}   {content['seconds']:.0f} s", markup=False)
     if found.exploratory:
         console.print("exploratory: no test was repeated, so the scatter of the rig is assumed", style="yellow")
     name, colon, rest = told.title.partition(":")
     style = STYLES.get(content["verdict"], "yellow")
     console.print(f"{name.upper()}{'  ' if colon else ''}{rest}", style=style, markup=False, highlight=False)
-    for line in told.answer():
-        console.print(f"        {line}", markup=False)
+    print_wrapped(console, told.answer(), 8)
     _candidates(console, told)
-    errors = " -> ".join(f"{value:.2f} ({name})" for name, value in told.errors()[:-1])
-    console.print(f"error   {errors}", markup=False)
-    console.print(f"        ({QUANTITY})", style="dim", markup=False)
-    for number, line in enumerate(told.where()):
-        console.print(f"{'        ' if number else 'where   '}{line}", markup=False)
+    console.print("error   on tests that were not used for the fit")
+    print_errors(console, told.errors(), told.judging.scale)
+    print_wrapped(console, told.where(), 8, "where")
     hidden, pairs = told.confounded(APART)
     if hidden:
         console.print(f"not visible in these tests   {cut(hidden, SHOWN)}", markup=False)
@@ -146,10 +160,12 @@ def _print(console: Console, told: Told) -> None:
 
 
 def _candidates(console: Console, told: Told) -> None:
-    from hjcamp.commands._diagnose_words import CANDIDATES
+    from hjcamp.commands._diagnose_words import CANDIDATES, LEFT
+    from hjcamp.commands._error_words import print_wrapped
 
     if rows := told.candidates(SHOWN):
         _table(console, CANDIDATES, rows, right=(1, 2, 4, 5))
+        print_wrapped(console, [LEFT], 8)
 
 
 def _table(console: Console, headings: tuple[str, ...], rows: list[list[str]], right: tuple[int, ...]) -> None:

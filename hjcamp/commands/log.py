@@ -38,20 +38,28 @@ def info(paths: Paths) -> None:
 
 
 def verify(paths: Paths) -> None:
-    """Check that logs are whole and meet the contract; exit code 1 where one does not."""
+    """Check that logs are whole, meet the contract and are plausible; exit code 1 where one is not."""
     from hjcamp.records.find import find_logs
     from hjcamp.records.recover import verify_log
 
-    damaged = 0
+    damaged, implausible, doubtful = 0, 0, 0
     logs = find_logs(paths)
     for path in logs:
         found = verify_log(path)
         damaged += not found.whole
-        for problem in found.problems:
+        implausible += found.refused
+        doubtful += bool(found.findings) and not found.refused
+        for problem in [*found.problems, *(one.line for one in found.findings)]:
             print(f"{path}: {problem}")
-    print(f"{len(logs)} logs, {len(logs) - damaged} whole, {damaged} not")
+    whole = f"{len(logs)} logs, {len(logs) - damaged} whole, {damaged} not"
+    print(f"{whole}; {implausible} with what cannot be, {doubtful} with warnings" if implausible + doubtful else whole)
     if damaged:
         raise HjcampError(f"{damaged} of {len(logs)} logs are not whole; try: hjcamp log recover PATH")
+    if implausible:
+        raise HjcampError(
+            f"{implausible} of {len(logs)} logs hold what cannot be; "
+            "import them again with the right units, or leave them out"
+        )
 
 
 def recover(

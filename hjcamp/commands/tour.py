@@ -83,7 +83,7 @@ def do_step(console: Console, tour: Tour, number: int) -> None:
         return
     load(command_files()[words[0]]).main(args=words[1:], prog_name=f"hjcamp {words[0]}", standalone_mode=False)
     if step.page:
-        page = (tour.folder / words[0] / "index.html").resolve()
+        page = (tour.folder / step.page / "index.html").resolve()
         console.print(f"\nlook at {page.as_uri()}", style="cyan", markup=False)
     if number == ADDING:
         console.print(f"\nread    {tour.answer(ADDING)['file']}", style="cyan", markup=False)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from hjcamp.discrepancy.baseline import calibrate
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.heldout import Fold, Local, folds, judged_error, parameter_rows
+from hjcamp.discrepancy.heldout import Fold, Local, folds, parameter_rows
 from hjcamp.discrepancy.saved import complete
+from hjcamp.discrepancy.scale import Judge, Judged, Scale, fall_of, scale_of
 from hjcamp.discrepancy.search import fit_effect, screen, unknowns_of
 from hjcamp.discrepancy.settle import settle
 from hjcamp.discrepancy.views import Views
@@ -27,16 +27,27 @@ SWEEPS = 6
 
 @dataclass(frozen=True)
 class Addition:
-    """The new model, its fit on the train tests, and the held-out errors over the floor: start, calibrated, new."""
+    """The new model, its fit on the train tests, and the held-out errors: start, calibrated, new.
+
+    ``fall`` is by how much the error of single tests falls from calibrated to new, in floors, and the standard error of
+    that: more is needed for it to help.
+    """
 
     candidate: Candidate
     fit: Fit
     fold: Fold
-    start: float
-    before: float
-    after: float
+    scale: Scale
+    start: Judged
+    before: Judged
+    after: Judged
+    fall: tuple[float, float]
     calibration: dict[str, dict[str, Any]]
     effects: dict[str, dict[str, dict[str, Any]]]
+
+    @property
+    def helps(self) -> bool:
+        """Whether the error on tests that were not used for the fit falls by more than its standard error."""
+        return self.fall[0] > self.fall[1]
 
 
 def check_effects(names: Sequence[str], library: Mapping[str, type[Effect]], start: Candidate, model: str) -> None:
@@ -73,15 +84,15 @@ def add(views: Views, start: Candidate, names: Sequence[str], steps: int = 8, sw
     best = min((_in_order(fitter, before, order, views.effects, steps) for order in orders), key=lambda fit: fit.loss)
     unknowns = unknowns_of(best.candidate, views.effects)
     best = settle(fitter, best, unknowns, sweeps)
-    floor = np.minimum(features.floor(best.features), features.floor(before.features))
     found = Local(fitter, best, unknowns).intervals()
-    errors = [
-        judged_error(features, fit.mean_square, floor, fold.held_out) for fit in (fitter.look(begin), before, best)
-    ]
+    scale = scale_of(views)
+    judge = Judge(views, [fold], scale)
+    errors = [judge.of([one]) for one in (begin, before.candidate, best.candidate)]
+    fall = fall_of(errors[1], errors[2])
     published = begin.base
     calibration = {name: {"start": published[name], **row} for name, row in parameter_rows(found, unknowns, "").items()}
     effects = {name: parameter_rows(found, unknowns, name) for name in best.candidate.effects}
-    return Addition(best.candidate, best, fold, errors[0], errors[1], errors[2], calibration, effects)
+    return Addition(best.candidate, best, fold, scale, errors[0], errors[1], errors[2], fall, calibration, effects)
 
 
 def _in_order(fitter: Fitter, fit: Fit, names: Sequence[str], effects: Sequence[type[Effect]], steps: int) -> Fit:
@@ -98,13 +109,29 @@ def _in_order(fitter: Fitter, fit: Fit, names: Sequence[str], effects: Sequence[
 
 
 def answer(addition: Addition, name: str, names: Sequence[str], path: str) -> dict[str, Any]:
-    """Return the answer for programs, schema hjcamp.addition/1: errors on held-out tests over the repetition scatter."""
+    """Return the answer for programs, schema hjcamp.addition/1: errors on held-out tests, on the scale of `compare`."""
+    told = {"start": addition.start, "before": addition.before, "after": addition.after}
     return {
         "schema": SCHEMA,
         "model": name,
         "file": path,
         "effects": list(names),
-        "error": {"start": addition.start, "before": addition.before, "after": addition.after, "floor": 1.0},
+        "helps": addition.helps,
+        "fall": {
+            name: value if math.isfinite(value) else None
+            for name, value in zip(("mean", "standard_error"), addition.fall, strict=True)
+        },
+        "error": {
+            **{name: one.score if math.isfinite(one.score) else None for name, one in told.items()},
+            "floor": 1.0 if addition.scale.repeated else None,
+        },
+        "channels": {
+            channel: {
+                **{name: error.rms if (error := one.errors[channel]) else None for name, one in told.items()},
+                "floor": floor,
+            }
+            for channel, floor in addition.scale.floors.items()
+        },
         "tests": {"fitted": len(addition.fold.train), "held_out": len(addition.fold.held_out)},
         "parameters": addition.effects,
         "calibration": addition.calibration,

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.diagnose import Diagnosis
 from hjcamp.discrepancy.fit import Fit
-from hjcamp.discrepancy.heldout import Fold, Local, folds, judged_error, parameter_rows
+from hjcamp.discrepancy.heldout import Local, folds, parameter_rows
 from hjcamp.discrepancy.saved import complete
+from hjcamp.discrepancy.scale import Judge, Judged, scale_of
 from hjcamp.discrepancy.search import Step, unknowns_of
 from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.discrepancy.where import Place, where
@@ -23,9 +25,52 @@ SHOWN = {"quick": 3, "standard": 5, "thorough": 10}
 Report = Callable[[str, float], None]
 
 
-def places_of(found: Diagnosis, fit: Fit) -> list[Place]:
-    """Return where the error of one fit is; its views follow the measured pump, so the pump's own model has no share."""
-    return where(found.features, fit.features, found.features.floor(fit.features), None)
+class Judging:
+    """The fits of a diagnosis judged on tests that were not used for them, on the scale of `compare`."""
+
+    def __init__(self, found: Diagnosis, effects: Sequence[type[Effect]], effort: str) -> None:
+        self.found, self.effects = found, tuple(effects)
+        views = found.fitter.views
+        self.parts = folds(views.evidence, FOLDS[effort])
+        self.scale = scale_of(views)
+        self._judge = Judge(views, self.parts, self.scale)
+
+    def of(self, local: Local) -> Judged:
+        """Return the errors of a fit, made again without what judges it."""
+        return self._judge.of(local.without(self.parts))
+
+    def of_start(self, start: Candidate) -> Judged:
+        """Return the errors of a model before it was calibrated, on the same tests."""
+        return self._judge.of([complete(start, self.found.fitter.views.evidence)] * len(self.parts))
+
+    @cached_property
+    def base(self) -> Local:
+        """The calibrated model."""
+        return self.local(self.found.baseline)
+
+    @cached_property
+    def best(self) -> Local:
+        """The model with the effects; the calibrated one where it has none more."""
+        same = self.found.final.candidate.effects == self.found.baseline.candidate.effects
+        return self.base if same else self.local(self.found.final)
+
+    @cached_property
+    def before(self) -> Judged:
+        """The errors of the calibrated model."""
+        return self.of(self.base)
+
+    @cached_property
+    def after(self) -> Judged:
+        """The errors of the model with the effects."""
+        return self.before if self.best is self.base else self.of(self.best)
+
+    def local(self, fit: Fit) -> Local:
+        """Return a fit with what its errors and intervals need."""
+        return Local(self.found.fitter, fit, unknowns_of(fit.candidate, self.effects))
+
+    def places(self, fit: Fit) -> list[Place]:
+        """Return where the error of one fit is; its views follow the measured pump, so the pump's own model has no share."""
+        return where(self.found.features, fit.features, self.scale.features, None)
 
 
 def answer(
@@ -34,45 +79,34 @@ def answer(
     effort: str,
     seconds: float,
     report: Report = lambda text, share: None,
+    judging: Judging | None = None,
 ) -> dict[str, Any]:
-    """Return every key of the contract; ``seconds`` is what passed before, the time of this is added by the caller."""
-    views, fitter = found.fitter.views, found.fitter
-    parts = folds(views.evidence, FOLDS[effort])
-    base, final = found.baseline, found.final
+    """Return every key of the contract; ``seconds`` is what passed before, the time of this is added by the caller.
+
+    Errors are those of `compare`: the geometric mean over arm and lines of the error over the floor (over the spread of
+    the measurement where nothing was repeated, and the floor is None). ``heldout_error_ratio`` is of all residuals, forces
+    and windows too, over those of the calibrated model: what ranks effects.
+    """
     report("judging on tests not used for the fit", 0.96)
-    start = Local(fitter, base, unknowns_of(base.candidate, effects))
-    baseline = start.heldout_error(parts, found.floor)
-    best, augmented = start, baseline
-    if final.candidate.effects != base.candidate.effects:
-        best = Local(fitter, final, unknowns_of(final.candidate, effects))
-        augmented = best.heldout_error(parts, found.floor)
-    places = places_of(found, base)
+    judged = judging or Judging(found, effects, effort)
+    error = {"baseline": _finite(judged.before.score), "augmented": _finite(judged.after.score)}
+    places = judged.places(found.baseline)
     report("intervals", 0.98)
     return {
         "schema": SCHEMA,
         "verdict": found.verdict,
         "effects": list(found.effects),
         "drivers": list(found.drivers) if found.verdict == "outside_library" else [],
+        "lacking": list(found.lacking),
         "p_value": float(found.p_value),
-        "candidates": _candidates(found, effects, effort, baseline, best, parts),
-        "error": {"baseline": _finite(baseline), "augmented": _finite(augmented), "floor": 1.0},
-        "calibration": _calibration(best),
+        "candidates": _candidates(judged, SHOWN[effort]),
+        "error": {**error, "floor": 1.0 if judged.scale.repeated else None},
+        "calibration": _calibration(judged.best),
         "where": [place.row() for place in places],
         "confounded": found.confounded,
         "minimum_detectable": _detectable(found),
         "seconds": seconds,
     }
-
-
-def start_error(found: Diagnosis, start: Candidate, effort: str) -> float | None:
-    """Return the error over the floor of the model before it was calibrated, on the tests that judge the others."""
-    fitter = found.fitter
-    evidence = fitter.views.evidence
-    seen = fitter.look(complete(start, evidence)).mean_square
-    errors = [
-        judged_error(fitter.features, seen, found.floor, fold.held_out) for fold in folds(evidence, FOLDS[effort])
-    ]
-    return math.sqrt(sum(one**2 for one in errors) / len(errors)) if errors else None
 
 
 def _finite(value: float) -> float | None:
@@ -95,10 +129,10 @@ def _calibration(best: Local) -> dict[str, dict[str, Any]]:
     return {name: {"published": float(published.get(name, known[name])), **row} for name, row in rows.items()}
 
 
-def _candidates(
-    found: Diagnosis, effects: Sequence[type[Effect]], effort: str, baseline: float, best: Local, parts: Sequence[Fold]
-) -> list[dict[str, Any]]:
+def _candidates(judged: Judging, shown: int) -> list[dict[str, Any]]:
     """Return the effects named first, then the rivals of the last step by weight; each fitted effect once."""
+    found, best = judged.found, judged.best
+    baseline = judged.base.heldout_error(judged.parts, found.floor)
     rows: dict[str, tuple[Step, float, int]] = {}
     for step in found.steps:
         taken = step in found.taken
@@ -108,13 +142,13 @@ def _candidates(
             first = 0 if taken and name == step.best else 1
             if name not in rows or (first, -posterior) < (rows[name][2], -rows[name][1]):
                 rows[name] = (step, posterior, first)
-    order = sorted(rows, key=lambda name: (rows[name][2], -rows[name][1]))[: SHOWN[effort] + len(found.effects)]
+    order = sorted(rows, key=lambda name: (rows[name][2], -rows[name][1]))[: shown + len(found.effects)]
     answers = []
     for name in order:
         step, posterior, _ = rows[name]
         fit = step.fits[name]
-        own = best if fit is best.fit else Local(found.fitter, fit, unknowns_of(fit.candidate, effects))
-        error = own.heldout_error(parts, found.floor)
+        own = best if fit is best.fit else judged.local(fit)
+        error = own.heldout_error(judged.parts, found.floor)
         final = best if name in best.fit.candidate.effects else own
         parameters = parameter_rows(final.intervals(), final.unknowns, name)
         ratio = _finite(error / baseline) if baseline > 0 else None

@@ -12,6 +12,7 @@ from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.settle import settle
 from hjcamp.discrepancy.unknowns import base_unknowns, effect_unknowns
 from hjcamp.discrepancy.views import HOME, Views
+from hjcamp.plants.pump_joint import PumpJoint
 
 Array = NDArray[np.float64]
 NOISE = np.array([2e-3, 700.0, 700.0, 700.0, 0.02, 0.05, 2e-3])
@@ -36,14 +37,19 @@ def direct_estimate(evidence: Evidence) -> dict[str, float]:
         for direction, found in pushes.items():
             found.append(np.column_stack([difference, np.abs(test.velocity)])[test.velocity * direction > 2e-3])
     both = np.vstack(rows)
-    estimate = {"line_stiffness": float(np.dot(both[:, 0], both[:, 1]) / (2 * np.dot(both[:, 0], both[:, 0])))}
+    estimate: dict[str, float] = {}
+    square, product = float(both[:, 0] @ both[:, 0]), float(both[:, 0] @ both[:, 1])
+    low, high = PumpJoint.parameters["line_stiffness"].bounds
+    # Pressures that do not rise with the volume tell no stiffness: the published one is where the fit begins.
+    if square > 0.0 and low <= product / (2 * square) <= high:
+        estimate["line_stiffness"] = product / (2 * square)
     for direction, name in ((1.0, "positive"), (-1.0, "negative")):
         seen = np.vstack(pushes[direction])
         if len(seen) < 20:
             continue
         viscous = values[f"viscous_{name}"]
         sliding = float(np.median(direction * seen[:, 0] * area - viscous * seen[:, 1]))
-        estimate[f"coulomb_{name}"] = max(sliding, 0.1)
+        estimate[f"coulomb_{name}"] = min(max(sliding, 0.1), PumpJoint.parameters[f"coulomb_{name}"].bounds[1])
         estimate[f"viscous_{name}"] = viscous
     return estimate
 

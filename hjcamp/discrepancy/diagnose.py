@@ -24,7 +24,7 @@ from hjcamp.discrepancy.search import WORTH, Screening, Step, refit_without, scr
 from hjcamp.discrepancy.settle import settle
 from hjcamp.discrepancy.step_fits import LEVEL, StepFitter, at_most, same_as
 from hjcamp.discrepancy.twins import match_scatter
-from hjcamp.discrepancy.verdict import judge, law_of, matters, named_by, rivals_of, what_is_lacking
+from hjcamp.discrepancy.verdict import judge, lacks, law_of, matters, named_by, rivals_of
 from hjcamp.discrepancy.views import Views
 from hjcamp.model.effect import Effect
 
@@ -59,6 +59,7 @@ class Diagnosis:
     confounded: list[dict[str, object]] = field(default_factory=list)
     exploratory: bool = False
     undecided: tuple[str, ...] = ()
+    lacking: tuple[str, ...] = ()
 
 
 def diagnose(
@@ -95,16 +96,18 @@ class _Search:
         self.twins_of: Fit | None = None
         self.twins: list[Array] = []
         self.least_gain = LEAST_GAIN * len(evidence.tests)
+        self.lacking: tuple[str, ...] = ()
 
     def run(self, start: Candidate | None, began: float) -> Diagnosis:
         self.report("calibrating the base parameters", 0.02)
         base, self.fitter = calibrate(self.views, self.features, start=start, sweeps=self.work.sweeps)
         fitting = StepFitter(self.fitter, self.effects, self.work, self.least_gain, self.report)
-        lacking = what_is_lacking(self.evidence)
+        # Where no verdict can be given nothing is asked of twins, which take most of the time.
+        self.lacking = tuple(lacks(self.evidence))
         screening, null = self._look(base, 0, True)
         first, first_null = screening, null
         current, taken = base, list[Step]()
-        for number in range(0 if lacking else self.work.forward):
+        for number in range(0 if self.lacking else self.work.forward):
             if number and self.work.hasty and not screening.probes:
                 law = law_of(named_by(taken, self.effects))
                 excess = null.excess(base.mean_square, current.mean_square, law)
@@ -138,7 +141,7 @@ class _Search:
         # What no effect explains is looked at without those that did not.
         ranked = top_drivers(rank_drivers(self.features, base, floor))
         drivers = [found.driver, *(one for one in ranked if one != found.driver)] if found.driver else ranked
-        needed = max(first_null.needed(), self.least_gain)
+        needed = self.least_gain if self.lacking else max(first_null.needed(), self.least_gain)
         return Diagnosis(
             found.verdict,
             found.effects,
@@ -159,6 +162,7 @@ class _Search:
             confounded(first),
             not self.evidence.repeated,
             found.undecided,
+            self.lacking,
         )
 
     def _look(self, current: Fit, number: int, whole: bool) -> tuple[Screening, Null]:
@@ -179,7 +183,10 @@ class _Search:
             done[0] += 1
             self.report(f"twin {done[0]} of {self.work.twins}", share + 0.1 * done[0] / self.work.twins)
 
-        self.scatter = match_scatter(self.views, current, scatter_of(self.evidence, dict(current.candidate.base)))
+        self.scatter = scatter_of(self.evidence, dict(current.candidate.base))
+        if self.lacking:
+            return []
+        self.scatter = match_scatter(self.views, current, self.scatter)
         seeds = [self.seed * 100_000 + number * 1000 + index for index in range(self.work.twins)]
         return simulate_twins(self.fitter, current, self.scatter, seeds, tick)
 

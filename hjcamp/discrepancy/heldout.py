@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
@@ -108,12 +109,19 @@ class Local:
         return here
 
     def heldout_error(self, parts: Sequence[Fold], floor: Array) -> float:
-        """Return the error over the floor of tests left out, the model refitted without them; NaN without any fold."""
+        """Return the error of all residuals of tests left out, the model refitted without them; NaN without any fold.
+
+        It weighs effects; what is told of errors is on the scale of `scale`, which has no forces and no windows.
+        """
         errors = [
             judged_error(self.fitter.features, self.refitted(fold.train).mean_square, floor, fold.held_out)
             for fold in parts
         ]
         return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
+
+    def without(self, parts: Sequence[Fold]) -> list[Candidate]:
+        """Return the candidate refitted without what each fold holds out."""
+        return [self.refitted(fold.train).candidate for fold in parts]
 
     def _units(self) -> list[list[int]]:
         """Return the tests of each unit of evidence: the conditions, or the tests where there are few conditions."""

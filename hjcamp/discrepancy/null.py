@@ -89,8 +89,12 @@ def simulate_twins(
 def null_of(fitter: Fitter, screening: Screening, residuals: list[Array]) -> Null:
     """Return what a screening finds in the residuals of twins in which nothing is missing.
 
-    What is known beforehand of a rig is off by its spread in each twin, as it is from rig to rig.
+    What is known beforehand of a rig is off by its spread in each twin, as it is from rig to rig. Without twins there is
+    no null: nothing can be asked of it.
     """
+    if not residuals:
+        shape = len(fitter.views.evidence.tests), len(fitter.least)
+        return Null(np.zeros(0), np.zeros((0, *shape)), np.zeros(shape, dtype=np.bool_), fitter.least)
     found = list(fitter.crew.each(_look_at, screening, list(enumerate(residuals))))
     features = fitter.features
     says = np.add.reduceat(features.valid, features.edges[:-1], axis=0) > 0

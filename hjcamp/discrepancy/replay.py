@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,6 +16,7 @@ from hjcamp.errors import HjcampError
 
 Array = NDArray[np.float64]
 CHANNELS = ("arm_deg", "pressure1_mpa", "pressure2_mpa", "pump_deg")
+Series = tuple[list[Array], list[Array]]
 SCALES = np.array([1 / DEGREE, 1e-6, 1e-6])
 
 
@@ -55,7 +56,7 @@ class Replay:
     """One model on all tests: predicted and measured arm (deg), pressures (MPa), each (n, 3) on the coarse clock.
 
     ``pump`` holds for each test the pump model driven by the command minus the measured pump (deg, 1 kHz); a test
-    whose log lacks one of them has none.
+    whose log lacks one of them has none. ``floors`` are those of all logs together.
     """
 
     name: str
@@ -65,35 +66,50 @@ class Replay:
     pump: dict[int, Array]
     pump_measured: dict[int, Array]
 
+    floors: Mapping[str, float | None] | None = None
+
     @cached_property
     def errors(self) -> dict[str, ChannelError | None]:
-        """The error of every channel; None where no log tells."""
+        """The error of every channel over its floor; None where no log tells."""
+        floors = self.own_floors if self.floors is None else self.floors
+        return {name: channel_error(*series, floors.get(name)) for name, series in self.series.items()}
+
+    @cached_property
+    def series(self) -> dict[str, Series]:
+        """What is left of every channel and what was measured, test by test."""
         parts = list(zip(self.evidence.edges[:-1], self.evidence.edges[1:], strict=True))
-        found: dict[str, ChannelError | None] = {}
+        found: dict[str, Series] = {}
         for index, name in enumerate(CHANNELS[:3]):
-            residual = [self.predicted[a:b, index] - self.measured[a:b, index] for a, b in parts]
             measured = [self.measured[a:b, index] for a, b in parts]
-            found[name] = channel_error(residual, measured, self.evidence.conditions.values())
-        order = {test: place for place, test in enumerate(self.pump)}
-        shared = [[order[i] for i in tests if i in order] for tests in self.evidence.conditions.values()]
-        found[CHANNELS[3]] = (
-            channel_error(list(self.pump.values()), list(self.pump_measured.values()), shared) if self.pump else None
-        )
+            left = [self.predicted[a:b, index] for a, b in parts]
+            found[name] = [one - seen for one, seen in zip(left, measured, strict=True)], measured
+        found[CHANNELS[3]] = list(self.pump.values()), list(self.pump_measured.values())
         return found
 
+    @cached_property
+    def own_floors(self) -> dict[str, float | None]:
+        """What the repetitions do not share of what this very model leaves."""
+        order = {test: place for place, test in enumerate(self.pump)}
+        conditions = list(self.evidence.conditions.values())
+        shared = [[order[i] for i in tests if i in order] for tests in conditions]
+        return {
+            name: floor_of(left, shared if name == CHANNELS[3] else conditions)
+            for name, (left, _) in self.series.items()
+        }
 
-def channel_error(
-    residual: Sequence[Array], measured: Sequence[Array], conditions: Iterable[Sequence[int]]
-) -> ChannelError:
-    """Return rms, floor and r2 of one channel from its residuals and measurements, test by test."""
+
+def channel_error(residual: Sequence[Array], measured: Sequence[Array], floor: float | None) -> ChannelError | None:
+    """Return rms, floor and r2 of one channel from its residuals and measurements, test by test; None without any."""
+    if not residual:
+        return None
     square = sum(float((one**2).sum()) for one in residual)
     spread = sum(float(((one - one.mean()) ** 2).sum()) for one in measured)
     rms = float(np.sqrt(square / sum(len(one) for one in residual)))
-    return ChannelError(rms, floor_of(residual, conditions), 1.0 - square / spread if spread > 0 else None)
+    return ChannelError(rms, floor, 1.0 - square / spread if spread > 0 else None)
 
 
-def replay(views: Views, name: str, candidate: Candidate) -> Replay:
-    """Return the replay of one model over whole tests; a model that runs away is refused."""
+def replay(views: Views, name: str, candidate: Candidate, floors: Mapping[str, float | None] | None = None) -> Replay:
+    """Return the replay of one model over whole tests; raises HjcampError where the model runs away."""
     evidence = views.evidence
     joint, _ = views.readings(candidate, windows=False)
     if not np.isfinite(joint).all():
@@ -109,4 +125,4 @@ def replay(views: Views, name: str, candidate: Candidate) -> Replay:
         start = columns["pump_deg"][0] - test.command[0] / DEGREE
         seen[index] = columns["pump_deg"]
         pump[index] = hardware.pump_motion(test.command) / DEGREE + start - columns["pump_deg"]
-    return Replay(name, evidence, joint[:, :3] * SCALES, measured * SCALES, pump, seen)
+    return Replay(name, evidence, joint[:, :3] * SCALES, measured * SCALES, pump, seen, floors)

@@ -26,6 +26,7 @@ SLIDING = CHANNELS.index("sliding")
 STRAIGHT, BENT = 0.5, 0.8
 SHARE = 0.15
 TRAVEL = math.radians(20)
+LEAST_TESTS = 3
 FOREIGN = {
     "arm_angle": "no effect of the library explains a force that depends on the arm's angle",
     "time": "no effect of the library explains a force that swings with one frequency in all tests",
@@ -58,9 +59,8 @@ def judge(
 ) -> Verdict:
     """Return the verdict; ``null`` are twins of the final model, ``effects`` the library; of ``steps`` those ``taken`` count."""
     evidence = features.evidence
-    lacking = what_is_lacking(evidence)
-    if lacking:
-        return Verdict("cannot_tell", [], lacking)
+    if lacking := lacks(evidence):
+        return Verdict("cannot_tell", [], "; ".join(lacking))
     named = named_by(taken, effects)
     excess = null.excess(base.mean_square, final.mean_square, law_of(named))
     if np.any(excess > 1.0):
@@ -165,15 +165,17 @@ def matters(features: Features, before: Fit, after: Fit) -> bool:
     return better >= min(2, len(conditions))
 
 
-def what_is_lacking(evidence: Evidence) -> str:
-    """Return what the tests lack for any verdict, or an empty string."""
+def lacks(evidence: Evidence) -> list[str]:
+    """Return everything that the tests lack for any verdict, each with what is needed."""
     moving = [test for test in evidence.tests if np.ptp(test.arm) > TRAVEL]
-    if len(evidence.tests) < 3:
-        return (
-            f"{len(evidence.tests)} test(s); at least 3 are needed, better several conditions with 3 repetitions each"
+    found = []
+    if len(evidence.tests) < LEAST_TESTS:
+        found.append(
+            f"{len(evidence.tests)} test(s); at least {LEAST_TESTS} are needed, better several conditions with 3 repetitions each"
         )
     if len(evidence.conditions) < 2:
-        return "one condition only: one preload, one speed; most effects look alike here"
+        found.append("one condition only: one preload, one speed; most effects look alike here")
     if len(moving) < 2:
-        return "the arm hardly moves in these tests"
-    return ""
+        turned = f"it turns by more than {math.degrees(TRAVEL):.0f} deg in {len(moving)} of them, 2 are needed"
+        found.append(f"the arm hardly moves in these tests: {turned}")
+    return found

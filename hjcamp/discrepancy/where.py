@@ -91,15 +91,15 @@ def subsystem_excess(features: Features, seen: Array, floor: Array, replayed: Re
     return found
 
 
-def where(features: Features, seen: Array, floor: Array, replayed: Replay | None) -> list[Place]:
+def where(features: Features, seen: Array, floor: Array | None, replayed: Replay | None) -> list[Place]:
     """Return the places of the excess error, largest share first: subsystems as a whole, then their bins.
 
-    ``seen`` (blocks, channels) are the features of the model's residuals, ``floor`` (channels,) their floor. The share
+    ``seen`` (blocks, channels) are the features of the model's residuals, ``floor`` (channels,) that of the logs. The share
     of a bin is what its mean residual explains of its subsystem's share. A subsystem whose error is not above its floor
     (z below 2) is left out.
     """
-    if not features.evidence.repeated:
-        floor = np.zeros_like(floor)
+    if floor is None:
+        floor = np.zeros(seen.shape[1])
     excess = subsystem_excess(features, seen, floor, replayed)
     total = sum(excess.values()) or 1.0
     places = []

@@ -175,12 +175,7 @@ class Composition:
 
     def terms_source(self) -> str:
         """Return the source of every effect's functions, copied so that the kernel's hash sees their text."""
-        parts = []
-        for effect in self.effects:
-            groups = {"": effect.terms, "d_": effect.rates, "next_": effect.updates, "start_": effect.starts}
-            for prefix, functions in groups.items():
-                parts += [_copied(f"{effect.name}__{prefix}{name}", term.function) for name, term in functions.items()]
-        return "\n".join(parts)
+        return "\n".join(_copied(name, function) for name, function in term_functions(self.effects).items())
 
     def body(self, last: Sequence[str]) -> list[str]:
         """Return the statements that ``last`` needs, in order, then ``last``."""
@@ -338,6 +333,16 @@ def behind_one_test(lines: Sequence[str]) -> list[str]:
         found += [f"    {one}" if len(gated) > 1 else one for _, one in gated]
         gated = []
         found += [line] if line else []
+    return found
+
+
+def term_functions(effects: Sequence[type[Effect]]) -> dict[str, Callable[..., float]]:
+    """Return every function of the effects by its name in the composed source."""
+    found = {}
+    for effect in effects:
+        groups = {"": effect.terms, "d_": effect.rates, "next_": effect.updates, "start_": effect.starts}
+        for prefix, functions in groups.items():
+            found.update({f"{effect.name}__{prefix}{name}": term.function for name, term in functions.items()})
     return found
 
 

@@ -108,8 +108,8 @@ class State:
 class Input:
     """A quantity that is given for each sample: a command, a flow, a measured motion.
 
-    ``field`` is what the logs call it (by default its name and SI unit, such as ``voltage_v``); between samples it
-    holds its "previous" value or runs "linear"-ly to the next.
+    ``field`` is what the logs call it (by default its name and SI unit, such as ``voltage_v``), ``plausible`` what a sound
+    log stays within; between samples it holds its "previous" value or runs "linear"-ly to the next.
     """
 
     unit: str
@@ -118,6 +118,7 @@ class Input:
     typical: float = 1.0
     hold: str = "previous"
     field: str = ""
+    plausible: tuple[float, float] = (float("-inf"), float("inf"))
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -138,6 +139,7 @@ class Measured:
     noise: float | None = None
     text: str = ""
     required: bool = True
+    plausible: tuple[float, float] = (float("-inf"), float("inf"))
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -150,6 +152,8 @@ class Channel:
 
     ``log_scale`` is the value in the log's unit of one SI unit; ``counts`` names the parameter that holds the
     resolution of a counting sensor (SI), ``noise`` the one that holds the standard deviation of an analog one.
+    ``plausible`` (SI) is what a sound log stays within, ``along`` are the columns of the same quantity that are not
+    measured, such as what is wanted of it.
     """
 
     field: str
@@ -159,6 +163,8 @@ class Channel:
     counts: str | None = None
     noise: str | None = None
     required: bool = True
+    plausible: tuple[float, float] = (float("-inf"), float("inf"))
+    along: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

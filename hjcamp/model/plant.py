@@ -36,6 +36,8 @@ class Plant:
     observed: ClassVar[dict[str, tuple[str, str | None]]] = {}
     base_parameters: ClassVar[tuple[str, ...]] = ()
     uncertain: ClassVar[dict[str, float]] = {}
+    # Channel: the channel that moves it, and by how much for one unit of that one (SI) where nothing gives way.
+    geared: ClassVar[dict[str, tuple[str, float]]] = {}
     states: ClassVar[dict[str, State]] = {}
     parameters: ClassVar[dict[str, Parameter]] = {}
     inputs: ClassVar[dict[str, Input]] = {}

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.model.compose import GATES, Composition, names_in
+from hjcamp.model.source_lines import outside_range
 
 
 def _draws(composition: Composition, generator: np.random.Generator) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
@@ -39,14 +40,17 @@ def couplings(composition: Composition, rates: Callable[..., None], draws: int =
     with np.errstate(all="ignore"):
         for _ in range(draws):
             z, u, p = _draws(composition, generator)
-            for direction in (-1.0, 0.0, 1.0):
-                base, moved = np.zeros(n), np.zeros(n)
-                rates(0.1, direction, z, u, p, base)
-                for j, step in enumerate(steps):
-                    other = z.copy()
-                    other[j] += step
-                    rates(0.1, direction, other, u, p, moved)
-                    direct[:, j] |= moved != base
+            try:
+                for direction in (-1.0, 0.0, 1.0):
+                    base, moved = np.zeros(n), np.zeros(n)
+                    rates(0.1, direction, z, u, p, base)
+                    for j, step in enumerate(steps):
+                        other = z.copy()
+                        other[j] += step
+                        rates(0.1, direction, other, u, p, moved)
+                        direct[:, j] |= moved != base
+            except (ArithmeticError, ValueError) as fault:
+                raise outside_range(composition, fault) from fault
     reach = direct.copy()
     for _ in range(n):
         reach = reach | ((reach.astype(int) @ direct.astype(int)) > 0)

@@ -30,7 +30,7 @@ class PumpJoint(Plant):
     slider_velocity = State("m/s", 2e-6, 0.01, text="speed of the sliders")
 
     command = Input("rad", text="command to the pump's position loop, after the delay")
-    dither = Input("V", text="dither added to the pump motor voltage")
+    dither = Input("V", text="dither added to the pump motor voltage", field="dither_v", plausible=(-24.0, 24.0))
     preload_flow = Input("m^3/s", text="flow from the preload cylinders into each line")
     friction_scatter = Input("1", 1.0, text="factor on static and Coulomb friction at this instant")
     direction = Input("1", text="friction regime: 0 held, +1 and -1 moving")
@@ -68,12 +68,30 @@ class PumpJoint(Plant):
     pump_count = Parameter("rad", 2 * math.pi / 4096, (1e-7, 2.0), text="one count of the pump motor encoder")
     pressure_noise = Parameter("Pa", 700.0, (0.0, 1e6), text="standard deviation of a pressure sample")
 
+    # No arm turns beyond a turn (3.6.4). Water parts at -0.1 MPa; the sensors end at 0.69 (3.9), and a simulated arm
+    # in the vertical reaches 1.0. Twice the joint's stroke of 20 mm is more than the pump ever moves.
     channels = (
-        Channel("arm_deg", "arm_reading", "joint", 180 / math.pi, counts="encoder_count"),
-        Channel("pressure1_mpa", "pressure1_reading", "lines", 1e-6, noise="pressure_noise"),
-        Channel("pressure2_mpa", "pressure2_reading", "lines", 1e-6, noise="pressure_noise"),
-        Channel("pump_deg", "pump_reading", "pump", 180 / math.pi, counts="pump_count", required=False),
-    )
+        Channel(
+            "arm_deg", "arm_reading", "joint", 180 / math.pi, counts="encoder_count",
+            plausible=(-2 * math.pi, 2 * math.pi), along=("reference_deg",),
+        ),
+        Channel(
+            "pressure1_mpa", "pressure1_reading", "lines", 1e-6, noise="pressure_noise", plausible=(-0.12e6, 2e6)
+        ),
+        Channel(
+            "pressure2_mpa", "pressure2_reading", "lines", 1e-6, noise="pressure_noise", plausible=(-0.12e6, 2e6)
+        ),
+        Channel(
+            "pump_deg", "pump_reading", "pump", 180 / math.pi, counts="pump_count", required=False,
+            plausible=(-80 * math.pi, 80 * math.pi), along=("command_deg", "pid_deg", "feedforward_deg"),
+        ),
+    )  # fmt: skip
+    geared = {  # noqa: RUF012
+        "arm_deg": (
+            "pump_deg",
+            pump_lead.default * pump_area.default / (joint_area.default * pulley_radius.default),
+        )
+    }
     balance = ("push", "friction", "friction_static", "mass")
     contact = Contact(velocity="slider_velocity", push="push", limit="friction_static", locks="friction_locks")
     observed = {  # noqa: RUF012 - read only, like every declaration here

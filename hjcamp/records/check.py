@@ -11,6 +11,8 @@ from hjcamp.records.log import COMMAND_PHASE, ONE_OF, PHASES, REQUIRED, SAMPLE_S
 
 RATE_TOLERANCE = 0.01
 LONGEST_STEP = 1.5 * SAMPLE_S  # two samples further apart than this have lost one between them
+# What one sample of 1 ms is where time_s is written in another unit.
+OTHER_CLOCKS = {"ms in time_s: 1000 times too large": 1.0, "us in time_s: 1e6 times too large": 1e3}
 
 
 def check_log(columns: Mapping[str, np.ndarray], where: str) -> None:
@@ -57,9 +59,10 @@ def check_time(time: np.ndarray, where: str) -> None:
     usual = float(np.median(steps))
     gaps = np.flatnonzero(steps > LONGEST_STEP)
     if abs(usual / SAMPLE_S - 1) > RATE_TOLERANCE:
+        looks = next((f"; looks like {unit}" for unit, size in OTHER_CLOCKS.items() if _near(usual, size)), "")
         raise UsageError(
             f"{where}: wrong rate, samples are {usual * 1e3:.4g} ms apart; a test log has one each 1 ms "
-            "(hjcamp import resamples)"
+            f"(hjcamp import resamples){looks}"
         )
     if len(gaps):
         first = int(gaps[0])
@@ -85,6 +88,10 @@ def check_phase(columns: Mapping[str, np.ndarray], where: str) -> None:
         raise UsageError(f"{where}: phase {phase[first]:g} at sample {first}{_at(columns, first)}; allowed: {allowed}")
     if not (phase == COMMAND_PHASE).any():
         raise UsageError(f"{where}: no sample of the command phase (phase 3), so there is nothing to analyse")
+
+
+def _near(step: float, size: float) -> bool:
+    return abs(step / size - 1) <= RATE_TOLERANCE
 
 
 def _at(columns: Mapping[str, np.ndarray], sample: int) -> str:

@@ -11,9 +11,11 @@ from typing import Any
 from hjcamp.errors import UsageError, unknown
 from hjcamp.records.check import check_names
 from hjcamp.records.log import FIELD_NAMES, FIELDS
+from hjcamp.records.plausible import PLANT
 from hjcamp.records.units import factor_to_field
 
 LOWEST_SAMPLING_HZ = 200.0
+HIGHEST_SAMPLING_HZ = 100e3
 KEYS = ("separator", "decimal_comma", "skip_lines", "comment", "sampling_hz", "fields", "metadata")
 FIELD_KEYS = ("column", "unit", "scale", "offset", "sign")
 
@@ -58,7 +60,7 @@ def read_import_map(path: Path) -> ImportMap:
         raise UsageError(f"{where}: the mapping is not YAML{line}") from error
     _only_known(content, KEYS, "key", where)
     fields = content.get("fields")
-    _only_known(fields, FIELD_NAMES, "field", where)
+    _only_known(fields, FIELD_NAMES, "field", f"{where} (a log of plant {PLANT.name})")
     rules = {name: _rule(name, fields[name], where) for name in FIELD_NAMES if name in fields}
     sampling_hz = content.get("sampling_hz")
     if sampling_hz is not None:
@@ -67,6 +69,8 @@ def read_import_map(path: Path) -> ImportMap:
             raise UsageError(
                 f"{where}: sampling_hz is {sampling_hz:g}; below {LOWEST_SAMPLING_HZ:g} Hz too little is left of a test"
             )
+        if sampling_hz > HIGHEST_SAMPLING_HZ:
+            raise UsageError(f"{where}: sampling_hz is {sampling_hz:g}; at most {HIGHEST_SAMPLING_HZ:g} Hz")
     elif "time_s" not in rules:
         raise UsageError(f"{where}: give sampling_hz, or map a column to time_s")
     check_names({"time_s", *rules}, where)

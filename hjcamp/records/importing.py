@@ -8,8 +8,9 @@ import numpy as np
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.records.check import check_finite, check_phase
-from hjcamp.records.import_map import LOWEST_SAMPLING_HZ, ImportMap, read_import_map
+from hjcamp.records.import_map import HIGHEST_SAMPLING_HZ, LOWEST_SAMPLING_HZ, ImportMap, read_import_map
 from hjcamp.records.log import COMMAND_PHASE, SAMPLE_S, TestLog
+from hjcamp.records.plausible import refuse_implausible
 from hjcamp.records.write import write_log
 
 LONGEST_STEP = 1.5  # of the usual one
@@ -33,7 +34,7 @@ def import_csv(file: str | Path, mapping: str | Path, out: str | Path) -> TestLo
           pump_deg: {column: piston, unit: mm}
         metadata: {condition: ramp_bench, trajectory: ramp_pos, controller: pid, pump: pump2}
 
-    Raises UsageError for a table or a mapping that is unusable, and where ``out`` exists.
+    Raises UsageError for a table or a mapping that is unusable, for values that the fields cannot have, and where ``out`` exists.
     """
     source, target = Path(file), Path(out)
     if target.exists():
@@ -42,6 +43,7 @@ def import_csv(file: str | Path, mapping: str | Path, out: str | Path) -> TestLo
     columns = resample(_fields(source, rules), rules.sampling_hz, str(source))
     check_phase(columns, str(source))
     log = TestLog(columns, rules.metadata, {"import.yaml": Path(mapping).read_bytes()}, target)
+    refuse_implausible(log, f"{source} by {mapping}")
     write_log(target, log)
     return log
 
@@ -90,6 +92,11 @@ def _usual_step(time: np.ndarray, where: str) -> float:
         raise UsageError(
             f"{where}: {1 / usual:.4g} rows a second; below {LOWEST_SAMPLING_HZ:g} Hz too little is left of a test "
             "(is the unit of time_s right?)"
+        )
+    if 1 / usual > HIGHEST_SAMPLING_HZ:
+        raise UsageError(
+            f"{where}: {1 / usual:.4g} rows a second, the whole table is {time[-1] - time[0]:.4g} s; no logger is faster than "
+            f"{HIGHEST_SAMPLING_HZ:g} Hz (is the unit of time_s right? s read as ms are 1000 times too short)"
         )
     if (steps > LONGEST_STEP * usual).any():
         row = int(np.argmax(steps > LONGEST_STEP * usual))

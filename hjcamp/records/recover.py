@@ -11,8 +11,9 @@ from hjcamp.errors import UsageError
 from hjcamp.records.check import check_log, check_names
 from hjcamp.records.container import CHANNEL, Container
 from hjcamp.records.layout import encode
-from hjcamp.records.log import COMMAND_PHASE, PHASES, SAMPLE_S, TOPIC
-from hjcamp.records.read import metadata_of, read_samples
+from hjcamp.records.log import COMMAND_PHASE, PHASES, SAMPLE_S, TOPIC, TestLog
+from hjcamp.records.plausible import Finding, findings
+from hjcamp.records.read import attachments_of, metadata_of, read_samples
 from hjcamp.records.salvage import Salvage, decode_salvage, salvage
 from hjcamp.records.samples import MOST_SAMPLES, Samples
 from hjcamp.records.scan import load
@@ -26,7 +27,10 @@ SAMPLE_NS = 1_000_000
 
 @dataclass(frozen=True)
 class Verification:
-    """What a log holds and what is wrong with it; ``whole`` means that ``read_log`` takes it. Duration in s."""
+    """What a log holds and what is wrong with it; ``whole`` means that ``read_log`` takes it. Duration in s.
+
+    ``findings`` are what is not plausible in a whole log.
+    """
 
     path: Path
     whole: bool
@@ -36,6 +40,12 @@ class Verification:
     metadata: dict[str, str]
     attachments: tuple[str, ...]
     problems: tuple[str, ...]
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def refused(self) -> bool:
+        """Whether it holds what cannot be, so that no analysis takes it."""
+        return any(one.refused for one in self.findings)
 
 
 @dataclass(frozen=True)
@@ -73,7 +83,8 @@ def verify_log(path: str | Path) -> Verification:
     try:
         found, samples = read_samples(source)
         check_log(samples.columns, str(source))
-        return _verification(source, True, samples, Salvage(found, _remarks(samples)))
+        log = TestLog(samples.columns, metadata_of(found), attachments_of(found), source)
+        return _verification(source, True, samples, Salvage(found, _remarks(samples)), tuple(findings(log)))
     except UsageError as fault:
         problem = str(fault).removeprefix(f"{source}: ")
     result = salvage(data)
@@ -94,7 +105,9 @@ def _remarks(samples: Samples) -> list[str]:
     return remarks
 
 
-def _verification(path: Path, whole: bool, samples: Samples, result: Salvage) -> Verification:
+def _verification(
+    path: Path, whole: bool, samples: Samples, result: Salvage, found: tuple[Finding, ...] = ()
+) -> Verification:
     return Verification(
         path=path,
         whole=whole,
@@ -104,6 +117,7 @@ def _verification(path: Path, whole: bool, samples: Samples, result: Salvage) ->
         metadata=metadata_of(result.found),
         attachments=tuple(record.name for record in result.found.attachments),
         problems=tuple(result.problems),
+        findings=found,
     )
 
 

@@ -23,6 +23,12 @@ UNITS: dict[str, dict[str, float]] = {
     "V": {"V": 1.0, "mV": 1e-3},
     "1": {"1": 1.0},
 }
+# What a unit that a field cannot have measures, told in the refusal.
+QUANTITIES = {
+    "m": "a length", "m/s": "a speed", "m/s^2": "an acceleration", "N": "a force", "N*m": "a torque", "kg": "a mass",
+    "A": "a current", "K": "a temperature", "rad/s": "a speed of turning", "m^3/s": "a flow", "Pa": "a pressure",
+    "s": "a time", "V": "a voltage", "1": "a number",
+}  # fmt: skip
 # Fields that turn the pump may be given as the travel of its pistons.
 TRAVEL: dict[str, float] = {"mm": PUMP_DEG_PER_MM}
 PUMP_FIELDS: tuple[str, ...] = ("pump_deg", "command_deg", "pid_deg", "feedforward_deg")
@@ -64,4 +70,22 @@ def factor_to_field(field_name: str, unit: str, where: str) -> float:
     alike = [name for name in allowed if name.casefold() == unit.casefold()]
     if alike:
         raise UsageError(f"unknown unit '{unit}' of '{field_name}' in {where}; did you mean '{alike[0]}'?")
-    raise unknown(f"unit of '{field_name}'", unit, allowed, where)
+    refusal = unknown(f"unit of '{field_name}'", unit, allowed, where)
+    own, other = (_quantity(one) for one in (next(iter(allowed)), unit))
+    if own and other and own != other:
+        raise UsageError(f"{refusal}; '{unit}' is a unit of {other}, and '{field_name}' is {own}")
+    raise refusal
+
+
+def _quantity(unit: str) -> str:
+    """Return what a unit measures, in words; empty where it is not known."""
+    import pint
+
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry()
+    try:
+        found = registry.parse_units(unit)
+    except Exception:  # pint raises many kinds for a text that is no unit
+        return ""
+    angles = {registry.rad, registry.deg, registry.turn}
+    names = {registry.get_dimensionality(one): words for one, words in QUANTITIES.items()}
+    return "an angle" if found in angles else names.get(registry.get_dimensionality(found), "")

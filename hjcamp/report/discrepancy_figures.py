@@ -154,20 +154,22 @@ def draw_horizon(curves: Sequence[HorizonCurve], floor: Array | None) -> str:
     return draw((7.4, 3.4), "horizon", paint)
 
 
-def draw_errors(rows: Sequence[tuple[str, float]]) -> str:
-    """Return bars of named errors over the repetition scatter, the last of them the floor, with a line at 1."""
+def draw_errors(rows: Sequence[tuple[str, float]], over: str, floor: bool = True) -> str:
+    """Return bars of named errors, ``over`` what; with a ``floor`` the last of them is that, with a line at 1."""
 
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         shown = list(rows)[::-1]
-        colours = [INK, GREEN][: len(shown)] + [RED] * max(len(shown) - 2, 0)
+        last = [INK, GREEN] if floor else [GREEN]
+        colours = (last + [RED] * len(shown))[: len(shown)]
         bars = axis.barh(range(len(shown)), [value for _, value in shown], color=colours, height=0.55)
         axis.bar_label(bars, [f"{value:.2f}" for _, value in shown], padding=3, fontsize=8, color=INK)
         axis.set_yticks(range(len(shown)), [name for name, _ in shown], fontsize=8)
-        axis.axvline(1.0, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
+        if floor:
+            axis.axvline(1.0, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
         axis.margins(x=0.1)
         dress(axis, "")
-        axis.set_xlabel("Error over the scatter between repetitions", color=INK, fontsize=8.5)
+        axis.set_xlabel(over.capitalize(), color=INK, fontsize=8.5)
 
     return draw((7.4, 0.9 + 0.45 * len(rows)), "errors", paint)
 

@@ -7,7 +7,7 @@ from html import escape
 from typing import Any
 
 from hjcamp.report.figures import tidy
-from hjcamp.report.page import SHADES, STYLE
+from hjcamp.report.page import STYLE, shaded
 
 PLACES = 8
 
@@ -41,7 +41,7 @@ def bullets(lines: Sequence[str]) -> str:
 
 def picture(caption: str, svg: str) -> str:
     """Return a picture under its caption, in the shades of the page."""
-    return f"<h3>{escape(caption)}</h3>\n<figure>{_shaded(svg)}</figure>"
+    return f"<h3>{escape(caption)}</h3>\n<figure>{shaded(tidy(svg), caption)}</figure>"
 
 
 def place_table(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -66,10 +66,3 @@ def table_of(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     head = "".join(f'<th scope="col">{escape(name)}</th>' for name in headings)
     body = "\n".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     return f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'
-
-
-def _shaded(svg: str) -> str:
-    svg = tidy(svg)
-    for colour, shade in SHADES.items():
-        svg = svg.replace(colour, shade)
-    return svg

@@ -16,6 +16,7 @@ GRID = "#d0d4d9"
 BLUE = "#0072b2"
 RED = "#d55e00"
 GREEN = "#009e73"
+PAPER = "#fffffe"  # white that nothing else is: the page puts its own in its place
 WIDTH, HEIGHT = 7.4, 6.6
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.1, 0.98, 0.965, 0.065, 0.045
 
@@ -52,7 +53,13 @@ PANELS = (
 )
 
 
-SETTINGS: dict[str, Any] = {"svg.fonttype": "none", "font.size": 9.0, "path.simplify_threshold": 0.2}
+# Every text, line and ground that matplotlib draws by itself has one of our colours, so that the page can take them over.
+SETTINGS: dict[str, Any] = {
+    "svg.fonttype": "none", "font.size": 9.0, "path.simplify_threshold": 0.2,
+    "figure.facecolor": PAPER, "axes.facecolor": PAPER, "savefig.facecolor": PAPER, "axes.edgecolor": INK,
+    "axes.labelcolor": INK, "axes.titlecolor": INK, "text.color": INK, "xtick.color": INK, "ytick.color": INK,
+    "legend.labelcolor": INK, "legend.facecolor": PAPER, "patch.edgecolor": INK, "grid.color": GRID,
+}  # fmt: skip
 
 
 def draw_condition(condition: Condition) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -14,11 +15,14 @@ STYLE = Path(__file__).with_name("page.css")
 #: The page's own shades, which follow light and dark, in place of the colours of the drawing.
 SHADES = {
     figures.INK: "currentColor",
+    figures.PAPER: "var(--paper)",
     figures.GRID: "var(--grid)",
     figures.BLUE: "var(--blue)",
     figures.RED: "var(--red)",
     figures.GREEN: "var(--green)",
 }
+#: Pixels of the screen for a point of the drawing, whose smallest letters have 7 points.
+READABLE = 1.2
 PAGE = Template("""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -121,8 +125,18 @@ def _class(name: str) -> str:
 
 def picture_html(name: str, anchor: str, svg: str, caption: str) -> str:
     """Return one condition's picture with its colours handed to the page."""
-    for colour, shade in SHADES.items():
-        svg = svg.replace(colour, shade)
-    svg = svg.replace("<svg ", f'<svg role="img" aria-label="{escape(name)}: angle, error, pressures, command" ', 1)
+    svg = shaded(svg, f"{name}: angle, error, pressures, command")
     heading = f'<h3 id="{anchor}">{escape(name)}</h3>'
     return f"{heading}\n<figure>\n<figcaption>{escape(caption)}</figcaption>\n{svg}</figure>"
+
+
+def shaded(svg: str, told: str) -> str:
+    """Return a drawing in the page's own shades, with words for who does not see it, no smaller than can be read.
+
+    Where the page is narrower than that the picture is moved under its frame, as wide tables are.
+    """
+    for colour, shade in SHADES.items():
+        svg = svg.replace(colour, shade)
+    wide = re.search(r'viewBox="[\d.]+ [\d.]+ ([\d.]+) ', svg)
+    least = f' style="min-width: {float(wide[1]) * READABLE:.0f}px"' if wide else ""
+    return svg.replace("<svg ", f'<svg role="img" aria-label="{escape(told)}"{least} ', 1)

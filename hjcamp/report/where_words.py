@@ -6,6 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 NEAR = 1.3
+NO_FLOOR = (
+    "No test was repeated, so there is no floor, and nothing tells how much of the error is the model's; "
+    "repetitions of the same tests give one (3 of each condition are usual: hjcamp run ... repetitions=3)."
+)
 TELLING = 0.05
 UNEVEN = 1.5
 HOW = {
@@ -64,12 +68,12 @@ def phrase(variable: str, label: str) -> str:
 def where_sentences(places: Sequence[Place], over: float | None = None) -> list[str]:
     """Return the places as sentences: each subsystem, then where it is strongest.
 
-    ``over`` is the error of the model over the floor: where little is left, that is said first.
+    ``over`` is the error of the model over the floor, None without repetitions: where little is left, that is said first.
     """
     if not places and over is not None:
         return [f"What is left is {over:.1f} x the floor: nothing stands out from what the repetitions differ by."]
     if not places:
-        return ["Nothing stands out: the error does not clearly rise above what the tests differ by."]
+        return [f"{NO_FLOOR} Where the error is cannot be told apart from chance."]
     whole = [place for place in places if place.variable == "all"]
     if over is not None and over <= NEAR:
         shares = ", ".join(f"{100 * place.share:.0f} % {place.subsystem}" for place in whole)

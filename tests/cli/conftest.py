@@ -29,7 +29,8 @@ def quick_test(config: dict, seed: int) -> tuple[dict[str, np.ndarray], dict[str
     noise = np.random.default_rng(seed).normal(0.0, 0.1, 1500)
     time = np.arange(1500) * 1e-3
     columns = {"time_s": time, "phase": np.full(1500, 3.0), "reference_deg": 60 * time, "arm_deg": 60 * time + noise}
-    columns |= {"pressure1_mpa": np.full(1500, 0.26), "pressure2_mpa": np.full(1500, 0.26), "pump_deg": time}
+    pressure = 0.26 + 0.01 * noise
+    columns |= {"pressure1_mpa": pressure, "pressure2_mpa": pressure, "pump_deg": 510 * time}
     return columns, {}
 
 

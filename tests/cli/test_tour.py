@@ -111,8 +111,12 @@ def test_it_finds_the_effect_and_shows_the_error_fall(call: Call, monkeypatch: p
     before, after = (model["score"] for model in compared["models"])
     assert after < 1.3 < before
     assert "diagnosed   leakage   right" in answer.out
-    for page in ("compare", "diagnose"):
-        assert (Path("tour").resolve() / page / "index.html").as_uri() in answer.out
+    for page in ("compare", "diagnose", "compare_both"):
+        file = Path("tour").resolve() / page / "index.html"
+        assert file.as_uri() in answer.out and file.is_file()
+    first = Path("tour/compare/index.html").read_text(encoding="utf-8")
+    assert "Comparison: published<" in first, "step 4 leaves the page of step 1 alone"
+    assert "Comparison: published, tour_model<" in Path("tour/compare_both/index.html").read_text(encoding="utf-8")
     model = Path("conf/model/tour_model.yaml")
     assert model.is_file() and f"rm -r tour {model}" in answer.out
 
@@ -129,7 +133,10 @@ def test_the_steps_in_order_then_on_from_where_it_stopped(call: Call, played: Pl
         ["compare", "tour", "--model", "published", "--json", "tour/step_1.json"],
         ["diagnose", "tour", "--effort", "quick", "--json", "tour/step_2.json"],
         ["add", "leakage", "tour", "--as", "tour_model", "--json", "tour/step_3.json"],
-        ["compare", "tour", "--model", "published", "--model", "tour_model", "--json", "tour/step_4.json"],
+        [
+            *("compare", "tour", "--model", "published", "--model", "tour_model"),
+            *("--into", "tour/compare_both", "--json", "tour/step_4.json"),
+        ],
     ]
     for words in played.calls[1:]:
         assert f"$ hjcamp {' '.join(words)}" in answer.out

@@ -65,7 +65,7 @@ def main() -> None:
         began = time.perf_counter()
         answer = subprocess.run(call, cwd=folder, check=True, capture_output=True, text=True)
         text = page_of(answer.stdout.replace(folder.as_uri(), "file:///..."), time.perf_counter() - began)
-        shutil.copyfile(folder / "tour" / "compare" / "overlay.svg", PICTURE)
+        shutil.copyfile(folder / "tour" / "compare_both" / "overlay.svg", PICTURE)
     write_whole(PAGE, text)
 
 

@@ -77,7 +77,7 @@ def test_what_gained_only_what_a_stuck_base_had_left_is_not_taken(search: Any, m
     features = SimpleNamespace(floor=lambda found: np.ones(7))
     search.features, search.evidence = features, SimpleNamespace(repeated=True)
     monkeypatch.setattr(diagnose, "calibrate", lambda *given, **named: (stuck, None))
-    monkeypatch.setattr(diagnose, "what_is_lacking", lambda evidence: "")
+    monkeypatch.setattr(diagnose, "lacks", lambda evidence: [])
     monkeypatch.setattr(diagnose, "rank_drivers", lambda *given: [])
     monkeypatch.setattr(diagnose, "top_drivers", lambda ranked: [])
     monkeypatch.setattr(diagnose, "detectable_amplitudes", lambda *given: {})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,8 +13,7 @@ from discrepancy_answers import Call
 from hjcamp.commands._session import free_model_name
 from hjcamp.commands.compare import next_commands
 from hjcamp.commands.diagnose import next_command
-from hjcamp.discrepancy.compare import over_lowest_floor
-from hjcamp.discrepancy.replay import ChannelError
+from hjcamp.discrepancy.scale import Judged, fall_of
 from hjcamp.discrepancy.unexplained import Unexplained
 
 LOGS = [Path("logs")]
@@ -67,14 +67,15 @@ def test_after_compare() -> None:
     assert commands(("bench", 0.01), repeated=False) == ["hjcamp diagnose logs --model bench"]
 
 
-def test_all_models_share_the_lowest_floor() -> None:
-    def replayed(name: str, floor: float | None) -> SimpleNamespace:
-        return SimpleNamespace(name=name, errors={"arm_deg": ChannelError(2.0, floor, 0.9), "pump_deg": None})
+def test_an_effect_helps_where_the_error_falls_by_more_than_its_standard_error() -> None:
+    def judged(*each: float) -> Judged:
+        return Judged({}, 1.0, each)
 
-    errors = over_lowest_floor([replayed("published", 0.7), replayed("bench", 0.4)])  # type: ignore[list-item]
-    assert errors["published"]["arm_deg"] == ChannelError(2.0, 0.4, 0.9) and errors["bench"]["pump_deg"] is None
-    alone = over_lowest_floor([replayed("published", None)])["published"]["arm_deg"]  # type: ignore[list-item]
-    assert alone is not None and alone.floor is None
+    assert fall_of(judged(2.0, 3.0, 4.0), judged(1.0, 2.0, 3.0)) == (1.0, 0.0)
+    mean, error = fall_of(judged(2.0, 2.0), judged(1.0, 2.8))
+    assert mean == pytest.approx(0.1) and error == pytest.approx(0.9) and not mean > error
+    assert fall_of(judged(2.0), judged(1.5)) == (0.5, 0.0)
+    assert all(math.isnan(one) for one in fall_of(judged(2.0), judged()))
 
 
 def test_a_spring_is_told_by_its_slope_and_friction_by_its_turn() -> None:

@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
-import numpy as np
+import re
 
-from hjcamp.report.discrepancy_figures import Overlay, draw_errors, draw_map, draw_overlay, worst_part
-from hjcamp.report.discrepancy_page import bullets, discrepancy_page, place_table
+import numpy as np
+import pytest
+
+from hjcamp.report.discrepancy_figures import (
+    HorizonCurve,
+    Overlay,
+    draw_errors,
+    draw_horizon,
+    draw_map,
+    draw_overlay,
+    worst_part,
+)
+from hjcamp.report.discrepancy_page import bullets, discrepancy_page, picture, place_table
+from hjcamp.report.figures import PAPER
 from hjcamp.report.unexplained_figure import draw_unexplained
 
 TIME = np.arange(500) * 0.004
@@ -32,7 +44,7 @@ def test_equal_content_gives_equal_pictures() -> None:
 
 
 def test_bars_and_maps_name_what_they_show() -> None:
-    errors = draw_errors([("published", 15.5), ("calibrated", 14.1), ("with leakage", 1.15), ("floor", 1.0)])
+    errors = draw_errors([("published", 15.5), ("calibrated", 14.1), ("with leakage", 1.15), ("floor", 1.0)], "error / floor")
     assert all(name in errors for name in ("published", "calibrated", "with leakage", "floor", "15.50"))
     nothing = np.zeros(0)
     svg = draw_map(nothing, nothing, nothing, [("", "joint", 0.9), ("joint, by direction", "positive", 0.5)])
@@ -51,3 +63,43 @@ def test_a_page_escapes_what_it_is_given() -> None:
     assert "<b>" not in page and "<i>" not in page and "a &amp; b" in page
     assert page.count("positive, 0 to 20 deg") == 8 and "8 of 9 rows" in page
     assert place_table([]) == "" and bullets([]) == ""
+
+
+LINE, NOTHING = np.linspace(0.0, 1.0, 12), np.zeros(0)
+BARS = [("", "joint", 0.9), ("joint, by direction", "positive", 0.5)]
+# Every picture of the pages of compare and diagnose, but the cells of the map.
+PICTURES = {
+    "overlay": lambda: draw_overlay(overlay()),
+    "errors": lambda: draw_errors([("published", 6.1), ("floor", 1.0)], "error / floor"),
+    "horizon": lambda: draw_horizon([HorizonCurve("published", LINE, LINE)], LINE),
+    "where": lambda: draw_map(NOTHING, NOTHING, NOTHING, BARS),
+    "unexplained": lambda: draw_unexplained("Arm angle (deg)", "Force (N)", LINE, LINE, -LINE),
+}
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_ink_and_paper_of_pictures_follow_the_page(name: str) -> None:
+    svg = PICTURES[name]()
+    assert PAPER in svg, "a picture of its own has its own paper"
+    shown = picture("Where", svg)
+    assert re.findall(r"#[0-9a-fA-F]{6}", shown) == [] and "black" not in shown
+    assert "var(--paper)" in shown and 'aria-label="Where"' in shown
+    texts = re.findall(r"<text[^>]*>", shown)
+    assert texts and all("currentColor" in text for text in texts)
+
+
+def test_letters_stay_readable_on_a_narrow_page() -> None:
+    svg = draw_overlay(overlay())
+    wide = float(re.search(r'viewBox="0 0 ([\d.]+) ', svg)[1])  # type: ignore[index]
+    least = float(re.search(r"min-width: (\d+)px", picture("x", svg))[1])  # type: ignore[index]
+    # the smallest letters have 8 points in it
+    assert 8 * least / wide > 9.0
+    page = discrepancy_page("t", "", [])
+    assert "figure { margin: 0 0 1rem; overflow-x: auto; }" in page
+
+
+@pytest.mark.parametrize("scheme", ["--ink", "--paper", "--grid", "--blue", "--red", "--green"])
+def test_the_page_has_every_shade_for_light_and_dark(scheme: str) -> None:
+    style = discrepancy_page("t", "", [])
+    light, dark = style.split("@media (prefers-color-scheme: dark)")
+    assert f"{scheme}: #" in light and f"{scheme}: #" in dark

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from hjcamp import cli
-from hjcamp.backends import check_test
+from hjcamp.backends.nidaqmx import check_test
 from hjcamp.backends.rig_reach import need_of
 from hjcamp.campaign.planning import make_plan
 from hjcamp.errors import UsageError
