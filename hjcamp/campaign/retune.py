@@ -16,6 +16,7 @@ from hjcamp.campaign.plan import Condition
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.model.simulator import Propagators
 
 Array = NDArray[np.float64]
 Gains = Mapping[str, Mapping[str, float]]
@@ -46,7 +47,7 @@ class _Test:
     config: dict[str, Any]
     law: type[Controller]
     prepared: PreparedTest
-    propagators: Array
+    propagators: Propagators
     direction: float
 
     def rmse1(self, gains: Gains) -> float:

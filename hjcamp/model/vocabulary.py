@@ -52,7 +52,7 @@ class Vocabulary:
 
 
 class _Rename(ast.NodeTransformer):
-    """Turn ``state.x`` into the local name ``s_x`` (and so on), and lift ``limited(...)`` into named conditions."""
+    """Turn ``state.x`` into the local name ``s_x`` (and so on), and number every ``limited(...)``: its power of 3."""
 
     def __init__(self) -> None:
         self.limits: list[tuple[str, str, str]] = []
@@ -66,6 +66,7 @@ class _Rename(ast.NodeTransformer):
         node = ast.Call(node.func, [self.visit(argument) for argument in node.args], node.keywords)
         if isinstance(node.func, ast.Name) and node.func.id == "limited":
             value, low, high = (ast.unparse(argument) for argument in node.args)
+            node.args.append(ast.Constant(3 ** len(self.limits)))
             self.limits.append((value, low, high))
         return node
 
