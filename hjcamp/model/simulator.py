@@ -196,15 +196,20 @@ class Simulator:
         return self._found[gates]
 
     def run(
-        self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Propagators | None = None
-    ) -> dict[str, Any]:
-        """Run one test from its preload to its release; return the recorded columns in SI units by name."""
+        self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Propagators | None = None,
+        tolerance: float = 1.0,
+    ) -> dict[str, Any]:  # fmt: skip
+        """Run one test from its preload to its release; return the recorded columns in SI units by name.
+
+        ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
+        """
         assert self.controller is not None and self.procedure is not None
         z = self.begin(start, p)
         propagators = propagators or self.propagators(z, p)
         channels = self.composition.plant.channels
         record = np.empty((len(test.noise), len(RECORDED) + len(channels)))
         work = self.scratch()
+        work[2, 5] = tolerance
         procedure_memory = self.procedure.fresh_memory()
         whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
         count = self.kernel.closed_loop(
