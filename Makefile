@@ -5,11 +5,15 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 WARM := $(VENV)/.warm
+TESTABLE := $(VENV)/.testable
 
-.PHONY: help setup demo test lint bench benchmark next_value thesis_gap tour_data fidelity validation faults kills damage recovery clean
+# Python compiles a file when it is first imported, not all that are never used
+PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
+
+.PHONY: help setup demo test lint bench benchmark next_value thesis_gap tour_data convergence fidelity validation faults kills damage recovery clean
 
 help:
-	@echo "make setup   .venv with hjcamp and all it needs, kernels compiled; README says how long it takes"
+	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
 	@echo "make demo    hjcamp run campaign=robustness_vertical: 56 tests, tables, report.html"
 	@echo "make test    lint, types, layers, tests"
 	@echo "make lint    lint, types, layers"
@@ -19,6 +23,7 @@ help:
 	@echo "make thesis_gap  what the printed tables of 5.4 say is missing; docs/thesis_gap.md"
 	@echo "make tour_data  the sample logs of the tour and its page"
 	@echo "make recovery  calibrate 20 simulated rigs drawn at random; the result is docs/identification_recovery.md"
+	@echo "make convergence  the published campaigns at smaller tolerances of a step; the result is docs/convergence.md"
 	@echo "make fidelity  every published cell beside the simulated mean; the result is docs/fidelity.md"
 	@echo "make validation  errors against an independent solution; the result is docs/validation.md"
 	@echo "make faults    every fault of the rig at the start, middle and end of a test; docs/rig_faults.md"
@@ -30,23 +35,29 @@ setup: $(WARM)
 $(INSTALLED): pyproject.toml constraints.txt
 	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 with its venv module is needed; none was found" >&2; exit 1; }
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[test]'
+	$(PIP) --editable .
+	@touch $@
+
+# what only the tests need; the demo does not wait for it
+$(TESTABLE): $(INSTALLED)
+	$(PIP) --editable '.[test]'
 	@touch $@
 
 $(WARM): $(INSTALLED)
 	$(BIN)/hjcamp doctor --warm
 	@touch $@
 
-demo: $(WARM)
+# it compiles the two kernels that it uses
+demo: $(INSTALLED)
 	$(BIN)/hjcamp run campaign=robustness_vertical
 
-lint: $(INSTALLED)
+lint: $(TESTABLE)
 	$(BIN)/ruff check hjcamp tests benchmarks
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
 # one process for each of up to four cores; a file's tests stay together, since they share kernels and logs
-test: $(INSTALLED) lint
+test: $(TESTABLE) lint
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 
 bench: $(WARM)
@@ -66,13 +77,16 @@ tour_data: $(WARM)
 	$(BIN)/python tests/cli/make_tour_data.py
 	$(BIN)/python tests/cli/write_tour_page.py
 
+convergence: $(INSTALLED)
+	$(BIN)/python benchmarks/convergence.py
+
 fidelity: $(WARM)
 	$(BIN)/python benchmarks/fidelity.py
 
 validation: $(WARM)
 	$(BIN)/python benchmarks/validation.py
 
-faults: $(WARM)
+faults: $(WARM) $(TESTABLE)
 	$(BIN)/python tests/rig/write_fault_table.py
 
 kills: $(WARM)

@@ -66,7 +66,7 @@ def control_source(law: type[Controller]) -> str:
     """Return the text that is compiled for a controller."""
     header = HEADER.format(name=law.name or law.__name__, mathematics=", ".join(MATHEMATICS), decorator="{decorator}")
     laws = law_source(law, "control") + law_source(Procedure, "procedure")
-    return header + laws + f"@hot\n{inspect.getsource(rig_step)}"
+    return header + laws + f"@entry\n{inspect.getsource(rig_step)}"
 
 
 class RigControl:

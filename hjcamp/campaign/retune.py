@@ -15,6 +15,7 @@ from hjcamp.backends.simulation import PreparedTest, control_values, log_columns
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.model.simulator import Propagators
 from hjcamp.records.plan import Condition
 
 Array = NDArray[np.float64]
@@ -46,7 +47,7 @@ class _Test:
     config: dict[str, Any]
     law: type[Controller]
     prepared: PreparedTest
-    propagators: Array
+    propagators: Propagators
     direction: float
 
     def rmse1(self, gains: Gains) -> float:

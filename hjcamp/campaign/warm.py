@@ -14,21 +14,23 @@ from hjcamp.configuration.composer import Composer
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.gram import Gram, Group, Known, all_gains
 from hjcamp.discrepancy.hardware import simulator
+from hjcamp.discrepancy.kernel_choice import first_needed
 from hjcamp.discrepancy.next_menu import Choice, menu
 from hjcamp.discrepancy.next_trials import Bench
 from hjcamp.effects import load_effects
-from hjcamp.model.kernel_cache import is_compiled
-from hjcamp.model.simulator import Course
+from hjcamp.model.effect import Effect
+from hjcamp.model.kernel import LEVELS, shared_source
+from hjcamp.model.kernel_cache import is_compiled, load_kernel
+from hjcamp.model.shared import SPACE
+from hjcamp.model.simulator import PERIOD, Course
 from hjcamp.plants.pump_joint import PumpJoint
 
 SAMPLES = 20
+# One for each text of a kernel: both controllers share theirs, and the first has that of the feedforward besides.
 CONDITIONS: tuple[Sequence[str], ...] = (
-    ("controller=pid",),
     ("controller=ffwd_pid",),
     ("controller=pid", "payload=brass_8p5g"),
-    ("controller=ffwd_pid", "payload=brass_8p5g"),
     ("controller=pid", "payload=brass_8p5g", "orientation=vertical"),
-    ("controller=ffwd_pid", "payload=brass_8p5g", "orientation=vertical"),
 )
 Task = tuple[str, Callable[..., None], tuple[object, ...]]
 
@@ -38,25 +40,47 @@ def warm() -> Iterator[tuple[str, float]]:
 
     Yields what was made ready, and the seconds that it took.
     """
+    yield from side_by_side(tasks())
+
+
+def side_by_side(work: Sequence[Task], workers: int = 0) -> Iterator[tuple[str, float]]:
+    """Do the tasks in ``workers`` processes, as many as there are processors by default; yields what and the seconds."""
     from joblib import Parallel, cpu_count, delayed
 
-    work = tasks()
-    yield from Parallel(n_jobs=min(cpu_count(), len(work)), return_as="generator_unordered", batch_size=1)(
+    # Every kernel holds what this one does: it is compiled here, not once in each process.
+    shared = load_kernel(shared_source())
+    shared.propagators(PERIOD, LEVELS, 4, np.zeros((SPACE, 16)), np.zeros((LEVELS + 1, 48)), 0)
+    yield from Parallel(min(workers or cpu_count(), len(work)), return_as="generator_unordered", batch_size=1)(
         delayed(timed)(*task) for task in work
     )
 
 
 def tasks() -> list[Task]:
     """Return what there is to compile, the longest first: what it is in words, and the call that compiles it."""
-    many = len(load_effects())
-    cuts = [cut.name for cut in PumpJoint.cuts if cut.driven]
+    library = tuple(load_effects().values())
     found: list[Task] = [
-        (f"next, {many} effects under {controller}", try_test, (choice,)) for controller, choice in menu_tests().items()
+        (f"next, {len(library)} effects under {controller}", try_test, (choice,))
+        for controller, choice in menu_tests().items()
     ]
-    found += [(f"diagnose, {many} effects driven at {cut}", follow_nothing, (cut, True)) for cut in cuts]
-    found += [(f"diagnose, no effect driven at {cut}", follow_nothing, (cut, False)) for cut in cuts]
+    found += [task for task, _ in _of_a_diagnosis(library)]
     found += [("diagnose, weighing responses", weigh_nothing, ())]
     return found + [("run " + " ".join(overrides), run_once, (overrides,)) for overrides in CONDITIONS]
+
+
+def missing(effects: tuple[type[Effect], ...]) -> list[Task]:
+    """Return what a diagnosis with these effects has to compile first, the longest first; nothing where all is there."""
+    return [task for task, source in _of_a_diagnosis(effects) if not is_compiled(source)]
+
+
+def _of_a_diagnosis(effects: tuple[type[Effect], ...]) -> list[tuple[Task, str]]:
+    found = []
+    for chosen in sorted(first_needed(effects), key=len, reverse=True):
+        words = ", ".join(effect.name for effect in chosen) if 0 < len(chosen) < 4 else f"{len(chosen) or 'no'} effects"
+        for cut in (cut.name for cut in PumpJoint.cuts if cut.driven):
+            names = tuple(effect.name for effect in chosen)
+            task: Task = (f"diagnose, {words} driven at {cut}", follow_nothing, (cut, names))
+            found.append((task, simulator(chosen, cut).source))
+    return found
 
 
 def timed(subject: str, call: Callable[..., None], given: Sequence[object]) -> tuple[str, float]:
@@ -68,11 +92,14 @@ def timed(subject: str, call: Callable[..., None], given: Sequence[object]) -> t
 
 def run_once(overrides: Sequence[str]) -> None:
     """Simulate one test of a configuration."""
-    composer = Composer()
+    run_test(configured(Composer(), overrides), 1)
+
+
+def configured(composer: Composer, overrides: Sequence[str]) -> dict[str, Any]:
+    """Return the configuration of a test as the plan of a run has it: with the model that the controller calculates with."""
     config = composer.compose(overrides).config
-    # The plan of a run adds the model that the controller calculates with.
     config["controller_model"] = composer.model(str(config["controller"].get("model")))
-    run_test(config, 1)
+    return config
 
 
 def menu_tests() -> dict[str, Choice]:
@@ -88,9 +115,10 @@ def try_test(choice: Choice) -> None:
         bench.columns(trial, Candidate({}), 1)
 
 
-def follow_nothing(cut: str, with_effects: bool) -> None:
+def follow_nothing(cut: str, names: Sequence[str]) -> None:
     """Drive the model of a cut along a few samples in which nothing moves: that compiles what a diagnosis runs."""
-    model = simulator(tuple(load_effects().values()) if with_effects else (), cut)
+    library = load_effects()
+    model = simulator(tuple(library[name] for name in names), cut)
     composition = model.composition
     start = np.zeros(SAMPLES)
     course = Course(
@@ -106,17 +134,11 @@ def follow_nothing(cut: str, with_effects: bool) -> None:
     model.follow(model.vector({}), course)
 
 
-def is_warm() -> bool:
-    """Return whether the largest kernel of a diagnosis has been compiled: processes that compile it all at once gain nothing."""
-    return is_compiled(simulator(tuple(load_effects().values()), "pump").source)
-
-
-def ready_to_diagnose() -> None:
-    """Load what a diagnosis runs."""
-    for cut in PumpJoint.cuts:
-        if cut.driven:
-            follow_nothing(cut.name, False)
-            follow_nothing(cut.name, True)
+def ready_to_diagnose(effects: Sequence[str]) -> None:
+    """Load what a diagnosis with the named effects runs."""
+    library = load_effects()
+    for (_, call, given), _ in _of_a_diagnosis(tuple(library[name] for name in effects)):
+        call(*given)
     weigh_nothing()
 
 

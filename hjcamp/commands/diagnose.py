@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -36,6 +38,8 @@ def diagnose(
         int | None, typer.Option(help="Processes; every processor, 4 at most, by default. The answer is the same.")
     ] = None,
     cluster: Annotated[str | None, typer.Option(help="A dask scheduler, tcp://HOST:PORT, or 'local'.")] = None,
+    only: Annotated[str | None, typer.Option(help="Effects to consider, with commas; all of them by default.")] = None,
+    without: Annotated[str | None, typer.Option(help="Effects to leave out, with commas.")] = None,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
     from hjcamp.campaign.console import make_console
@@ -49,7 +53,7 @@ def diagnose(
         raise UsageError(f"--workers {workers}: give a whole number, 1 or more")
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.campaign.warm import is_warm, ready_to_diagnose
+        from hjcamp.campaign.warm import missing, ready_to_diagnose, side_by_side
         from hjcamp.commands._diagnose_page import write_pictures
         from hjcamp.commands._diagnose_words import Told, looks_at_final
         from hjcamp.discrepancy.answer import Judging, answer
@@ -63,12 +67,16 @@ def diagnose(
 
         if effort not in EFFORTS:
             raise unknown("effort", effort, EFFORTS)
-        start, library = saved_model(model), load_effects()
+        start = saved_model(model)
+        library = considered(load_effects(), only, without, start.effects)
         effects = tuple(library.values())
         find_logs(paths)
         number = workers or min(available(), MOST_WORKERS)
-        helped = number > 1 and cluster is None and is_warm()
-        crew = Crew(number, cluster, ready_to_diagnose if helped else None)
+        if work := missing(effects):
+            tell_of_compiling(console, report, 0, len(work))
+            for count, _ in enumerate(side_by_side(work, number), start=1):
+                tell_of_compiling(console, report, count, len(work))
+        crew = Crew(number, cluster, partial(ready_to_diagnose, tuple(library)))
         try:
             evidence = evidence_of(paths)
             _say_what_is_lacking(console, evidence)
@@ -106,6 +114,34 @@ def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:
     lines = [*lacking, *([] if evidence.repeated else [NO_FLOOR])]
     if lines:
         print_wrapped(console, lines, 8, "lacking")
+
+
+def considered(
+    library: Mapping[str, Any], only: str | None, without: str | None, given: Collection[str] = ()
+) -> dict[str, Any]:
+    """Return the effects that are named by ``only`` and not by ``without``; those of the model that is ``given`` always."""
+    chosen = set(library)
+    for option, text in (("--only", only), ("--without", without)):
+        if text is None:
+            continue
+        names = [name.strip() for name in text.split(",") if name.strip()]
+        if not names:
+            raise UsageError(f"{option} '{text}': give the names of effects, such as {next(iter(library))}")
+        for name in names:
+            if name not in library:
+                raise unknown("effect", name, library, option)
+        chosen = chosen & set(names) if option == "--only" else chosen - set(names)
+    if not chosen:
+        raise UsageError(f"--only {only} --without {without}: no effect is left to look for")
+    return {name: effect for name, effect in library.items() if name in chosen or name in given}
+
+
+def tell_of_compiling(console: Console, report: Callable[[str, float], None], done: int, count: int) -> None:
+    """Say how many kernels are to be compiled: in the progress line of a terminal, else in a line of its own at the start."""
+    if console.is_terminal:
+        report(f"compiling, once for these effects: {count - done} of {count} kernels left", 0.0)
+    elif not done:
+        console.print(f"  compiling {count} kernels, once for these effects", markup=False)
 
 
 def next_command(content: dict[str, Any], paths: list[Path], model: str = "published") -> str:

@@ -21,10 +21,10 @@ def follow(model: Simulator, p: Array, course: Course, crew: Crew, tolerance: fl
     edges = parts(course.restart, crew.workers)
     if len(edges) < 3:
         return model.follow(p, course, tolerance=tolerance)
-    propagators = model.propagators(model.observed(course), p, course.period)
+    start = model.observed(course)
 
     def one(part: slice) -> Followed:
-        return model.follow(p, cut(course, part), propagators, tolerance)
+        return model.follow(p, cut(course, part), model.propagators(start, p), tolerance)
 
     found = list(crew.together(one, [slice(*pair) for pair in pairwise(edges)]))
     readings, ideal, forces = (

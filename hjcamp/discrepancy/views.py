@@ -17,6 +17,7 @@ from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.evidence import PERIOD, Evidence
 from hjcamp.discrepancy.following import follow
 from hjcamp.discrepancy.hardware import composition, simulator
+from hjcamp.discrepancy.kernel_choice import chosen_for
 from hjcamp.discrepancy.own_starts import OwnStarts
 from hjcamp.discrepancy.recent import Recent
 from hjcamp.model.simulator import Course, Simulator
@@ -42,6 +43,13 @@ def _reaching(effects: tuple[Any, ...], cut: str, present: frozenset[str], outpu
     some = composition(tuple(effect for effect in effects if effect.name in present), cut, gated=False)
     names = influences(some, outputs)
     return np.array([position for position, name in enumerate(whole.parameters) if name in names], dtype=np.int64)
+
+
+@functools.lru_cache(maxsize=64)
+def _gates(effects: tuple[Any, ...]) -> dict[str, int]:
+    """Return the position of every effect's gate among the parameters."""
+    order = list(composition(effects, "pump").parameters)
+    return {effect.name: order.index(f"gate.{effect.name}") for effect in effects}
 
 
 @functools.lru_cache(maxsize=512)
@@ -110,8 +118,8 @@ class Views:
         return simulator(self._needed(candidate, hardware), "inverse")
 
     def _needed(self, candidate: Candidate, hardware: Any) -> tuple[Any, ...]:
-        """Return the effects that the kernel must have: without any it is several times faster than with all gates closed."""
-        return self.effects if candidate.effects or _weighs(hardware) else ()
+        weight = {"gravity_load"} if _weighs(hardware) and "gravity_load" in self.names else set()
+        return chosen_for(self.effects, frozenset(candidate.effects) | weight)
 
     @cached_property
     def _groups(self) -> list[tuple[slice, Any]]:
@@ -169,15 +177,10 @@ class Views:
             scatter=np.ones(len(observed)) if scatter is None else scatter[part],
         )
 
-    @cached_property
-    def _gates(self) -> dict[str, int]:
-        order = list(composition(self.effects, "pump").parameters)
-        return {name: order.index(f"gate.{name}") for name in self.names}
-
     def _key(self, model: Simulator, p: Array, outputs: Sequence[str]) -> tuple[frozenset[str], bytes]:
         """Return what the outputs of a model depend on: the effects present, and the parameters that can reach them."""
         effects, cut = model.composition.effects, model.composition.cut.name
-        present = frozenset(effect.name for effect in effects if p[self._gates[effect.name]] != 0.0)
+        present = frozenset(effect.name for effect in effects if p[_gates(effects)[effect.name]] != 0.0)
         return present, p[_reaching(effects, cut, present, tuple(outputs))].tobytes()
 
     def _line_view(self, candidate: Candidate, index: int) -> tuple[Any, Array, Array, Array]:

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from hjcamp.model.amount import Amount, dimension, pure
-from hjcamp.model.marks import limited
 
 MATHEMATICS = [
     "acos", "asin", "atan", "atan2", "ceil", "copysign", "cos", "cosh", "erf", "exp", "expm1", "floor", "fmod",
@@ -46,7 +45,7 @@ def names() -> dict[str, Any]:
     """Return the functions and constants that a formula may use, for amounts."""
     scope: dict[str, Any] = {name: _mathematics(name) for name in MATHEMATICS}
     scope.update(amount_of=Amount.of, min=_smallest, max=_largest, abs=abs, float=Amount.of, int=Amount.of)
-    scope["limited"] = lambda value, low, high: _largest(_smallest(value, high), low)
+    scope["limited"] = lambda value, low, high, place=0: _largest(_smallest(value, high), low)
     return scope
 
 
@@ -59,7 +58,9 @@ def evaluated(expression: str, scope: dict[str, Any]) -> Amount:
 def plain_functions(source: str) -> dict[str, Any]:
     """Return what generated source defines, as plain Python."""
     scope: dict[str, Any] = {name: getattr(math, name) for name in MATHEMATICS}
-    scope.update(np=np, inlined=lambda function: function, hot=lambda function: function, limited=limited)
+    scope.update(dict.fromkeys(("entry", "hot", "inlined", "once"), lambda function: function), np=np)
+    scope["limited"] = lambda value, low, high, place=0: min(max(value, low), high)
+    scope["bounded"] = lambda limits, value, low, high, place=0: min(max(value, low), high)
     exec(compile(source, "<composition>", "exec"), scope)
     return scope
 

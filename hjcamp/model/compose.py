@@ -23,6 +23,8 @@ from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
 GATES = "gates"
 MOST_GATED = 52
 BUILTINS = ("abs", "min", "max", "float", "int")
+INLINED = ("predict", "correct", "contact", "locking", "limiting", "readings")
+ENTRIES = ("rates", "begin", "signals")
 
 
 @dataclass(frozen=True)
@@ -89,20 +91,51 @@ class Composition:
         return list(self.states).index(found[0]) if found else -1
 
     def rates_source(self) -> str:
-        """Return the source of ``rates(time, direction, z, u, p, f)``."""
-        lines = []
+        """Return the source of ``rates(limits, time, direction, z, u, p, f)``: the rates of the states that are present.
+
+        ``limits`` is the code of what every limiter is to do, as `limiting` returns it; negative: what its value says.
+        """
+        blocks: list[tuple[str, list[str]]] = [("", [])]
         for index, name in enumerate(self.states):
             gate = self.gate(name)
-            lines.append(f"f[{index}] = {self.rate(name)}" + (f" if {gate} else 0.0" if gate else ""))
-        return function_source("rates(time, direction, z, u, p, f)", self.body(lines))
+            if gate != blocks[-1][0]:
+                blocks.append((gate, []))
+            blocks[-1][1].append(f"f[{index}] = {self.rate(name)}")
+        lines, gated = blocks[0][1], blocks[1:]
+        if gated:
+            # One test for all of them: most models have no effect with states.
+            inside = [line for gate, own in gated for line in (f"if {gate}:", *(f"    {one}" for one in own))]
+            lines = [*lines, f"if {self.any_gate}:", *(f"    {line}" for line in inside)]
+        body = [re.sub(r"\blimited\(", "bounded(limits, ", line) for line in self.body(lines)]
+        return function_source("rates(limits, time, direction, z, u, p, f)", body)
 
     def contact_source(self) -> str:
-        """Return the source of ``contact(time, direction, z, u, p)``: push, limit, locks, and 1 if a limiter acts."""
-        tests = [f"not ({low} <= {value} <= {high})" for value, low, high in self.vocabulary.limits]
-        lines = [f"limits = 1.0 if {' or '.join(tests) or 'False'} else 0.0"]
-        found = [f"{one.push}, {one.limit}, {one.locks}" for one in self.vocabulary.contacts]
-        lines.append(f"return {found[0] if found else '0.0, 0.0, 0.0'}, limits")
-        return function_source("contact(time, direction, z, u, p)", self.body(lines))
+        """Return the source of ``contact(time, direction, z, u, p)``: push, limit and locks; and of ``locking``, the last alone."""
+        found = self.vocabulary.contacts
+        push, limit, locks = (found[0].push, found[0].limit, found[0].locks) if found else ("0.0", "0.0", "0.0")
+        whole = function_source("contact(time, direction, z, u, p)", self.body([f"return {push}, {limit}, {locks}"]))
+        return whole + function_source("locking(time, direction, z, u, p)", self.body([f"return 1.0 * {locks}"]))
+
+    def limiting_source(self) -> str:
+        """Return the source of ``limiting(time, direction, z, u, p)``: the code of what the limiters do.
+
+        It is the sum over the limiters of 3^k, twice that where a limiter holds its high end.
+        """
+        lines = [f"return {' + '.join(self._limiters) or '0'}"]
+        return function_source("limiting(time, direction, z, u, p)", self.body(lines))
+
+    @property
+    def _limiters(self) -> list[str]:
+        return [
+            f"(({3**k} if {value} < {low} else 0) + ({2 * 3**k} if {value} > {high} else 0))"
+            for k, (value, low, high) in enumerate(self.vocabulary.limits)
+        ]
+
+    @property
+    def limits_vary(self) -> bool:
+        """Whether what a limiter does can change between two samples, while the states stay: it depends on an input."""
+        last = [f"return {' + '.join(self._limiters)}"] if self._limiters else []
+        return any(name.startswith("u_") for name in names_in("\n".join(self.body(last))))
 
     def readings_source(self) -> str:
         """Return the source of ``readings(time, direction, z, u, p, out)``: what the sensors see, in channel order."""
@@ -364,8 +397,9 @@ def _copied(name: str, function: Callable[..., float]) -> str:
 
 
 def function_source(signature: str, lines: Sequence[str]) -> str:
-    """Return the source of a compiled function; those of every step are inlined."""
-    mark = "inlined" if signature.split("(")[0] in ("predict", "contact", "readings") else "hot"
+    """Return the source of a compiled function; those of every step are inlined, those that Python calls are cached."""
+    name = signature.split("(")[0]
+    mark = "inlined" if name in INLINED else "entry" if name in ENTRIES else "hot"
     return f"@{mark}\ndef {signature}:\n" + "".join(f"    {line}\n" for line in lines or ["pass"]) + "\n\n"
 
 

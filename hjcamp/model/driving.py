@@ -25,7 +25,6 @@ begin: Any = None
 renew: Any = None
 remember: Any = None
 move: Any = None
-forget: Any = None
 control: Any = None
 procedure: Any = None
 
@@ -44,6 +43,8 @@ def closed_loop(  # type: ignore[no-untyped-def]
     z,
     u,
     p,
+    plan,
+    space,
     steps,
     h,
     c,
@@ -112,12 +113,12 @@ def closed_loop(  # type: ignore[no-untyped-def]
         u[DITHER] = shake
         u[PRELOAD] = speed * preload_area
         remember(time, direction, z, u, p)
-        direction = move(time, direction, z, u, p, steps, h, a, before, counter)
+        direction = move(time, direction, z, u, p, plan, space, steps, h, a, before, counter)
     return -1
 
 
 def follow(  # type: ignore[no-untyped-def]
-    z, u, p, steps, h, restart, time, driven, observed, velocity, dither, scatter, out, ideal, forces, work
+    z, u, p, plan, space, steps, h, restart, time, driven, observed, velocity, dither, scatter, out, ideal, forces, work
 ):
     """Drive the plant along measured motion; fill ``out`` with its readings, ``ideal`` with its observed states
     and ``forces`` with its force balance.
@@ -140,11 +141,9 @@ def follow(  # type: ignore[no-untyped-def]
                 z[OBSERVED_STATES[i]] = observed[k, i]
             z[VELOCITY] = velocity[k]
             direction = np.sign(velocity[k])
-            counter[4] = 1.0
-            forget(before, counter)
+            counter[8] = -1.0
             if restart[k] == 2:
                 counter[0] = 0.0
-                counter[7] = 0.0
                 begin(time[k], direction, z, u, p)
             elif velocity[k] == 0.0:
                 renew(time[k], direction, z, u, p)
@@ -153,4 +152,4 @@ def follow(  # type: ignore[no-untyped-def]
         for i in range(len(OBSERVED_STATES)):
             ideal[k, i] = z[OBSERVED_STATES[i]]
         remember(time[k], direction, z, u, p)
-        direction = move(time[k], direction, z, u, p, steps, h, a, before, counter)
+        direction = move(time[k], direction, z, u, p, plan, space, steps, h, a, before, counter)

@@ -1,233 +1,181 @@
 """The time integrator, copied into every generated kernel: exponential steps, halved where a regime ends.
 
-Within one friction regime the model is z' = f(z), nearly linear with Jacobian L found beforehand; what L leaves over,
-N(z) = f(z) - L z, is taken as a straight line in time, its slope s that of the step before. One step of length h is
+A regime says on which side every contact is (held, moving in the positive or the negative direction) and what every
+limiter does (nothing, holds at its low or at its high end). Within one regime the model is z' = f(z), nearly linear with
+Jacobian L; what L leaves over, N(z) = f(z) - L z, is taken as a straight line in time, its slope s that of the step
+before. One step of length h is
 
-    a = z + P1 f(z) + P2 s h,    z+ = a + w P2 (f(a) - E f(z) - P1 s),
-    E = exp(h L), P1 = h phi1(h L), P2 = h phi2(h L), w = 1 - h / (3 (h + length of the step before)),
+    a = z + P1 f(z) + P2 s h,    z+ = a + w P2 (f(a) - f(z) - s h - L (a - z)),
+    P1 = h phi1(h L), P2 = h phi2(h L), w = 1 - h / (3 (h + length of the step before)),
 
 exact where the model is linear (s and the correction vanish), of third order elsewhere, as w bends N to the parabola
-through two steps; after an event s = 0 and w = 1, and the order is two. Step lengths are h / 2**level; the propagators
-of every level are computed once, by doubling. A step whose correction is larger than the states' resolution, or in
-which a regime ends, is tried again one level finer; at the finest level (1 us) the event is taken. Where nothing locks
-friction passes rest without a leap, and a turn is no event. ``before`` holds f(z), s and the next s. Where a limiter
-acts every rate is corrected, else only the curved ones.
+through two steps; after a change of regime s = 0 and w = 1, and the order is two. Step lengths are h / 2**level; the
+propagators of all levels of a regime are computed by doubling when the model first comes into it, always about the same
+state, so that they do not depend on what was simulated before. A step whose correction is larger than the states'
+resolution, or in which a contact's regime ends, is tried again one level finer; at the finest level (1 us) the event is
+taken. Where a limiter begins or ceases to act within a step the rates have a kink, no leap: every rate is corrected there,
+and the size of the correction says how finely. Where nothing locks friction passes rest without a leap, and a turn is no
+event. ``before`` holds f(z), s and the next s.
 Source: Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286, sections 2.4, 2.5 (Rosenbrock) and 2.7 (multistep).
 
-``steps`` has a row for each regime and level, of which ``row`` holds E, P1 and P2 one after the other: constant places in
-it cost no view of an array, so that one copy of a step serves all regimes.
-The names in capitals, ``rates``, ``contact``, ``predict`` and ``correct`` are supplied by the generated file.
+The names in capitals, ``rates``, ``contact``, ``locking``, ``limiting``, ``predict`` and ``correct`` are supplied by the
+generated file, ``propagators`` and ``mend`` by the file that all kernels share (`hjcamp.model.shared`).
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 N = 0
 VELOCITY = 0
 LEVELS = 0
 AFFINE = True
 CONTACT = True
+LIMITS_VARY = True
+WRITTEN = 0
 RESOLUTION: Any = None
 TYPICAL: Any = None
+MADE = PRESENT = CURVED = WIDTH = CODES = REGIMES = STATES = JACOBIAN = 0
+ABOUT, INPUTS, MOVED, LOW, HIGH = range(5)
+SIDES = 4
+CREEP = 0.3
 rates: Any = None
 contact: Any = None
+locking: Any = None
+limiting: Any = None
 predict: Any = None
 correct: Any = None
-predict_all: Any = None
-correct_all: Any = None
 begin: Any = None
-CURVED: Any = None
-CREEP = 0.3
+lead: Any = None
+mend: Any = None
+propagators: Any = None
 
 
-def linearise(time, direction, z, u, p, jacobian):  # type: ignore[no-untyped-def]
-    """Fill ``jacobian`` (N, N) with d rates / d z by central differences about ``z``."""
-    low = np.empty(N)
-    high = np.empty(N)
-    moved = z.copy()
-    for j in range(N):
-        step = 1e-3 * TYPICAL[j]
-        moved[j] = z[j] + step
-        rates(time, direction, moved, u, p, high)
-        moved[j] = z[j] - step
-        rates(time, direction, moved, u, p, low)
-        moved[j] = z[j]
-        for i in range(N):
-            jacobian[i, j] = (high[i] - low[i]) / (2.0 * step)
+def predict_present(time, span, direction, z, u, p, plan, space, steps, row, a, before):  # type: ignore[no-untyped-def]
+    """Write rates into ``before`` and the state after one step, without its correction, into ``a``."""
+    rates(-1, time, direction, z, u, p, before)
+    lead(span, z, plan, space, steps, row, a, before)
 
 
-def propagators(jacobian, h, out):  # type: ignore[no-untyped-def]
-    """Fill ``out`` (LEVELS + 1, 3, N, N) with E, P1 and P2 for the steps h / 2**level.
+def correct_present(  # type: ignore[no-untyped-def]
+    time, span, direction, z, a, u, p, plan, space, steps, row, before, weight, everything
+):
+    """Add the correction to ``a`` and return its size in units of the states' resolution."""
+    after = space[HIGH]
+    rates(-1, time, direction, a, u, p, after)
+    return mend(span, weight, everything, z, plan, space, steps, row, a, before, after, RESOLUTION)
 
-    Series at the finest level, then doubling from s to 2 s: P2 <- P2 + P1 P1 / (2 s), P1 <- P1 + E P1, E <- E E.
+
+def linearise(side, limits, p, plan, space):  # type: ignore[no-untyped-def]
+    """Fill the Jacobian (w, w) of ``space`` with d rates / d z in a regime, by central differences.
+
+    ``side``: 0 held, 1 and 2 moving in the positive and negative direction, 3 creeping as after rest, where nothing locks.
     """
-    s = h / 2.0**LEVELS
-    unit = np.eye(N)
-    e, p1, p2 = unit.copy(), s * unit, 0.5 * s * unit
-    power = unit.copy()
-    factor = 1.0
-    for order in range(1, 9):
-        power = np.dot(power, jacobian) * s
-        factor /= order
-        e += factor * power
-        p1 += (s * factor / (order + 1)) * power
-        p2 += (s * factor / ((order + 1) * (order + 2))) * power
-    for back in range(LEVELS + 1):
-        level = LEVELS - back
-        out[level, 0] = e
-        out[level, 1] = p1
-        out[level, 2] = p2
-        p2 = p2 + np.dot(p1, p1) / (2.0 * s)
-        p1 = p1 + np.dot(e, p1)
-        e = np.dot(e, e)
-        s *= 2.0
-
-
-def prepare(z, u, p, h, out):  # type: ignore[no-untyped-def]
-    """Fill ``out`` (3, LEVELS + 1, 3, N, N) with the propagators of the regimes held, positive and negative."""
-    jacobian = np.empty((N, N))
-    for regime in range(3):
-        direction = 0.0
-        moving = z.copy()
-        if CONTACT:
-            direction = 0.0 if regime == 0 else (1.0 if regime == 1 else -1.0)
-            # Well above the speeds at which friction bends, so that the linear part is that of steady sliding.
-            moving[VELOCITY] = 10.0 * direction * TYPICAL[VELOCITY]
-            if contact(0.0, direction, z, u, p)[2] == 0.0:
-                # Nothing is ever held: the first regime creeps, as after rest, the others have come to steady sliding.
-                if regime == 0:
-                    direction, moving[VELOCITY] = 1.0, CREEP * TYPICAL[VELOCITY]
-                else:
-                    begin(0.0, direction, moving, u, p)
-        linearise(0.0, direction, moving, u, p, jacobian)
-        propagators(jacobian, h, out[regime])
-
-
-def attempt(time, span, direction, z, u, p, steps, row, a, before, counter):  # type: ignore[no-untyped-def]
-    """Write into ``a`` the state after one step; return its correction in units of the states' resolution.
-
-    Where the model is linear and no limiter acts at either end, the correction is zero and is not computed;
-    ``counter[4]`` remembers whether a limiter acted at the end of the step before, ``counter[6]`` its length.
-    """
-    limited = counter[4] != 0.0
-    if limited:
-        predict_all(time, span, direction, z, u, p, steps, row, a, before)
-    else:
-        predict(time, span, direction, z, u, p, steps, row, a, before)
-        limited = contact(time + span, direction, a, u, p)[3] != 0.0
-        if AFFINE and not limited:
-            return 0.0
-    weight = 1.0
-    if counter[6] > 0.0:
-        weight -= span / (3.0 * (span + counter[6]))
-    if limited:
-        return correct_all(time + span, span, direction, a, u, p, steps, row, before, weight)
-    return correct(time + span, span, direction, a, u, p, steps, row, before, weight)
-
-
-def accept(span, z, a, before, counter):  # type: ignore[no-untyped-def]
-    """Take the step: ``z`` becomes ``a``, and the slope of the nonlinear part is kept for the next one."""
+    start, u, moved, low, high = space[ABOUT], space[INPUTS], space[MOVED], space[LOW], space[HIGH]
+    direction = 0.0
     for i in range(N):
-        z[i] = a[i]
-    if not AFFINE or counter[4] != 0.0:
-        for i in range(N):
-            before[N + i] = before[2 * N + i]
-        counter[6] = span
-    counter[1] += 1.0
+        moved[i] = start[i]
+    if CONTACT:
+        direction = 0.0 if side == 0 else (-1.0 if side == 2 else 1.0)
+        # Well above the speeds at which friction bends, so that the linear part is that of steady sliding.
+        moved[VELOCITY] = (CREEP if side == 3 else 10.0) * direction * TYPICAL[VELOCITY]
+        if (side == 1 or side == 2) and locking(0.0, direction, moved, u, p) == 0.0:
+            begin(0.0, direction, moved, u, p)
+    m = plan[PRESENT]
+    w = plan[WIDTH]
+    for i in range(w * w):
+        space[JACOBIAN, i] = 0.0
+    for j in range(m):
+        at = plan[STATES + j]
+        kept = moved[at]
+        step = 1e-3 * TYPICAL[at]
+        moved[at] = kept + step
+        rates(limits, 0.0, direction, moved, u, p, high)
+        moved[at] = kept - step
+        rates(limits, 0.0, direction, moved, u, p, low)
+        moved[at] = kept
+        for i in range(m):
+            space[JACOBIAN, i * w + j] = (high[plan[STATES + i]] - low[plan[STATES + i]]) / (2.0 * step)
 
 
-def straighten(time, direction, z, u, p, before, counter):  # type: ignore[no-untyped-def]
-    """Note whether a limiter acts; where none does any more, the rates that are not curved have no slope.
+def regime_row(side, limits, p, plan, space, steps, h):  # type: ignore[no-untyped-def]
+    """Return the row of the propagators of a whole sample in a regime, which are made when it is first asked for."""
+    code = side + SIDES * limits
+    for place in range(plan[MADE]):
+        if plan[CODES + place] == code:
+            return place * (LEVELS + 1)
+    # Hardly ever: what is needed again is made again.
+    place = plan[MADE] if plan[MADE] < REGIMES else 0
+    linearise(side, limits, p, plan, space)
+    propagators(h, LEVELS, plan[WIDTH], space, steps, place * (LEVELS + 1))
+    plan[CODES + place] = code
+    plan[MADE] = place + 1
+    return place * (LEVELS + 1)
 
-    Return the direction of motion: where nothing locks, a slider turns without an event, and is said to creep or slide.
+
+def arrive(time, direction, z, u, p, plan, space, steps, h, before, counter):  # type: ignore[no-untyped-def]
+    """Begin in the regime of ``z``: note it, its propagators' row, and that nothing is known of slopes.
+
+    Return the direction of motion: where nothing locks a slider turns without an event, and is said to creep or slide.
     """
-    _, _, locks, limits = contact(time, direction, z, u, p)
-    if counter[4] != limits:
-        counter[4] = limits
-        for i in range(N):
-            if not CURVED[i]:
-                before[N + i] = 0.0
-                before[2 * N + i] = 0.0
-        if AFFINE:
-            counter[6] = 0.0
+    side = 0
+    counter[7] = 0.0
     if CONTACT and direction != 0.0:
-        kind = 0.0 if locks != 0.0 else (1.0 if abs(z[VELOCITY]) > CREEP * TYPICAL[VELOCITY] else 2.0)
-        turns = locks == 0.0 and z[VELOCITY] * direction < 0.0
-        if turns or counter[7] != kind:
-            forget(before, counter)
-            counter[7] = kind
-        if turns:
-            return -direction
+        if locking(time, direction, z, u, p) == 0.0:
+            if z[VELOCITY] * direction < 0.0:
+                direction = -direction
+            counter[7] = 1.0 if abs(z[VELOCITY]) > CREEP * TYPICAL[VELOCITY] else 2.0
+        side = 3 if counter[7] == 2.0 else (1 if direction > 0.0 else 2)
+    limits = limiting(time, direction, z, u, p)
+    counter[4] = limits
+    counter[8] = regime_row(side, limits, p, plan, space, steps, h)
+    forget(before, counter)
     return direction
 
 
 def forget(before, counter):  # type: ignore[no-untyped-def]
-    """Start without a slope of the nonlinear part: at a test's beginning and after each event."""
+    """Start without a slope of the nonlinear part: at a test's beginning and after each change of regime."""
     for i in range(N):
         before[N + i] = 0.0
         before[2 * N + i] = 0.0
     counter[6] = 0.0
 
 
-def trial(time, h, direction, z, u, p, steps, row, a, before, counter):  # type: ignore[no-untyped-def]
-    """Try one whole sample in regime ``direction``; return True where it is accurate and the regime goes on."""
-    if not attempt(time, h, direction, z, u, p, steps, row, a, before, counter) <= counter[5]:
-        return False
-    if CONTACT:
-        if direction == 0.0:
-            push, limit, locks, _ = contact(time + h, 0.0, a, u, p)
-            return abs(push) <= limit and locks != 0.0
-        return not turned(h, direction, z, a, before) or counter[7] != 0.0
-    return True
-
-
-def first_row(direction, counter):  # type: ignore[no-untyped-def]
-    """Return the row of the propagators of a whole sample: of the regimes held (or creeping), positive and negative."""
-    return 0 if direction == 0.0 or counter[7] == 2.0 else (LEVELS + 1 if direction > 0.0 else 2 * (LEVELS + 1))
-
-
-def move(time, direction, z, u, p, steps, h, a, before, counter):  # type: ignore[no-untyped-def]
-    """Move ``z`` on by one sample, most of them in one step; return the friction regime at its end."""
-    row = first_row(direction, counter)
-    if counter[0] == 0.0 and trial(time, h, direction, z, u, p, steps, row, a, before, counter):
-        accept(h, z, a, before, counter)
-    else:
-        direction = advance(time, direction, z, u, p, steps, h, a, before, counter)
-    return straighten(time + h, direction, z, u, p, before, counter)
-
-
 def turned(span, direction, z, a, before):  # type: ignore[no-untyped-def]
     """Return True where the moving slider came to rest within the step, also if it moves on at its end."""
-    if a[VELOCITY] * direction < 0.0:
+    end = a[VELOCITY] * direction
+    if end < 0.0:
         return True
     slowing = before[VELOCITY] * direction
-    if slowing >= 0.0 or z[VELOCITY] * direction <= 0.0:
+    start = z[VELOCITY] * direction
+    if slowing >= 0.0 or start <= 0.0:
         return False
     # A parabola through both speeds and the first acceleration: its lowest point may lie inside the step.
-    start = z[VELOCITY] * direction
-    curve = (a[VELOCITY] * direction - start - slowing * span) / (span * span)
-    if curve <= 0.0:
+    curve = end - start - slowing * span
+    if curve <= 0.0 or -slowing * span >= 2.0 * curve:
         return False
-    lowest = -slowing / (2.0 * curve)
-    return lowest < span and start + 0.5 * slowing * lowest < 0.0
+    return 4.0 * start * curve < (slowing * span) * (slowing * span)
 
 
-def advance(time, direction, z, u, p, steps, h, a, before, counter):  # type: ignore[no-untyped-def]
-    """Move ``z`` on by one sample in as many steps as accuracy and the ends of regimes ask for.
+def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  # type: ignore[no-untyped-def]
+    """Move ``z`` on by one sample in as many steps as accuracy and the ends of regimes ask for; return the direction.
 
     ``counter``: 0 level that accuracy asks for, 1 steps, 2 events, 3 largest correction accepted at the finest level,
-    4 whether a limiter acts, 5 the correction that is accepted, in units of the states' resolution, 6 length of the step
-    before, 7 whether friction locks (0) or, where nothing does, the slider slides (1) or creeps (2).
+    4 code of what the limiters do, 5 the correction that is accepted, in units of the states' resolution, 6 length of the
+    step before, 7 whether friction locks (0) or, where nothing does, the slider slides (1) or creeps (2), 8 row of the
+    regime's propagators, negative where the regime is not known.
     """
+    if counter[8] < 0.0 or (LIMITS_VARY and limiting(time, direction, z, u, p) != counter[4]):
+        direction = arrive(time, direction, z, u, p, plan, space, steps, h, before, counter)
     ticks = 1 << LEVELS
     tick = h / ticks
     done = 0
     accuracy = int(counter[0])
     level = accuracy
     searching = False
+    bent = not AFFINE and plan[CURVED] > 0
+    # The rows of the states that are always there are written out; where others are present, too, sums in loops serve.
+    sparse = WRITTEN < N and plan[PRESENT] > WRITTEN
     while done < ticks:
         length = ticks >> level
         while (done & (length - 1)) != 0:
@@ -235,20 +183,38 @@ def advance(time, direction, z, u, p, steps, h, a, before, counter):  # type: ig
             length = ticks >> level
         span = tick * length
         now = time + tick * done
-        row = first_row(direction, counter) + level
-        error = attempt(now, span, direction, z, u, p, steps, row, a, before, counter)
-        if not error <= counter[5] and level < LEVELS:
-            level += 1
-            accuracy = level if not searching else accuracy
-            continue
+        end = now + span
+        row = int(counter[8]) + level
+        if sparse:
+            predict_present(now, span, direction, z, u, p, plan, space, steps, row, a, before)
+        else:
+            predict(now, span, direction, z, u, p, steps, row, a, before)
+        limits = limiting(end, direction, a, u, p)
+        kink = limits != counter[4]
+        error = 0.0
+        if bent or kink:
+            weight = 1.0
+            if counter[6] > 0.0:
+                weight -= span / (3.0 * (span + counter[6]))
+            if kink or sparse:
+                error = correct_present(end, span, direction, z, a, u, p, plan, space, steps, row, before, weight, kink)
+            else:
+                error = correct(end, span, direction, z, a, u, p, steps, row, before, weight)
+            if not error <= counter[5] and level < LEVELS:
+                level += 1
+                if kink:
+                    searching = True
+                elif not searching:
+                    accuracy = level
+                continue
         ended = False
         if CONTACT:
             if direction == 0.0:
-                push, limit, locks, _ = contact(now + span, direction, a, u, p)
+                push, limit, locks = contact(end, direction, a, u, p)
                 if locks == 0.0 and contact(now, direction, z, u, p)[2] == 0.0:
                     # What does not lock has not been held before either: it moves from here on.
-                    direction = straighten(now, regime_after(now, direction, z, u, p), z, u, p, before, counter)
-                    forget(before, counter)
+                    direction = regime_after(now, direction, z, u, p)
+                    direction = arrive(now, direction, z, u, p, plan, space, steps, h, before, counter)
                     continue
                 ended = abs(push) > limit or locks == 0.0
             else:
@@ -257,21 +223,34 @@ def advance(time, direction, z, u, p, steps, h, a, before, counter):  # type: ig
                 level += 1
                 searching = True
                 continue
-        accept(span, z, a, before, counter)
+        for i in range(N):
+            z[i] = a[i]
+        counter[1] += 1.0
         done += length
         if error > counter[5] and error > counter[3]:
             counter[3] = error
-        direction = straighten(now + span, direction, z, u, p, before, counter)
+        if bent and not kink:
+            for i in range(N):
+                before[N + i] = before[2 * N + i]
+            counter[6] = span
+        other = kink
         if ended:
-            direction = regime_after(time + tick * done, direction, z, u, p)
-            forget(before, counter)
+            direction = regime_after(end, direction, z, u, p)
             counter[2] += 1.0
+            other = True
+        elif CONTACT and direction != 0.0:
+            if locking(end, direction, z, u, p) == 0.0:
+                kind = 1.0 if abs(z[VELOCITY]) > CREEP * TYPICAL[VELOCITY] else 2.0
+                other = other or kind != counter[7] or z[VELOCITY] * direction < 0.0
+            else:
+                other = other or counter[7] != 0.0
+        if other:
+            direction = arrive(end, direction, z, u, p, plan, space, steps, h, before, counter)
+        if ended or kink:
             searching = False
-            level = accuracy
         elif not searching and error < 0.1 * counter[5] and accuracy > 0:
             accuracy -= 1
-            level = accuracy
-        elif not searching:
+        if not searching:
             level = accuracy
     counter[0] = float(accuracy)
     return direction
@@ -279,7 +258,7 @@ def advance(time, direction, z, u, p, steps, h, a, before, counter):  # type: ig
 
 def regime_after(time, direction, z, u, p):  # type: ignore[no-untyped-def]
     """Return the regime that follows an event: held, or moving in the direction of the push."""
-    push, limit, locks, _ = contact(time, 0.0, z, u, p)
+    push, limit, locks = contact(time, 0.0, z, u, p)
     if locks == 0.0:
         if direction == 0.0:
             return 1.0 if push > 0.0 else -1.0

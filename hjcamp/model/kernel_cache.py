@@ -22,11 +22,13 @@ from pathlib import Path
 from hjcamp.storage import user_folder, write_whole
 
 TEMPORARY = "hjcamp_kernels_"
-# The hot functions do without numba's reference counts (``_nrt``): with them a sample costs 100 ns instead of 20.
+# The hot functions do without numba's reference counts (``_nrt``): with them a sample costs 100 ns instead of 20. Only what
+# Python calls is cached, and what has one caller is put into its text: all else would be compiled and kept once more.
 NUMBA = """from numba import njit
-compiled = njit(cache={cache}, error_model="numpy", nogil=True)
-hot = njit(cache={cache}, error_model="numpy", nogil=True, _nrt=False)
-inlined = njit(cache={cache}, error_model="numpy", nogil=True, _nrt=False, forceinline=True)
+entry = njit(cache={cache}, error_model="numpy", nogil=True, _nrt=False)
+hot = njit(error_model="numpy", nogil=True, _nrt=False)
+inlined = njit(error_model="numpy", nogil=True, _nrt=False, forceinline=True)
+once = njit(error_model="numpy", nogil=True, _nrt=False, inline="always")
 """
 LEFT_OVER_S = 3600.0
 _loading = threading.Lock()

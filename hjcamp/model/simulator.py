@@ -6,17 +6,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError, unknown
-from hjcamp.model import driving
-from hjcamp.model.compose import GATES, MATHEMATICS, Composition
-from hjcamp.model.kernel import LEVELS, copied, kernel_source
-from hjcamp.model.kernel_cache import load_kernel
+from hjcamp.model import driving, integrator, shared
+from hjcamp.model.amount_formula import MATHEMATICS
+from hjcamp.model.compose import GATES, Composition
+from hjcamp.model.kernel import LEVELS, copied, kernel_source, load_model
 from hjcamp.model.law import Law, law_source
+from hjcamp.model.structure import nonlinear_rates
 from hjcamp.model.term_checks import check_compiles, compiling
 
 Array = NDArray[np.float64]
@@ -65,6 +66,17 @@ class Course:
     velocity: Array
     dither: Array
     scatter: Array
+
+
+class Propagators(NamedTuple):
+    """The exact steps of a model's linear parts for one sampling period: see `hjcamp.model.shared`.
+
+    A kernel adds to them when it first comes into a regime: no two threads may share them.
+    """
+
+    plan: NDArray[np.int64]
+    space: Array
+    steps: Array
 
 
 @dataclass(frozen=True)
@@ -121,7 +133,7 @@ class Simulator:
         """The imported kernel; raises ``UsageError`` for a user's effect that cannot be compiled."""
         for effect in self.composition.effects:
             check_compiles(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
-        return load_kernel(self.source)
+        return load_model(self.source)
 
     @property
     def states(self) -> list[str]:
@@ -161,28 +173,56 @@ class Simulator:
             z[self.states.index(name)] = value
         return z
 
-    def propagators(self, z: Array, p: Array, period: float = PERIOD) -> Array:
-        """Return the exact steps of the linear part, linearised about ``z``: a row for each regime and level, with E, P1, P2."""
-        n = len(self.states)
-        out = np.empty((3, LEVELS + 1, 3, n, n))
-        self.kernel.prepare(z, self.inputs(), p, period, out)
-        return out.reshape(3 * (LEVELS + 1), 3 * n * n)
+    def propagators(self, z: Array, p: Array) -> Propagators:
+        """Return an empty set of propagators; each regime is linearised about ``z`` when a test first comes into it."""
+        present, curved = self._present(int(p[-1]) if self.composition.gated else 0)
+        w, u = shared.width(len(present)), self.inputs()
+        plan = np.zeros(shared.STATES + 3 * len(present) + len(curved), dtype=np.int64)
+        plan[shared.PRESENT], plan[shared.CURVED], plan[shared.WIDTH] = len(present), len(curved), w
+        plan[shared.STATES : -2 * len(present)] = *present, *curved
+        space = np.zeros((shared.SPACE, max(w * w, len(z), len(u))))
+        space[integrator.ABOUT, : len(z)] = z
+        space[integrator.INPUTS, : len(u)] = u
+        return Propagators(plan, space, np.empty((shared.REGIMES * (LEVELS + 1), 3 * w * w)))
+
+    @cached_property
+    def _found(self) -> dict[int, tuple[list[int], list[int]]]:
+        return {}
+
+    def _present(self, gates: int) -> tuple[list[int], list[int]]:
+        """Return the positions of the states behind open gates, and which of them have curved rates: positions in the former."""
+        if gates not in self._found:
+            composition = self.composition
+            if not composition.gated:
+                present = list(range(len(self.states)))
+                curved = self.kernel.CURVED_RATES
+            else:
+                absent = {effect.name for k, effect in enumerate(composition.effects) if not gates >> k & 1}
+                present = [i for i, name in enumerate(self.states) if name.rpartition(".")[0] not in absent]
+                curved = nonlinear_rates(composition, self.kernel.rates, gates)
+            self._found[gates] = present, [k for k, i in enumerate(present) if curved[i]]
+        return self._found[gates]
 
     def run(
-        self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Array | None = None
-    ) -> dict[str, Any]:
-        """Run one test from its preload to its release; return the recorded columns in SI units by name."""
+        self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Propagators | None = None,
+        tolerance: float = 1.0,
+    ) -> dict[str, Any]:  # fmt: skip
+        """Run one test from its preload to its release; return the recorded columns in SI units by name.
+
+        ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
+        """
         assert self.controller is not None and self.procedure is not None
         z = self.begin(start, p)
-        steps = self.propagators(z, p) if propagators is None else propagators
+        propagators = propagators or self.propagators(z, p)
         channels = self.composition.plant.channels
-        record = np.zeros((len(test.noise), len(RECORDED) + len(channels)))
+        record = np.empty((len(test.noise), len(RECORDED) + len(channels)))
         work = self.scratch()
+        work[2, 5] = tolerance
         procedure_memory = self.procedure.fresh_memory()
         whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
         with compiling(self.controller):
             count = self.kernel.closed_loop(
-                z, self.inputs(), p, steps, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
+                z, self.inputs(), p, *propagators, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
                 procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
                 test.counts, test.phases, test.noise, test.scatter, record, work,
             )  # fmt: skip
@@ -195,7 +235,8 @@ class Simulator:
                 "2 rest, 3 control, 4 release); check procedure.preload_mpa, the adjustment and procedure.phase_limit_s"
             )
         record = record[:count]
-        if not np.all(np.isfinite(record)):
+        # a sum is finite where all is, and taken in a tenth of the time
+        if not np.isfinite(record.sum()) and not np.all(np.isfinite(record)):
             where = int(np.argmax(~np.all(np.isfinite(record), axis=1)))
             raise HjcampError(f"the simulation left its valid range after {where * PERIOD:.3f} s; check the parameters")
         columns: dict[str, Any] = {name: record[:, index] for index, name in enumerate(RECORDED)}
@@ -203,29 +244,30 @@ class Simulator:
         columns["steps"], columns["events"] = work[2, 1], work[2, 2]
         return columns
 
-    def follow(self, p: Array, course: Course, propagators: Array | None = None, tolerance: float = 1.0) -> Followed:
+    def follow(
+        self, p: Array, course: Course, propagators: Propagators | None = None, tolerance: float = 1.0
+    ) -> Followed:
         """Drive the plant along ``course`` with the measured values of the cut's driven states.
 
         ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
         """
         channels = len(self.composition.plant.channels)
         z = self.observed(course)
-        if propagators is None:
-            propagators = self.propagators(z, p, course.period)
+        propagators = propagators or self.propagators(z, p)
         readings, ideal = np.empty((len(course.time), channels)), np.empty(course.observed.shape)
         forces = np.empty((len(course.time), len(self.composition.plant.balance)))
         work = self.scratch()
         work[2, 5] = tolerance
         self.kernel.follow(
-            z, self.inputs(), p, propagators, course.period, course.restart, course.time, course.driven,
+            z, self.inputs(), p, *propagators, course.period, course.restart, course.time, course.driven,
             course.observed, course.velocity, course.dither, course.scatter, readings, ideal, forces, work,
         )  # fmt: skip
         return Followed(readings, ideal, forces, work[2, 1])
 
     def scratch(self) -> Array:
         """Return fresh working memory for the kernel's loops; the tolerance of a step is set to one resolution."""
-        work = np.zeros((4, max(3 * len(self.states), len(self.composition.plant.channels), 8)))
-        work[2, 5] = 1.0
+        work = np.zeros((4, max(3 * len(self.states), len(self.composition.plant.channels), 9)))
+        work[2, 5], work[2, 8] = 1.0, -1.0
         return work
 
     def signals(self, names: Sequence[str]) -> list[int]:

@@ -1,4 +1,4 @@
-"""Find which entries of a composition's propagators can differ from zero, so that the kernel multiplies only those."""
+"""Find which entries of a composition's propagators can differ from zero, and which rates are curved."""
 
 from __future__ import annotations
 
@@ -11,8 +11,12 @@ from numpy.typing import NDArray
 from hjcamp.model.compose import GATES, Composition, names_in
 from hjcamp.model.source_lines import outside_range
 
+NO_LIMITS = 0
 
-def _draws(composition: Composition, generator: np.random.Generator) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+
+def _draws(
+    composition: Composition, generator: np.random.Generator, gates: int
+) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     z = np.array([state.typical * generator.uniform(-1, 1) for state in composition.states.values()])
     known = composition.plant.inputs
     u = np.array([known[name].default if name in known else 0.0 for name in composition.inputs])
@@ -20,15 +24,21 @@ def _draws(composition: Composition, generator: np.random.Generator) -> tuple[ND
     p = []
     for name, parameter in composition.parameters.items():
         if name == GATES:
-            p.append(float((1 << len(composition.effects)) - 1))
+            p.append(float(gates))
             continue
         value = 1.0 if name.startswith("gate.") else parameter.default
+        if value == 0.0 and np.all(np.isfinite(parameter.bounds)):
+            # what is linear at a default of 0 may be curved elsewhere
+            p.append(generator.uniform(*parameter.bounds))
+            continue
         p.append(value * generator.uniform(0.95, 1.05) if np.isfinite(value) and value > 0 else value)
     return z, u, np.array(p)
 
 
-def couplings(composition: Composition, rates: Callable[..., None], draws: int = 12) -> NDArray[np.bool_]:
-    """Return (n, n) True where a state can influence another one, directly or through others, and on the diagonal.
+def couplings(
+    composition: Composition, rates: Callable[..., None], draws: int = 12
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return twice (n, n): True where a state can influence another one directly, and through others, and on the diagonal.
 
     Found by moving each state at random points in every regime; an entry that stays hidden there costs accuracy only
     in the linear part of the step, which its second-order correction makes good.
@@ -39,29 +49,31 @@ def couplings(composition: Composition, rates: Callable[..., None], draws: int =
     direct = np.eye(n, dtype=bool)
     with np.errstate(all="ignore"):
         for _ in range(draws):
-            z, u, p = _draws(composition, generator)
+            z, u, p = _draws(composition, generator, -1)
             try:
                 for direction in (-1.0, 0.0, 1.0):
                     base, moved = np.zeros(n), np.zeros(n)
-                    rates(0.1, direction, z, u, p, base)
+                    rates(-1, 0.1, direction, z, u, p, base)
                     for j, step in enumerate(steps):
                         other = z.copy()
                         other[j] += step
-                        rates(0.1, direction, other, u, p, moved)
+                        rates(-1, 0.1, direction, other, u, p, moved)
                         direct[:, j] |= moved != base
             except (ArithmeticError, ValueError) as fault:
                 raise outside_range(composition, fault) from fault
     reach = direct.copy()
     for _ in range(n):
         reach = reach | ((reach.astype(int) @ direct.astype(int)) > 0)
-    return reach
+    return direct, reach
 
 
-def nonlinear_rates(composition: Composition, rates: Callable[..., None], draws: int = 60) -> NDArray[np.bool_]:
-    """Return (n,) True where a state's rate is not linear in the states within a regime, apart from limiters.
+def nonlinear_rates(
+    composition: Composition, rates: Callable[..., None], gates: int = -1, draws: int = 60
+) -> NDArray[np.bool_]:
+    """Return (n,) True where a state's rate is not linear in the states within a regime.
 
     The points spread from a hundredth of the states' typical sizes to a thousand times, so that a threshold far from
-    rest is seen; ``rates`` must be that of equations whose limiters do nothing.
+    rest is seen. ``gates``: the sum of 2^k over the open gates k of a composition that has them; all by default.
     """
     generator = np.random.default_rng(20090402)
     n = len(composition.states)
@@ -70,14 +82,14 @@ def nonlinear_rates(composition: Composition, rates: Callable[..., None], draws:
     values = [np.zeros(n) for _ in range(4)]
     with np.errstate(all="ignore"):
         for _ in range(draws):
-            _, u, p = _draws(composition, generator)
+            _, u, p = _draws(composition, generator, gates)
             z = typical * 10.0 ** generator.uniform(-2, 3, n) * generator.choice((-1.0, 1.0), n)
             move = typical * 10.0 ** generator.uniform(-2, 3) * generator.uniform(-1, 1, n)
             for direction in (-1.0, 0.0, 1.0):
                 for value, factor in zip(values, (-1.0, 0.0, 1.0), strict=False):
                     try:
-                        rates(0.1, direction, z + factor * move, u, p, value)
-                        rates(7.3, direction, z, u, p, values[3])
+                        rates(NO_LIMITS, 0.1, direction, z + factor * move, u, p, value)
+                        rates(NO_LIMITS, 7.3, direction, z, u, p, values[3])
                     except (ArithmeticError, ValueError):
                         value[:] = np.nan
                 scale = np.abs(values[0]) + np.abs(values[1]) + np.abs(values[2]) + 1e-300

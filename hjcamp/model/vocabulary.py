@@ -62,7 +62,7 @@ class Vocabulary:
 
 
 class _Rename(ast.NodeTransformer):
-    """Turn ``state.x`` into the local name ``s_x`` (and so on), and lift ``limited(...)`` into named conditions."""
+    """Turn ``state.x`` into the local name ``s_x`` (and so on), and number every ``limited(...)``: its power of 3."""
 
     def __init__(self) -> None:
         self.limits: list[tuple[str, str, str]] = []
@@ -76,6 +76,7 @@ class _Rename(ast.NodeTransformer):
         node = ast.Call(node.func, [self.visit(argument) for argument in node.args], node.keywords)
         if called(node) == "limited":
             value, low, high = (ast.unparse(argument) for argument in node.args)
+            node.args.append(ast.Constant(3 ** len(self.limits)))
             self.limits.append((value, low, high))
         return node
 

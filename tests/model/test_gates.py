@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,9 @@ from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import MOST_GATED, Composition, behind_one_test
 from hjcamp.model.effect import Effect
-from hjcamp.model.kernel import kernel_source
+from hjcamp.model.kernel import kernel_source, shared_source
+from hjcamp.model.kernel_cache import load_kernel
+from hjcamp.model.shared import CURVED, PRESENT, STATES
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 
@@ -19,6 +22,7 @@ NAMES = ("leakage", "line_inertance", "presliding", "pump_backlash", "string_ela
 LIBRARY = tuple(load_effects([])[name] for name in NAMES)
 CUT = PumpJoint.cut("pump")
 SPAN = 1e-3
+SLOPE = 10.0
 
 
 class Plain:
@@ -26,26 +30,40 @@ class Plain:
 
     def __init__(self, effects: tuple[type[Effect], ...], gated: bool) -> None:
         self.simulator = Simulator(Composition(PumpJoint, effects, CUT, gated=gated))
+        load_kernel(shared_source())
         text = kernel_source(self.simulator.composition)
         self.functions: dict[str, Any] = {}
-        exec(text.replace("{decorator}", "compiled = hot = inlined = lambda function: function"), self.functions)
+        exec(text.replace("{decorator}", "entry = hot = inlined = once = lambda function: function"), self.functions)
+        self.simulator.__dict__["kernel"] = SimpleNamespace(**self.functions)
 
     def step(
         self, direction: float, values: dict[str, float], state: dict[str, float], gate: str = ""
     ) -> dict[str, float]:
         """Return the state after one step with correction by name, that with all rates corrected by ``name all``."""
-        names = self.simulator.states
+        names, call = self.simulator.states, self.functions
         p = self.simulator.vector(values | ({f"gate.{gate}": 1.0} if gate else {}))
         z, u = np.array([state.get(name, 0.0) for name in names]), self.simulator.inputs()
-        out = np.empty((3, 11, 3, len(names), len(names)))
-        self.functions["prepare"](z, u, p, SPAN, out)
-        steps, row = out.reshape(33, -1), 0 if direction == 0.0 else 11
+        plan, space, steps = self.simulator.propagators(z, p)
+        row = call["regime_row"](1 if direction else 0, 0, p, plan, space, steps, SPAN)
         found: dict[str, float] = {}
-        for kind in ("", "_all"):
-            a, before = np.zeros(len(names)), np.zeros(3 * len(names))
-            self.functions[f"predict{kind}"](0.1, SPAN, direction, z, u, p, steps, row, a, before)
-            self.functions[f"correct{kind}"](0.1 + SPAN, SPAN, direction, a, u, p, steps, row, before, 1.0)
-            found |= {f"{name}{kind.replace('_', ' ')}": value for name, value in zip(names, a, strict=True)}
+        for kind in ("", " all"):
+            # a kernel's scratch rows are longer than its states; slopes are carried on from the step before
+            a, before = np.zeros(3 * len(names)), np.zeros(3 * len(names))
+            for k in plan[STATES + plan[PRESENT] :][: plan[CURVED]]:
+                at = plan[STATES + k]
+                before[len(names) + at] = SLOPE * self.simulator.composition.states[names[at]].typical
+            begin = (0.1, SPAN, direction, z, u, p)
+            sparse = plan[PRESENT] > call["WRITTEN"]
+            if sparse:
+                call["predict_present"](*begin, plan, space, steps, row, a, before)
+            else:
+                call["predict"](*begin, steps, row, a, before)
+            end, rest = (0.1 + SPAN, SPAN, direction, z, a, u, p), (steps, row, before, 1.0)
+            if kind or (sparse and plan[CURVED]):
+                call["correct_present"](*end, plan, space, *rest, kind != "")
+            elif plan[CURVED]:
+                call["correct"](*end, *rest)
+            found |= {f"{name}{kind}": value for name, value in zip(names, a, strict=False)}
         return found
 
 

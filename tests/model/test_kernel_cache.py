@@ -31,7 +31,7 @@ def added(x, y):
     return x + y
 
 
-@compiled
+@entry
 def prepare(x):
     return added(x, 1.0)
 '''

@@ -83,7 +83,7 @@ def test_rates_are_those_of_the_equations(folder: Path) -> None:
     p = np.array([item.default for item in plant.parameters.values()])
     out = np.zeros(2)
     for direction, acceleration in ((1.0, (70.0 - 20.0 - 200.0 * 0.1) / 95.0), (0.0, 0.0)):
-        rates(0.0, direction, np.array([0.3, 0.1]), u, p, out)
+        rates(-1, 0.0, direction, np.array([0.3, 0.1]), u, p, out)
         assert out == pytest.approx([0.1, acceleration])
 
 

@@ -84,7 +84,7 @@ SLOW_KERNEL = """import time
 {decorator}
 time.sleep(0.1)
 
-@compiled
+@entry
 def prepare(x):
     return x + 1.0
 """

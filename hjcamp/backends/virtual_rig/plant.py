@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hjcamp.backends.simulation import prepare
 from hjcamp.backends.virtual_rig import tick
 from hjcamp.controllers.procedure import Procedure
-from hjcamp.model.kernel_cache import load_kernel
+from hjcamp.model.kernel import load_model
 from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
 
@@ -25,7 +25,7 @@ READINGS = tuple(channel.field for channel in PumpJoint.channels)
 
 @functools.cache
 def _tick_text() -> str:
-    return f"@hot\n{inspect.getsource(tick.rig_tick)}"
+    return f"@entry\n{inspect.getsource(tick.rig_tick)}"
 
 
 class VirtualPlant:
@@ -57,7 +57,7 @@ class VirtualPlant:
         self._memory = np.array([0.0, -1.0, 0.0])
         self._work = self._simulator.scratch()
         # Loaded here: the first sample of a test is no time to compile.
-        self._kernel = load_kernel(f"{self._simulator.source}\n\n{_tick_text()}\n\n")
+        self._kernel = load_model(f"{self._simulator.source}\n\n{_tick_text()}\n\n")
         self._burst = np.zeros(0, dtype=np.int64)
         self.sample = -1
         self.seen = np.zeros(len(READINGS))
@@ -70,7 +70,7 @@ class VirtualPlant:
         self.sample += 1
         test = self._test
         self._kernel.rig_tick(
-            self.sample, outputs, self._z, self._u, self._p, self._propagators, PERIOD, test.procedure,
+            self.sample, outputs, self._z, self._u, self._p, *self._propagators, PERIOD, test.procedure,
             self._procedure_memory, self._delay, test.preload_area, self._burst, test.counts, test.phases, test.noise,
             test.scatter, self._history, self._memory, self.seen, self._work,
         )  # fmt: skip

@@ -18,8 +18,8 @@ procedure: Any = None
 
 
 def rig_tick(
-    k, outputs, z, u, p, steps, h, pc, pm, delay, preload_area, burst, counts, phases, noise, scatter, history,
-    memory, seen, work,
+    k, outputs, z, u, p, plan, space, steps, h, pc, pm, delay, preload_area, burst, counts, phases, noise, scatter,
+    history, memory, seen, work,
 ):  # fmt: skip
     """Move the plant from sample k - 1 to sample ``k`` under ``outputs``, then fill ``seen`` with its readings (SI).
 
@@ -41,9 +41,10 @@ def rig_tick(
         u[DITHER] = outputs[1]
         u[PRELOAD] = outputs[2] * preload_area
         remember(memory[2], memory[0], z, u, p)
-        memory[0] = move(memory[2], memory[0], z, u, p, steps, h, a, before, counter)
+        memory[0] = move(memory[2], memory[0], z, u, p, plan, space, steps, h, a, before, counter)
         for i in range(len(burst)):
             z[burst[i]] = 0.0
+            counter[8] = -1.0
     time = (k - memory[1]) * h if memory[1] >= 0.0 else 0.0
     u[SCATTER] = scatter[row]
     measure(time, memory[0], z, u, p, counts, phases, noise[row], seen)
