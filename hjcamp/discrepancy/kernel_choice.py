@@ -23,7 +23,7 @@ def chosen_for(chosen: Effects, names: Collection[str]) -> Effects:
     """
     if not names:
         return ()
-    for effects in (_of_the_library(chosen), _own(chosen)):
+    for effects in _apart(chosen):
         if set(names) <= {effect.name for effect in effects}:
             return effects
     return chosen
@@ -31,16 +31,17 @@ def chosen_for(chosen: Effects, names: Collection[str]) -> Effects:
 
 def first_needed(chosen: Effects) -> list[Effects]:
     """Return the sets of effects whose kernels a diagnosis with the ``chosen`` effects begins with."""
+    return list(dict.fromkeys([(), *(_apart(chosen) or [chosen])]))
+
+
+def _apart(chosen: Effects) -> list[Effects]:
+    """Return the library and the user's effects; nothing where few are chosen and the library is not compiled."""
+    some, whole = [effect for effect in chosen if _shipped(effect)], _library()
+    if len(some) < len(whole) and not _library_is_compiled():
+        return []
     own = _own(chosen)
-    return list(
-        dict.fromkeys([(), _of_the_library(chosen), own if any(not _shipped(effect) for effect in own) else ()])
-    )
-
-
-def _of_the_library(chosen: Effects) -> Effects:
-    """Return the whole library where all of it is chosen or it is compiled already, else what is chosen of it."""
-    some, whole = tuple(effect for effect in chosen if _shipped(effect)), _library()
-    return whole if len(some) == len(whole) or (some and _library_is_compiled()) else some
+    found = [whole] if some else []
+    return [*found, own] if any(not _shipped(effect) for effect in own) else found
 
 
 def _own(chosen: Effects) -> Effects:

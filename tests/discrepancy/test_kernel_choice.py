@@ -51,8 +51,12 @@ def test_few_effects_of_the_library_take_its_kernel_where_that_is_there(
 ) -> None:
     monkeypatch.setattr(kernel_choice, "_library_is_compiled", lambda: compiled)
     chosen = (everything["leakage"], everything["mine"])
-    assert chosen_for(chosen, {"leakage"}) == (LIBRARY if compiled else (everything["leakage"],))
-    assert names(chosen_for(chosen, {"mine"})) == {"mine"}
+    assert chosen_for(chosen, {"leakage"}) == (LIBRARY if compiled else chosen)
+    assert chosen_for(chosen, {"mine"}) == (chosen[1:] if compiled else chosen)
+    assert chosen_for(chosen, {"mine", "leakage"}) == chosen
+    assert first_needed(chosen) == ([(), LIBRARY, chosen[1:]] if compiled else [(), chosen])
+    assert first_needed(chosen[1:]) == [(), chosen[1:]]
+    assert first_needed(chosen[:1]) == ([(), LIBRARY] if compiled else [(), chosen[:1]])
 
 
 def test_the_gates_of_a_candidate_are_those_of_its_kernel(everything: dict) -> None:
