@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +16,7 @@ from hjcamp.model.amount_formula import evaluated, plain_functions
 from hjcamp.model.compose import Composition, check_effect
 from hjcamp.model.effect import Effect, Term
 from hjcamp.model.equation_units import Units
-from hjcamp.model.parameter import Input, Parameter, State
+from hjcamp.model.parameter import Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import KINDS, Port
 from hjcamp.model.vocabulary import read_vocabulary
@@ -207,8 +206,8 @@ def _sizes_found(plant: Any) -> Mapping[str, float]:
     out = np.zeros(len(vocabulary.signals))
     squares = []
     for _ in range(DRAWS):
-        z = [usual_state(state, generator) for state in plant.states.values()]
-        u = [usual_input(plant.inputs[name], generator) for name in composition.inputs]
+        z = [state.usual(generator) for state in plant.states.values()]
+        u = [plant.inputs[name].usual(generator) for name in composition.inputs]
         p = [item.default for item in plant.parameters.values()]
         scope["signals"](0.1, generator.choice((-1.0, 1.0)), z, u, p, out)
         squares.append(out**2)
@@ -217,15 +216,3 @@ def _sizes_found(plant: Any) -> Mapping[str, float]:
     found |= {name: abs(item.typical) for name, item in plant.inputs.items()}
     found |= {name: abs(item.typical) for name, item in plant.states.items()}
     return {name: size if size > 0.0 and np.isfinite(size) else 1.0 for name, size in found.items()}
-
-
-def usual_state(state: State, generator: np.random.Generator) -> float:
-    """Return a value that a state may well have: about its typical size, on either side unless it has a lowest value."""
-    if math.isfinite(state.low):
-        return state.low + (abs(state.typical) + abs(min(state.low, 0.0))) * generator.uniform(0.1, 1.0)
-    return state.typical * generator.uniform(-1.0, 1.0)
-
-
-def usual_input(given: Input, generator: np.random.Generator) -> float:
-    """Return a value that an input may well have."""
-    return given.default if given.default else given.typical * generator.uniform(-1.0, 1.0)

@@ -90,6 +90,12 @@ class Composition:
         found = [contact.velocity for contact in self.vocabulary.contacts]
         return list(self.states).index(found[0]) if found else -1
 
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """The signals that the sensors show, in channel order."""
+        shown = tuple(channel.signal for channel in self.plant.channels)
+        return shown or tuple(item.sensor for item in self.plant.measured.values())
+
     def rates_source(self) -> str:
         """Return the source of ``rates(limits, time, direction, z, u, p, f)``: the rates of the states that are present.
 
@@ -139,7 +145,7 @@ class Composition:
 
     def readings_source(self) -> str:
         """Return the source of ``readings(time, direction, z, u, p, out)``: what the sensors see, in channel order."""
-        lines = [f"out[{index}] = {channel.signal}" for index, channel in enumerate(self.plant.channels)]
+        lines = [f"out[{index}] = {signal}" for index, signal in enumerate(self.measured)]
         return function_source("readings(time, direction, z, u, p, out)", self.body(lines))
 
     def balance_source(self) -> str:
@@ -226,7 +232,7 @@ class Composition:
 
     @cached_property
     def _statements(self) -> list[str]:
-        lines = [f"s_{_local(name)} = z[{index}]" for index, name in enumerate(self.states)]
+        lines = [f"s_{_local(name)} = {_held_up(f'z[{index}]', state)}" for index, (name, state) in enumerate(self.states.items())]
         lines += [f"p_{_local(name)} = p[{index}]" for index, name in enumerate(self.parameters)]
         lines += [f"u_{name} = u[{index}]" for index, name in enumerate(self.inputs)]
         lines += [f"{GATES} = int(p_{GATES})", "u_time = time", "u_direction = direction"]
@@ -401,6 +407,11 @@ def function_source(signature: str, lines: Sequence[str]) -> str:
     name = signature.split("(")[0]
     mark = "inlined" if name in INLINED else "entry" if name in ENTRIES else "hot"
     return f"@{mark}\ndef {signature}:\n" + "".join(f"    {line}\n" for line in lines or ["pass"]) + "\n\n"
+
+
+def _held_up(value: str, state: State) -> str:
+    """Return the value that equations see of a state: a step may end a rounding error below what it cannot fall below."""
+    return f"max({value}, {state.low!r})" if math.isfinite(state.low) else value
 
 
 def _local(name: str) -> str:

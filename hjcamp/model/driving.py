@@ -19,6 +19,7 @@ PRELOAD = 0
 SCATTER = 0
 DRIVEN_STATES: Any = ()
 DRIVEN_INPUTS: Any = ()
+CONTACT = True
 readings: Any = None
 balance: Any = None
 begin: Any = None
@@ -151,5 +152,35 @@ def follow(  # type: ignore[no-untyped-def]
         balance(time[k], direction, z, u, p, forces[k])
         for i in range(len(OBSERVED_STATES)):
             ideal[k, i] = z[OBSERVED_STATES[i]]
+        remember(time[k], direction, z, u, p)
+        direction = move(time[k], direction, z, u, p, plan, space, steps, h, a, before, counter)
+
+
+def run_free(  # type: ignore[no-untyped-def]
+    z, u, p, plan, space, steps, h, begins, time, given, starts, out, states, work
+):
+    """Run the plant under its given inputs alone; fill ``out`` with its readings and ``states`` with its states.
+
+    ``begins`` (n) is 1 where a test begins, with the states in the next row of ``starts``; ``given`` (n, inputs) holds
+    from each sample to the next.
+    """
+    a, before, counter = work[0], work[1], work[2]
+    direction = 0.0
+    test = 0
+    for k in range(len(time)):
+        for i in range(given.shape[1]):
+            u[i] = given[k, i]
+        if begins[k] == 1:
+            for i in range(starts.shape[1]):
+                z[i] = starts[test, i]
+            test += 1
+            if CONTACT:
+                direction = np.sign(z[VELOCITY])
+            counter[0] = 0.0
+            counter[8] = -1.0
+            begin(time[k], direction, z, u, p)
+        readings(time[k], direction, z, u, p, out[k])
+        for i in range(len(z)):
+            states[k, i] = z[i]
         remember(time[k], direction, z, u, p)
         direction = move(time[k], direction, z, u, p, plan, space, steps, h, a, before, counter)

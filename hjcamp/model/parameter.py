@@ -100,6 +100,12 @@ class State:
         if self.resolution == 0.0:
             object.__setattr__(self, "resolution", 1e-6 * abs(self.typical))
 
+    def usual(self, generator: Any) -> float:
+        """Return a value that it may well have: about its typical size, on either side unless it has a lowest value."""
+        if math.isfinite(self.low):
+            return float(self.low + (abs(self.typical) + abs(min(self.low, 0.0))) * generator.uniform(0.1, 1.0))
+        return float(self.typical * generator.uniform(-1, 1))
+
     def __set_name__(self, owner: type, name: str) -> None:
         object.__setattr__(self, "name", name)
 
@@ -123,6 +129,10 @@ class Input:
 
     def __set_name__(self, owner: type, name: str) -> None:
         object.__setattr__(self, "name", name)
+
+    def usual(self, generator: Any) -> float:
+        """Return a value that it may well have."""
+        return self.default or float(self.typical * generator.uniform(-1.0, 1.0))
 
 
 @dataclass(frozen=True)

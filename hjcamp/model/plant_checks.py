@@ -10,7 +10,6 @@ import numpy as np
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.amount import dimension
 from hjcamp.model.amount_formula import plain_functions
-from hjcamp.model.binding import usual_input, usual_state
 from hjcamp.model.equation_units import Units
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.plant import ALWAYS, Plant
@@ -148,8 +147,8 @@ def _places(plant: type[Plant]) -> list[dict[str, float]]:
     vocabulary = read_vocabulary(plant)
     found = []
     for _ in range(DRAWS):
-        place = {f"s_{name}": usual_state(state, generator) for name, state in plant.states.items()}
-        place |= {f"u_{name}": usual_input(given, generator) for name, given in plant.inputs.items()}
+        place = {f"s_{name}": state.usual(generator) for name, state in plant.states.items()}
+        place |= {f"u_{name}": given.usual(generator) for name, given in plant.inputs.items()}
         place |= {f"p_{name}": item.default for name, item in plant.parameters.items()}
         for port in vocabulary.ports.values():
             if port.kind == "contact":

@@ -68,6 +68,21 @@ class Course:
     scatter: Array
 
 
+@dataclass(frozen=True)
+class Given:
+    """What tests are given: n samples ``period`` apart, one test after the other.
+
+    ``begins`` (n): 1 where a test begins; ``time`` (n); ``inputs`` (n, inputs) in the plant's order, which hold from each
+    sample to the next; ``starts`` (tests, plant states).
+    """
+
+    period: float
+    begins: NDArray[np.int64]
+    time: Array
+    inputs: Array
+    starts: Array
+
+
 class Propagators(NamedTuple):
     """The exact steps of a model's linear parts for one sampling period: see `hjcamp.model.shared`.
 
@@ -93,16 +108,23 @@ class Followed:
 
 @dataclass(frozen=True)
 class Simulator:
-    """A composition compiled into one kernel, with a controller and a procedure where it runs closed loops."""
+    """A composition compiled into one kernel.
+
+    With a controller and a procedure it runs closed loops; ``free`` it runs under its given inputs alone, else it is driven
+    along what was measured.
+    """
 
     composition: Composition
     controller: type[Law] | None = None
     procedure: type[Law] | None = None
+    free: bool = False
 
     @cached_property
     def source(self) -> str:
         """The text of the kernel."""
         composition = self.composition
+        if self.free:
+            return kernel_source(composition, "\n\n" + copied(driving, ("run_free",)))
         inputs = composition.inputs
         fields = [channel.field for channel in composition.plant.channels]
         states = list(composition.states)
@@ -264,9 +286,24 @@ class Simulator:
         )  # fmt: skip
         return Followed(readings, ideal, forces, work[2, 1])
 
+    def run_free(self, p: Array, given: Given, tolerance: float = 1.0) -> tuple[Array, Array]:
+        """Return the readings (n, channels) and the states (n, states) of tests under given inputs, SI."""
+        composition = self.composition
+        starts = np.zeros((len(given.starts), len(self.states)))
+        starts[:, : given.starts.shape[1]] = given.starts
+        readings = np.empty((len(given.time), len(composition.measured)))
+        states = np.empty((len(given.time), len(self.states)))
+        z, work = starts[0].copy(), self.scratch()
+        work[2, 5] = tolerance
+        self.kernel.run_free(
+            z, self.inputs(), p, *self.propagators(z, p), given.period, given.begins, given.time, given.inputs, starts,
+            readings, states, work,
+        )  # fmt: skip
+        return readings, states
+
     def scratch(self) -> Array:
         """Return fresh working memory for the kernel's loops; the tolerance of a step is set to one resolution."""
-        work = np.zeros((4, max(3 * len(self.states), len(self.composition.plant.channels), 9)))
+        work = np.zeros((4, max(3 * len(self.states), len(self.composition.measured), 9)))
         work[2, 5], work[2, 8] = 1.0, -1.0
         return work
 

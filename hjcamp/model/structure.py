@@ -17,7 +17,7 @@ NO_LIMITS = 0
 def _draws(
     composition: Composition, generator: np.random.Generator, gates: int
 ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    z = np.array([state.typical * generator.uniform(-1, 1) for state in composition.states.values()])
+    z = np.array([state.usual(generator) for state in composition.states.values()])
     known = composition.plant.inputs
     u = np.array([known[name].default if name in known else 0.0 for name in composition.inputs])
     u = u + generator.uniform(-1, 1, len(u)) * 1e-6

@@ -1,0 +1,78 @@
+"""A user's plant runs under its inputs alone: against answers by hand, with and without a contact, at any period."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hjcamp.model.compose import Composition
+from hjcamp.model.simulator import Given, Simulator
+from hjcamp.plants import find_plant
+
+
+def simulator(name: str) -> Simulator:
+    return Simulator(Composition(find_plant(name)), free=True)
+
+
+def given(model: Simulator, period: float, samples: int, starts: list[list[float]], **inputs: np.ndarray) -> Given:
+    """Return tests one after the other, ``samples`` long each, with equal inputs."""
+    names = list(model.composition.inputs)
+    columns = np.tile(model.inputs(), (samples * len(starts), 1))
+    for name, values in inputs.items():
+        columns[:, names.index(name)] = np.tile(values, len(starts))
+    begins = np.zeros(len(columns), dtype=np.int64)
+    begins[::samples] = 1
+    time = np.tile(np.arange(samples) * period, len(starts))
+    return Given(period, begins, time, columns, np.array(starts))
+
+
+def test_a_carriage_speeds_up_slows_down_and_sticks(folder: Path) -> None:
+    axis = simulator("axis")
+    time = np.arange(4000) * 1e-3
+    voltage = np.where(time < 2.0, 2.0, 0.3)
+    test = given(axis, 1e-3, 4000, [[0.0, 0.0], [0.1, 0.0]], voltage=voltage)
+    readings, states = axis.run_free(axis.vector({}), test)
+    lag = 95.0 / 200.0
+    fast = (2.0 * 35.0 - 20.0) / 200.0 * (1.0 - np.exp(-time[:2000] / lag))
+    assert np.abs(states[:2000, 1] - fast).max() < 1e-6
+    # it comes to rest under a push that is less than its friction, and stays there
+    rest = (0.3 * 35.0 - 20.0) / 200.0
+    stops = 2.0 + lag * np.log((fast[-1] - rest) / -rest)
+    moving = states[:4000, 1] > 0.0
+    assert time[moving][-1] == pytest.approx(stops, abs=2e-3)
+    assert np.all(states[3000:4000, 1] == 0.0) and np.ptp(readings[3000:4000]) == 0.0
+    assert np.allclose(readings[4000:, 0] - readings[:4000, 0], 0.1, atol=1e-9)
+
+
+def test_tanks_run_out_along_a_parabola(folder: Path) -> None:
+    tanks = simulator("tanks")
+    test = given(tanks, 4.0, 60, [[9.0, 0.5]], pump=np.zeros(60))
+    readings, states = tanks.run_free(tanks.vector({}), test)
+    level = np.maximum(3.0 - 0.05 * test.time / 2.0, 0.0) ** 2
+    assert np.abs(states[:, 0] - level).max() < 1e-4
+    assert np.allclose(readings[:, 0], states[:, 1], atol=1e-5) and readings.min() >= 0.0
+
+
+def test_tanks_follow_an_independent_solution(folder: Path) -> None:
+    from scipy.integrate import solve_ivp
+
+    tanks = simulator("tanks")
+    time = np.arange(100) * 4.0
+    pump = 3.0 + 2.0 * np.sign(np.sin(time / 40.0))
+    _, states = tanks.run_free(tanks.vector({}), given(tanks, 4.0, 100, [[2.0, 4.0]], pump=pump))
+    expected = np.array([2.0, 4.0])
+    for k in range(99):
+        assert np.allclose(states[k], expected, atol=2e-5)
+        found = solve_ivp(
+            lambda _, x, inflow=0.05 * pump[k]: [
+                inflow - 0.05 * np.sqrt(x[0]),
+                0.05 * np.sqrt(x[0]) - 0.05 * np.sqrt(x[1]),
+            ],
+            (0.0, 4.0),
+            expected,
+            rtol=1e-10,
+            atol=1e-12,
+        )
+        expected = found.y[:, -1]
