@@ -166,6 +166,8 @@ def write_new(name: str) -> None:
 def run_tests(name: str) -> None:
     """Run the checks that every plant passes on one plant."""
     from hjcamp.campaign.console import make_console
+    from hjcamp.effects import library_of
+    from hjcamp.model.plant_bench import effects_seen, identified
     from hjcamp.model.plant_checks import CHECKS
     from hjcamp.plants import find_plant
 
@@ -173,4 +175,9 @@ def run_tests(name: str) -> None:
     console = make_console()
     for check, passes in CHECKS.items():
         console.print(f"  {check:<26} {passes(plant)}", markup=False)
+    if plant.measured:
+        with console.status("compiling two kernels of this plant and running it"):
+            told, seen = identified(plant), effects_seen(plant, library_of(plant).effects)
+        console.print(f"  {'base can be told':<26} {told}", markup=False)
+        console.print(f"  {'effects that show':<26} {seen}", markup=False)
     console.print(f"[bold]{name}[/bold] passes; see what fits it: hjcamp plants {name}")

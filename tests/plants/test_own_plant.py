@@ -238,3 +238,21 @@ def test_two_plants_of_one_name_are_refused(folder: Path, capsys: pytest.Capture
     (folder / "plants" / "pump_joint.py").write_text((folder / "plants" / "axis.py").read_text())
     assert cli.run(["plants"]) == 2
     assert "'pump_joint' is taken" in capsys.readouterr().err
+
+
+def test_base_parameters_that_only_their_product_tells_are_named(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = folder / "plants" / "axis.py"
+    text = path.read_text().replace('Parameter("N/V", 35.0, text', 'Parameter("N/V", 35.0, (1.0, 100.0), base=True, text')
+    path.write_text(text)
+    assert cli.run(["plants", "test", "axis"]) == 2
+    message = capsys.readouterr().err
+    assert "moves together with" in message and all(name in message for name in ("gain", "mass", "coulomb", "viscous"))
+
+
+def test_a_base_parameter_that_nothing_shows_is_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = folder / "plants" / "tanks.py"
+    path.write_text(path.read_text().replace("    level_v", '    spare = Parameter("V", 2.0, base=True)\n    level_v'))
+    assert cli.run(["plants", "test", "tanks"]) == 2
+    assert "'spare' changes nothing that is measured" in capsys.readouterr().err

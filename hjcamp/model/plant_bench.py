@@ -1,0 +1,138 @@
+"""Run a plant on made-up inputs, and tell which of its base parameters its sensors cannot tell, and which effects they show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.errors import UsageError
+from hjcamp.model.compose import Composition
+from hjcamp.model.effect import Effect
+from hjcamp.model.plant import ALWAYS, Plant
+from hjcamp.model.simulator import Given, Simulator
+
+Array = NDArray[np.float64]
+SAMPLES = 1500
+TESTS = 3
+STEP = 1e-2
+# Sensitivities are this accurate: a parameter of which no more is left beside the others moves together with them.
+ALONE = 1e-3
+SEEN = 1e-6
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A plant with effects behind gates, on inputs that step up and down between rests, from several starts."""
+
+    plant: type[Plant]
+    effects: tuple[type[Effect], ...] = ()
+
+    @property
+    def simulator(self) -> Simulator:
+        """The simulator, its effects behind gates."""
+        return Simulator(Composition(self.plant, self.effects, gated=bool(self.effects)), free=True)
+
+    def given(self, simulator: Simulator) -> Given:
+        """Return the tests: every input steps at random between rest and twice its usual size, each at its own times."""
+        generator = np.random.default_rng(20090405)
+        inputs = np.tile(simulator.inputs(), (SAMPLES * TESTS, 1))
+        for place, name in enumerate(simulator.composition.inputs):
+            known = self.plant.inputs.get(name)
+            if known is None or name in ALWAYS:
+                continue
+            lengths = generator.integers(SAMPLES // 40, SAMPLES // 8, SAMPLES)
+            sizes = generator.choice((0.0, 0.5, 1.0, 2.0), SAMPLES) * generator.choice((-1.0, 1.0), SAMPLES)
+            inputs[:, place] = known.typical * np.repeat(sizes, lengths)[: len(inputs)]
+        begins = np.zeros(len(inputs), dtype=np.int64)
+        begins[::SAMPLES] = 1
+        starts = np.array([[state.usual(generator) for state in self.plant.states.values()] for _ in range(TESTS)])
+        for contact in simulator.composition.vocabulary.contacts:
+            starts[:, list(self.plant.states).index(contact.velocity)] = 0.0
+        time = np.tile(np.arange(SAMPLES) * self.plant.period, TESTS)
+        return Given(self.plant.period, begins, time, inputs, starts)
+
+
+def identified(plant: type[Plant]) -> str:
+    """Refuse a plant with a base parameter that no log can tell; the message names what it moves together with."""
+    names = [name for name in plant.base_parameters if plant.parameters[name].default != 0.0]
+    if not names:
+        return "no base parameters"
+    bench = Bench(plant)
+    simulator = bench.simulator
+    given = bench.given(simulator)
+    columns = _sensitivities(simulator, given, names)
+    sizes = np.linalg.norm(columns, axis=0)
+    for name, size in zip(names, sizes[: len(names)], strict=True):
+        if not size > SEEN * np.sqrt(len(columns)):
+            raise UsageError(
+                f"plant {plant.name}: the base parameter '{name}' changes nothing that is measured; is its input or "
+                "sensor missing?"
+            )
+    directions = columns / np.where(sizes > 0.0, sizes, 1.0)
+    for place, name in enumerate(names):
+        others = np.delete(directions, place, axis=1)
+        weights = np.linalg.lstsq(others, directions[:, place], rcond=None)[0]
+        left = float(np.linalg.norm(directions[:, place] - others @ weights))
+        if left < ALONE:
+            rest = [other for other in range(directions.shape[1]) if other != place]
+            labels = [*names, *(f"the start of {state}" for state in _unknown_starts(plant))]
+            found = sorted(zip(np.abs(weights), rest, strict=True), reverse=True)
+            partners = [labels[other] for weight, other in found if weight > 0.05]
+            raise UsageError(
+                f"plant {plant.name}: the base parameter '{name}' moves together with {', '.join(partners)}: what is measured "
+                "tells only their combination. Fix one of them (base=False), or measure more"
+            )
+    return f"{len(names)} base parameters, each by itself"
+
+
+def effects_seen(plant: type[Plant], effects: Mapping[str, type[Effect]]) -> str:
+    """Return how many of the effects change what is measured, and name those that do not."""
+    if not effects:
+        return "no effects fit"
+    bench = Bench(plant, tuple(effects.values()))
+    simulator = bench.simulator
+    given = bench.given(simulator)
+    absent = simulator.run_free(simulator.vector({}), given)[0]
+    scale = np.maximum(np.std(absent, axis=0), 1e-300)
+    unseen = []
+    for name in effects:
+        present = simulator.run_free(simulator.vector({f"gate.{name}": 1.0}), given)[0]
+        if not np.all(np.isfinite(present)):
+            raise UsageError(
+                f"plant {plant.name}: with the effect '{name}' at its defaults the simulation leaves the finite numbers"
+            )
+        if np.max(np.sqrt(np.mean((present - absent) ** 2, axis=0)) / scale) < SEEN:
+            unseen.append(name)
+    return f"{len(effects) - len(unseen)} of {len(effects)}" + (f"; not {', '.join(unseen)}" if unseen else "")
+
+
+def _unknown_starts(plant: type[Plant]) -> list[str]:
+    return [name for name, state in plant.states.items() if state.start == "unknown"]
+
+
+def _sensitivities(simulator: Simulator, given: Given, names: Sequence[str]) -> Array:
+    """Return the change of all readings (readings, parameters and unknown starts) for one relative change of each."""
+    plant = simulator.composition.plant
+    defaults = {name: plant.parameters[name].default for name in names}
+    base = simulator.run_free(simulator.vector({}), given)[0]
+    if not np.all(np.isfinite(base)):
+        raise UsageError(f"plant {plant.name}: the simulation leaves the finite numbers at ordinary inputs and starts")
+    scale = np.maximum(np.std(base, axis=0), 1e-300)
+
+    def readings(values: Mapping[str, float], starts: Array) -> Array:
+        moved = Given(given.period, given.begins, given.time, given.inputs, starts)
+        return simulator.run_free(simulator.vector(values), moved)[0] / scale
+
+    columns = []
+    for name, value in defaults.items():
+        ends = [readings({name: value * (1.0 + sign * STEP)}, given.starts) for sign in (1.0, -1.0)]
+        columns.append(np.ravel(ends[0] - ends[1]) / (2.0 * STEP))
+    for name in _unknown_starts(plant):
+        move = np.zeros(len(plant.states))
+        move[list(plant.states).index(name)] = STEP * plant.states[name].typical
+        ends = [readings({}, given.starts + sign * move) for sign in (1.0, -1.0)]
+        columns.append(np.ravel(ends[0] - ends[1]) / (2.0 * STEP))
+    return np.column_stack(columns)
