@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import logging
+import pickle
 import queue
 import sys
 import time
@@ -105,15 +106,15 @@ def as_done(
             client.cancel(list(waiting))
 
 
-def imported(call: tuple[str, str, str, tuple[Any, ...]]) -> Any:
-    """Return ``function(*arguments)`` of a module in a folder; ``call`` is (folder, module, function, arguments).
+def imported(call: tuple[str, str, str, bytes]) -> Any:
+    """Return ``function(*arguments)`` of a module in a folder; ``call`` is (folder, module, function, pickled arguments).
 
-    For work that lies beside the package: the workers must see the same folder.
+    For work that lies beside the package: the workers must see the same folder, which the arguments may need as well.
     """
     folder, module, function, arguments = call
     if folder not in sys.path:
         sys.path.insert(0, folder)
-    return getattr(importlib.import_module(module), function)(*arguments)
+    return getattr(importlib.import_module(module), function)(*pickle.loads(arguments))
 
 
 @contextmanager

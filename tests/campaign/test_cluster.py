@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import pickle
 import subprocess
 import sys
 import time
@@ -282,4 +283,22 @@ def test_without_dask_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_work_beside_the_package_is_imported_where_it_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "beside_the_package.py").write_text("def twice(number, add):\n    return 2 * number + add\n")
     monkeypatch.setattr(sys, "path", list(sys.path))
-    assert imported((str(tmp_path), "beside_the_package", "twice", (3, 1))) == 7
+    assert imported((str(tmp_path), "beside_the_package", "twice", pickle.dumps((3, 1)))) == 7
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.usefixtures("empty_folder")
+def test_the_cases_of_a_benchmark_go_to_a_cluster_and_those_of_a_killed_worker_again(
+    cluster: Cluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(REPOSITORY / "benchmarks"))
+    from hidden_effects_cases import plan as cases
+    from on_cluster import there
+
+    asked = cases("small", 4, 0)
+    came = []
+    for case in there("hidden_effects_run", "cleaned", [(one,) for one in asked], cluster.address):
+        came.append(case)
+        if len(came) == 2:
+            cluster.workers[0].kill()
+    assert sorted(one.name for one in came) == sorted(one.name for one in asked)
