@@ -1,6 +1,7 @@
 """Hide effects in rigs of the truth plant, diagnose them, and write how often the diagnosis is right.
 
-    python benchmarks/hidden_effects.py [--size small|fresh|full] [--effort quick|standard] [--workers N] [--shift N] [--page FILE]
+    python benchmarks/hidden_effects.py [--size small|fresh|full] [--effort quick|standard] [--workers N | --cluster ADDRESS]
+                                        [--shift N] [--page FILE]
 
 The truth plant (tests/truth) shares no code with the model. Finished cases are kept in a ledger, one line each, which is
 committed: the same command goes on from it as long as the code it runs is the same, and --score writes the page from it alone.
@@ -25,7 +26,9 @@ from hidden_effects_cases import SIZES, HiddenCase, plan
 from hidden_effects_ledger import ROOT, Ledger, code_version
 from hidden_effects_page import page
 from hidden_effects_run import alone, run_case
+from on_cluster import there
 
+from hjcamp.errors import HjcampError
 from hjcamp.storage import write_whole
 
 LEDGER = ROOT / "benchmarks" / "results" / "hidden_effects.jsonl"
@@ -66,6 +69,7 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--size", choices=SIZES, default="full")
     parser.add_argument("--effort", choices=EFFORTS, default="standard")
     parser.add_argument("--workers", type=int, default=1, help="processes, each with one thread")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="a dask scheduler whose workers see this folder, or local")
     parser.add_argument("--nulls", type=int, help="rigs with nothing hidden; by default as the size says")
     parser.add_argument("--shift", type=int, default=0, metavar="N", help="added to every seed: the plan on other rigs")
     parser.add_argument(
@@ -116,6 +120,9 @@ def run_all(left: Sequence[HiddenCase], given: argparse.Namespace, ledger: Ledge
         except KeyboardInterrupt:
             progress.console.print("stopped; the same command goes on from here")
             return False
+        except HjcampError as error:
+            progress.console.print(f"{error}; the same command goes on from here", markup=False)
+            return False
         except BrokenProcessPool:
             progress.console.print("a worker was killed (memory?); the same command goes on from here")
             return False
@@ -123,18 +130,22 @@ def run_all(left: Sequence[HiddenCase], given: argparse.Namespace, ledger: Ledge
 
 
 def results(left: Sequence[HiddenCase], given: argparse.Namespace, seen: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the results as they come, from processes of their own."""
+    """Yield the results as they come, from a cluster where one is named, else from processes of their own."""
+    calls = [(case, given.effort, given.tag, seen.get(case.name)) for case in left]
+    if given.cluster:
+        yield from there("hidden_effects_run", "run_case", calls, given.cluster)
+        return
     # a worker is one process with one thread; it reads these before it loads any numerical library
     os.environ.update(dict.fromkeys(THREADS, "1"))
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(given.workers, mp_context=context, initializer=alone)
     waiting: set[Future[dict[str, Any]]] = set()
     # no more than can run at once, so that an interruption waits for nothing
-    following = iter(left)
+    following = iter(calls)
     try:
         while True:
-            for case in following:
-                waiting.add(pool.submit(run_case, case, given.effort, given.tag, seen.get(case.name)))
+            for call in following:
+                waiting.add(pool.submit(run_case, *call))
                 if len(waiting) >= given.workers:
                     break
             if not waiting:

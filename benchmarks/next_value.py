@@ -1,6 +1,6 @@
 """How many tests set two rivals apart: in the order that `hjcamp next` proposes, and in random order.
 
-    python benchmarks/next_value.py [--random 4] [--pairs 14] [--rigs 2] [--workers 2] [--page docs/next_value.md]
+    python benchmarks/next_value.py [--random 4] [--pairs 14] [--rigs 2] [--workers 2 | --cluster ADDRESS] [--page docs/next_value.md]
 
 For each pair the truth plant of the tests, which shares no code with the model, hides the first effect in rigs of their
 own, at medium and at weak strength. The first tests are one condition with three repetitions. Both rivals are fitted to
@@ -17,7 +17,7 @@ import argparse
 import multiprocessing
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
@@ -28,11 +28,13 @@ from hidden_effects_ledger import Ledger, code_version
 from hidden_effects_run import alone
 from next_value_duel import APART, MOST, Duel
 from next_value_page import LEDGER, Question, page
+from on_cluster import there
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from hjcamp.discrepancy.next_menu import menu
 from hjcamp.effects import load_effects
+from hjcamp.errors import HjcampError
 from hjcamp.storage import write_whole
 
 PAIRS = (
@@ -88,6 +90,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--pairs", type=int, default=len(PAIRS))
     parser.add_argument("--rigs", type=int, default=2, help="rigs for each pair and strength")
     parser.add_argument("--workers", type=int, default=2, help="processes")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="a dask scheduler whose workers see this folder, or local")
     parser.add_argument("--ledger", type=Path, default=LEDGER, metavar="FILE", help="one JSON line for each duel")
     parser.add_argument("--page", type=Path, metavar="FILE", help="where the page goes; by default it is printed")
     parser.add_argument("--tag", default=code_version(), help="version of the code")
@@ -98,10 +101,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     left = [one for one in asked if one.name not in done]
     try:
         if left:
-            fight(left, options.workers, ledger, options.tag)
+            fight(left, options.workers, ledger, options.tag, options.cluster)
     except KeyboardInterrupt:
         print("stopped; the same command goes on from here", file=sys.stderr)
         return 130
+    except HjcampError as error:
+        print(f"{error}; the same command goes on from here", file=sys.stderr)
+        return 1
     known = {line["name"]: line for line in ledger.lines(options.tag)}
     text = page([(one, known[one.name]) for one in asked], options.tag)
     if options.page is None:
@@ -111,25 +117,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def fight(left: Sequence[Question], workers: int, ledger: Ledger, tag: str) -> None:
-    """Fight duels in processes of their own and keep each as it ends."""
+def fight(left: Sequence[Question], workers: int, ledger: Ledger, tag: str, cluster: str | None = None) -> None:
+    """Fight duels in processes of their own, or on a cluster, and keep each as it ends."""
     os.environ.update(dict.fromkeys(THREADS, "1"))
     columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(
         *columns, TimeRemainingColumn(), speed_estimate_period=3600, console=Console(stderr=True)
     ) as progress:
         task = progress.add_task("duels", total=len(left))
-        with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=alone) as pool:
-            try:
-                for ended in as_completed([pool.submit(outcome, one) for one in left]):
-                    line = ended.result()
-                    ledger.add({"plan": ledger.plan, "tag": tag, "effort": "", **line})
-                    progress.update(task, advance=1, description=line["name"][:44])
-                    if not progress.console.is_terminal:
-                        progress.console.print(f"{line['name']}: {line['ours']}", markup=False, highlight=False)
-            except KeyboardInterrupt:
-                stop(pool)
-                raise
+        calls = [(one,) for one in left]
+        for line in there("next_value", "outcome", calls, cluster) if cluster else outcomes(left, workers):
+            ledger.add({"plan": ledger.plan, "tag": tag, "effort": "", **line})
+            progress.update(task, advance=1, description=line["name"][:44])
+            if not progress.console.is_terminal:
+                progress.console.print(f"{line['name']}: {line['ours']}", markup=False, highlight=False)
+
+
+def outcomes(left: Sequence[Question], workers: int) -> Iterator[dict[str, Any]]:
+    """Yield how each duel ends, from processes of their own."""
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=alone) as pool:
+        try:
+            for ended in as_completed([pool.submit(outcome, one) for one in left]):
+                yield ended.result()
+        except BaseException:
+            stop(pool)
+            raise
 
 
 if __name__ == "__main__":

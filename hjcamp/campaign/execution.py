@@ -108,8 +108,7 @@ def execute(job: Job) -> Outcome:
     start = time.perf_counter()
     attachments = {"config.yaml": job.attachment}
     facts: dict[str, str] = {}
-    # A worker that outlives a killed runner must not write into the same file as the next run's worker.
-    private = job.path.with_name(f"{job.path.name}.{os.getpid()}")
+    private = private_place(job.path)
 
     def outcome(state: str, message: str = "", detail: str = "", stops: int | None = None, left: Any = None) -> Outcome:
         message = message.replace(str(private), str(job.path))
@@ -133,8 +132,8 @@ def execute(job: Job) -> Outcome:
     except RigStopped as error:
         return outcome("failed", str(error), stops=error.exit_code)
     except (HjcampError, OSError) as error:
-        text = no_place(error, job.path) if isinstance(error, OSError) else str(error)
-        return outcome("failed", text, stops=1 if disk_is_full(error) else getattr(error, "stops", None))
+        text, stops = failed_to_write(error, job.path)
+        return outcome("failed", text, stops=stops)
     except MemoryError:
         return outcome("failed", "not enough memory for this test", stops=1)
     except Exception as error:
@@ -142,6 +141,20 @@ def execute(job: Job) -> Outcome:
         return outcome("failed", message, detail=traceback.format_exc())
     finally:
         private.unlink(missing_ok=True)
+
+
+def private_place(path: Path) -> Path:
+    """Return the name that a log has until it is whole.
+
+    A worker that outlives a killed runner must not write into the same file as the next run's worker.
+    """
+    return path.with_name(f"{path.name}.{os.getpid()}")
+
+
+def failed_to_write(error: HjcampError | OSError, log: Path) -> tuple[str, int | None]:
+    """Return what to say of a test that failed for this reason, and the exit code where the run cannot go on."""
+    text = no_place(error, log) if isinstance(error, OSError) else str(error)
+    return text, 1 if disk_is_full(error) else getattr(error, "stops", None)
 
 
 def execute_in_worker(job: Job) -> Outcome:

@@ -12,6 +12,7 @@ from hjcamp.calibrate.validation import validate
 from hjcamp.configuration.setups import configuration_for
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
+from hjcamp.records.stored import kept
 from hjcamp.report.identification_figures import draw_chart, title_of
 
 
@@ -29,7 +30,8 @@ def identification_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str
     for names, own in groups.items():
         subject = " ".join(names) if len(groups) > 1 else ""
         try:
-            findings = _findings(own)
+            with kept(own):
+                findings = _findings(own)
         except UsageError:
             continue
         for finding in findings:

@@ -16,6 +16,7 @@ from hjcamp.campaign.before import say_before_moving
 from hjcamp.campaign.conclude import conclude
 from hjcamp.campaign.folder import folder_for
 from hjcamp.campaign.going_on import StopRule
+from hjcamp.campaign.on_cluster import cluster_for
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import run_plan
 from hjcamp.configuration.composer import Composer
@@ -94,9 +95,10 @@ def run_campaign(config: DictConfig, sweep: bool) -> Path:
         run_dir = Path(os.path.relpath(hydra.runtime.output_dir))
     console = make_console()
     say_before_moving(plan, console)
-    folder, goes_on = folder_for(plan, plain, lines, run_dir)
-    if goes_on:
-        console.print(f"goes on in {folder.path}", style="dim")
-    result = run_plan(folder, console, keys.workers, rule)
+    with cluster_for(keys.cluster, plan, "cluster=") as cluster:
+        folder, goes_on = folder_for(plan, plain, lines, run_dir)
+        if goes_on:
+            console.print(f"goes on in {folder.path}", style="dim")
+        result = run_plan(folder, console, keys.workers, rule, cluster=cluster)
     conclude(folder, result, console)
     return folder.path

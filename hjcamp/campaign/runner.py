@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from hjcamp.backends.rig_stop import StopSignals
-from hjcamp.campaign.execution import PRIVATE_NAME, Outcome, make_jobs
+from hjcamp.campaign.execution import PRIVATE_NAME, Job, Outcome, make_jobs
 from hjcamp.campaign.files import run_errors
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.lock import run_lock
 from hjcamp.campaign.workers import available_workers, outcomes
+from hjcamp.cluster import threads_of
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
 from hjcamp.records.plan import Plan, PlannedTest
 from hjcamp.records.run_folder import refuse_links_out
@@ -42,8 +43,9 @@ def run_plan(
     workers: int | None = None,
     rule: StopRule | None = None,
     announce: Callable[[str], None] | None = None,
+    cluster: Any = None,
 ) -> RunResult:
-    """Make every test of the plan that has no whole log yet.
+    """Make every test of the plan that has no whole log yet, on the ``cluster`` (a dask client) where one is given.
 
     After a failed test ``rule`` says whether the run goes on. Raises ``Interrupted`` after a stop that was asked for,
     ``RigStopped`` where the rig was made safe, ``HjcampError`` where it cannot go on (a full disk).
@@ -55,12 +57,14 @@ def run_plan(
         result = RunResult(folder.path)
         waiting = _waiting(folder, result, say)
         number, fixed = available_workers(workers, str(folder.plan.conditions[0].config["backend"].get("name")))
+        if cluster is not None:
+            number = threads_of(cluster)
         folder.begin(number)
         state = "interrupted"
         stopper = None
         try:
             with StopSignals(say) as signals:
-                stopper = _run(folder, result, waiting, (number, fixed), signals, console, rule, say)
+                stopper = _run(folder, result, waiting, (number, fixed), signals, console, rule, say, cluster)
             state = "complete" if folder.complete else "failed" if result.failures else "interrupted"
         except KeyboardInterrupt:
             pass
@@ -87,6 +91,7 @@ def _run(
     console: Console,
     rule: StopRule,
     say: Callable[[str], None],
+    cluster: Any,
 ) -> Outcome | None:
     from hjcamp.campaign.compiling import kernels_of
     from hjcamp.campaign.progress import progress_bar
@@ -97,9 +102,9 @@ def _run(
     stoppers: list[Outcome] = []
     jobs = make_jobs(folder.plan, waiting, folder.path)
     left = {test.condition for test in waiting}
-    kernels = kernels_of(one.config for one in folder.plan.conditions if one.name in left)
-    with progress_bar(console, len(folder.plan.tests), result.kept, kernels) as advance:
-        for outcome in outcomes(jobs, *workers, stop=lambda: signals.asked or bool(stoppers)):
+    here = [one.config for one in folder.plan.conditions if one.name in left and cluster is None]
+    with progress_bar(console, len(folder.plan.tests), result.kept, kernels_of(here)) as advance:
+        for outcome in _outcomes(jobs, workers, cluster, stop=lambda: signals.asked or bool(stoppers)):
             if outcome.state == "done":
                 result.done += 1
                 folder.record(outcome.test, "done", seconds=outcome.seconds)
@@ -117,6 +122,16 @@ def _run(
             folder.note_rig(outcome.facts)
             advance(outcome.test)
     return stoppers[0] if stoppers else None
+
+
+def _outcomes(
+    jobs: Sequence[Job], workers: tuple[int, bool], cluster: Any, stop: Callable[[], bool]
+) -> Iterator[Outcome]:
+    if cluster is None:
+        return outcomes(jobs, *workers, stop=stop)
+    from hjcamp.campaign.on_cluster import outcomes_on_cluster
+
+    return outcomes_on_cluster(jobs, cluster, stop)
 
 
 @contextmanager

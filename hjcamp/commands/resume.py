@@ -20,6 +20,7 @@ def resume(
     keep_going: Annotated[
         bool, typer.Option("--keep-going", help="After a fault look at the rig again; go on where that passes.")
     ] = False,
+    cluster: Annotated[str | None, typer.Option(help="A dask scheduler, tcp://HOST:PORT, or 'local'.")] = None,
 ) -> None:
     """Go on with a run that was stopped: makes the tests that are missing, keeps those that are whole."""
     from hjcamp.campaign.before import say_before_moving
@@ -27,6 +28,7 @@ def resume(
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.folder import open_folder
     from hjcamp.campaign.going_on import StopRule
+    from hjcamp.campaign.on_cluster import cluster_for
     from hjcamp.campaign.planning import check_plan
     from hjcamp.campaign.provenance import code_identity
     from hjcamp.campaign.runner import run_plan
@@ -39,5 +41,6 @@ def resume(
     sessions = folder.manifest["sessions"]
     if sessions and any(sessions[-1].get(key) != value for key, value in code_identity().items()):
         console.print("the program has changed since this run began; old and new tests may differ", style="yellow")
-    result = run_plan(folder, console, workers, rule)
+    with cluster_for(cluster, folder.plan, "--cluster ") as client:
+        result = run_plan(folder, console, workers, rule, cluster=client)
     conclude(folder, result, console)

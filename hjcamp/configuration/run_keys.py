@@ -19,6 +19,7 @@ class RunKeys(Group):
     tables: str | list[str] | None = None
     conditions: Word | list[Word] | None = None
     workers: int | None = between(1, 1024, default=None)
+    cluster: str | None = None
     run_dir: Word | None = None
     fail_fast: bool = False
     keep_going: bool = False

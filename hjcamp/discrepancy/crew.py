@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar
 
+from hjcamp.cluster import cluster_errors, connected
 from hjcamp.discrepancy.helpers import Helpers
-from hjcamp.errors import HjcampError, UsageError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -29,7 +29,7 @@ class Crew:
         self.workers = 1 if self._helpers else workers
         _alone()
         self._pool: ThreadPoolExecutor | None = None
-        self._client = _connected(cluster) if cluster else None
+        self._client = connected(cluster) if cluster else None
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Crew, (1,)
@@ -56,11 +56,11 @@ class Crew:
             return
         futures: list[Any] = []
         try:
-            with _cluster_errors():
+            with cluster_errors():
                 shared = self._client.scatter(context, broadcast=True, hash=False)
                 futures += [self._client.submit(task, shared, item, pure=False) for item in items]
             for future in futures:
-                with _cluster_errors():
+                with cluster_errors():
                     result = future.result()
                 yield result
         finally:
@@ -102,31 +102,3 @@ def _alone() -> None:
 def available() -> int:
     """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-@contextmanager
-def _cluster_errors() -> Iterator[None]:
-    """Turn what dask raises for a scheduler or workers that are gone into one message; a task's own errors stay."""
-    from distributed.client import CancelledError
-    from distributed.scheduler import KilledWorker
-
-    try:
-        yield
-    except (OSError, CancelledError, KilledWorker) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise HjcampError(f"the dask cluster is gone: {reason}; start it again, or leave --cluster out") from error
-
-
-def _connected(address: str) -> Any:
-    try:
-        from distributed import Client
-    except ImportError:
-        raise UsageError("--cluster needs dask: pip install 'hjcamp[cluster]'") from None
-    try:
-        if address == "local":
-            return Client(processes=True, threads_per_worker=1, dashboard_address=None)
-        return Client(address, timeout="10s")
-    except (OSError, ValueError) as error:
-        raise UsageError(
-            f"--cluster {address}: no dask scheduler answers ({error}); give tcp://HOST:PORT or local"
-        ) from None

@@ -57,8 +57,12 @@ def read_logs(paths: Sequence[str | Path], say: Callable[[str], None] = tell) ->
 
     In a run folder only the tests of its plan count; ``say`` hears of others. A log that is named itself always counts.
     """
+    return of_the_plan([read_log(path) for path in find_logs(paths)], paths, say)
+
+
+def of_the_plan(logs: Sequence[TestLog], paths: Sequence[str | Path], say: Callable[[str], None]) -> list[TestLog]:
+    """Return the logs of ``paths`` that count, as ``read_logs`` says."""
     named = {Path(path).resolve() for path in paths if Path(path).is_file()}
-    logs = [read_log(path) for path in find_logs(paths)]
     searched = [log for log in logs if log.path is None or log.path.resolve() not in named]
     left_out = {id(log) for log in searched} - {id(log) for log in planned_only(searched, say)}
     logs = [log for log in logs if id(log) not in left_out]

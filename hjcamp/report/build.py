@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
@@ -13,11 +15,11 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.report.declared import TableDefinition, declared_tables
 from hjcamp.report.figures import draw_condition
 from hjcamp.report.formats import to_latex, to_markdown
-from hjcamp.report.indicators import COLUMNS, IDENTITY, indicators_frame, varied_columns
+from hjcamp.report.indicators import COLUMNS, IDENTITY, frame_with_varied, row_of, varied_columns
 from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
-from hjcamp.report.page import build_page
+from hjcamp.report.page import Picture, build_page
 from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
-from hjcamp.report.spread import gather
+from hjcamp.report.spread import Condition, Gathering
 from hjcamp.report.store import replace_file, write_frame
 from hjcamp.report.tables import FAR_OFF, against_published, build_table, by_condition, differences
 
@@ -54,11 +56,12 @@ def build_report(
     """Write ``tables/`` and ``report.html`` of a run folder, or of a folder of logs, each file whole or not at all.
 
     With ``against="published"`` the published values stand beside. ``output`` is another folder for the files, ``logs``
-    are the logs where they have been read already, ``further`` gives more pictures for the page. `UsageError` where
-    there is no log, a log that cannot be read, or an unknown ``against`` or table.
+    are the logs where they have been read already, ``further`` gives more pictures for the page. The logs of the folder
+    are read one after the other. `UsageError` where there is no log, a log that cannot be read, or an unknown
+    ``against`` or table.
     """
-    from hjcamp.records.find import read_logs
     from hjcamp.records.run_folder import refuse_links_out
+    from hjcamp.records.stored import stored_logs
 
     if against is not None and against not in AGAINST:
         raise unknown("comparison", against, AGAINST, "--against")
@@ -68,11 +71,11 @@ def build_report(
     origin = read_origin(run_dir)
     if origin.plan and target == run_dir:
         refuse_links_out(target)
-    read = list(logs) if logs is not None else read_logs([run_dir])
-    if not read:
+    found = list(logs) if logs is not None else stored_logs([run_dir])
+    if not found:
         raise UsageError(f"{run_dir}: there are no test logs to report on")
-    read = in_plan_order(read, origin)
-    indicators = indicators_frame(read, origin.axes, run_dir)
+    found = in_plan_order(found, origin)
+    indicators, spreads = _condensed(found, origin, run_dir)
     definitions = _with_rows(declared_tables(origin.tables), indicators)
     tables = {one.name: build_table(indicators, one, against) for one in definitions}
     sheets = [arrange(tables[one.name], one) for one in definitions]
@@ -85,9 +88,9 @@ def build_report(
         replace_file(target / "tables" / f"{name}.md", to_markdown(sheet))
         replace_file(target / "tables" / f"{name}.tex", to_latex(sheet))
     all_sheets = [*sheets, arrange_conditions(conditions)]
-    more = further(read) if further else {}
-    html = _page(run_dir, origin, read, all_sheets, verdict(comparison, differs) if against else "", more)
-    replace_file(target / "report.html", html)
+    more = further(found) if further else {}
+    page = _page(run_dir, origin, found, spreads, all_sheets, verdict(comparison, differs) if against else "", more)
+    replace_file(target / "report.html", page)
     return Report(run_dir, target / "report.html", indicators, tables, sheets, comparison, differs)
 
 
@@ -100,6 +103,23 @@ def in_plan_order(logs: Sequence[TestLog], origin: RunOrigin) -> list[TestLog]:
         return place.get(log.condition_key, len(place)), int(repetition) if repetition.isdecimal() else 0
 
     return sorted(logs, key=key) if place else list(logs)
+
+
+def _condensed(logs: Sequence[TestLog], origin: RunOrigin, folder: Path) -> tuple[pl.DataFrame, list[Condition]]:
+    """Return the indicators of all logs and the spread of each condition; each log is used once and let go."""
+    groups: dict[str, list[int]] = {}
+    for place, log in enumerate(logs):
+        groups.setdefault(log.condition_key, []).append(place)
+    rows: dict[int, dict[str, Any]] = {}
+    spreads = []
+    for name, places in groups.items():
+        gathering = Gathering(name)
+        for place in places:
+            rows[place] = row_of(logs[place], folder)
+            gathering.add(logs[place])
+        spreads.append(gathering.condition())
+    attached = [log.attachments.get("config.yaml", b"") for log in logs]
+    return frame_with_varied([rows[place] for place in range(len(logs))], attached, origin.axes), spreads
 
 
 def _with_rows(definitions: Sequence[TableDefinition], indicators: pl.DataFrame) -> list[TableDefinition]:
@@ -129,21 +149,20 @@ def _page(
     run_dir: Path,
     origin: RunOrigin,
     logs: Sequence[TestLog],
+    spreads: Sequence[Condition],
     sheets: Sequence[Sheet],
     verdict_text: str,
     more: dict[str, tuple[str, str]],
-) -> str:
-    groups: dict[str, list[TestLog]] = {}
-    for log in logs:
-        groups.setdefault(log.condition_key, []).append(log)
-    pictures = dict(more)
-    for name, members in groups.items():
-        picture = draw_condition(gather(name, members))
-        pictures[name] = (picture, f"{len(members)} test{'s' if len(members) > 1 else ''}")
+) -> Iterator[str]:
+    tests = Counter(log.condition_key for log in logs)
+    pictures = {name: Picture(caption, partial(str, svg)) for name, (svg, caption) in more.items()}
+    for one in spreads:
+        caption = f"{tests[one.name]} test{'s' * (tests[one.name] > 1)}"
+        pictures[one.name] = Picture(caption, partial(draw_condition, one))
     states = states_of_tests(origin)
     unfinished = [f"{count} {state}" for state, count in states.items() if state != "done"]
     campaign = str(origin.plan.get("campaign") or logs[0].metadata.get("campaign") or "Test logs")
-    facts = [run_dir.resolve().name, f"{len(logs)} tests", f"{len(groups)} conditions", *unfinished]
+    facts = [run_dir.resolve().name, f"{len(logs)} tests", f"{len(spreads)} conditions", *unfinished]
     return build_page(
         title=campaign,
         facts=[*facts, *filter(None, [str(origin.plan.get("description") or "")])],

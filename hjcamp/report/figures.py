@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjcamp.report.spread import Condition
+from hjcamp.report.spread import SIGNALS, Condition
 
 # Colours of Okabe and Ito, told apart by colour-blind readers; the page puts its own shades in their place.
 INK = "#1b1f24"
@@ -68,43 +70,78 @@ def draw_condition(condition: Condition) -> str:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     with matplotlib.rc_context(SETTINGS | {"svg.hashsalt": condition.name}):  # type: ignore[arg-type]
+        figure = _frame(tuple(name for name in SIGNALS if name in condition.signals), condition.tests > 1)
+        figure.show(condition)
         buffer = io.StringIO()
-        canvas = FigureCanvasSVG(build_figure(condition))
+        canvas = FigureCanvasSVG(figure.figure)
         canvas.print_svg(buffer, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     return tidy(buffer.getvalue())
 
 
-def build_figure(condition: Condition) -> Any:
-    """Return the matplotlib figure of one condition, for any canvas."""
-    from matplotlib.figure import Figure
+class Frame:
+    """The figure of conditions with the same signals: panels, axes and legends are made once, and filled for each."""
 
-    figure = Figure(figsize=(WIDTH, HEIGHT))
-    figure.patch.set_visible(False)
-    panels = [panel for panel in PANELS if any(curve.signal in condition.signals for curve in panel.curves)]
-    shares = sum(panel.share for panel in panels)
-    usable = TOP - BOTTOM - GAP * (len(panels) - 1)
-    bottom = TOP + GAP
-    for panel in panels:
-        height = usable * panel.share / shares
-        bottom -= height + GAP
-        _draw_panel(figure.add_axes((LEFT, bottom, RIGHT - LEFT, height)), panel, condition, last=panel is panels[-1])
-    return figure
+    def __init__(self, signals: Sequence[str], banded: bool) -> None:
+        from matplotlib.figure import Figure
+
+        self.figure = Figure(figsize=(WIDTH, HEIGHT))
+        self.figure.patch.set_visible(False)
+        self._lines: dict[str, Any] = {}
+        self._bands: dict[str, Any] = {}
+        panels = [panel for panel in PANELS if any(curve.signal in signals for curve in panel.curves)]
+        shares = sum(panel.share for panel in panels)
+        usable = TOP - BOTTOM - GAP * (len(panels) - 1)
+        bottom = TOP + GAP
+        for panel in panels:
+            height = usable * panel.share / shares
+            bottom -= height + GAP
+            axes = self.figure.add_axes((LEFT, bottom, RIGHT - LEFT, height))
+            curves = [curve for curve in panel.curves if curve.signal in signals]
+            self._add_curves(axes, curves, banded)
+            _dress(axes, panel.title, legend=len(curves) > 1, last=panel is panels[-1])
+
+    def _add_curves(self, axes: Any, curves: Sequence[Curve], banded: bool) -> None:
+        from matplotlib.collections import PolyCollection
+
+        for curve in curves:
+            if banded and not curve.dashed:
+                band = PolyCollection([], color=curve.colour, alpha=0.22, linewidth=0.0)
+                self._bands[curve.signal] = axes.add_collection(band, autolim=False)
+            style = (0, (4, 2.5)) if curve.dashed else "-"
+            (line,) = axes.plot([], [], color=curve.colour, linewidth=1.2, linestyle=style, label=curve.label)
+            self._lines[curve.signal] = line
+
+    def show(self, condition: Condition) -> None:
+        """Fill the panels with one condition."""
+        from matplotlib.transforms import Bbox
+
+        time = condition.time
+        for axes in self.figure.axes:
+            axes.dataLim.set(Bbox.null())
+        for name, line in self._lines.items():
+            spread = condition.signals[name]
+            line.set_data(time, spread.mean)
+            line.axes.update_datalim(line.get_xydata())
+            if name in self._bands:
+                # As fill_between makes it: along the lower edge, back along the upper one.
+                low, high = np.column_stack([time, spread.lowest]), np.column_stack([time, spread.highest])
+                outline = np.vstack([high[:1], low, high[-1:], high[::-1]])
+                self._bands[name].set_verts([outline])
+                line.axes.update_datalim(outline)
+        for axes in self.figure.axes:
+            if len(time):
+                axes.set_xlim(0.0, float(np.ceil((time[-1] + time[0]) * 100.0) / 100.0))
+            axes.autoscale_view(scalex=not len(time))
 
 
-def _draw_panel(axes: Any, panel: Panel, condition: Condition, last: bool) -> None:
-    present = [curve for curve in panel.curves if curve.signal in condition.signals]
-    for curve in present:
-        spread = condition.signals[curve.signal]
-        if condition.tests > 1 and not curve.dashed:
-            axes.fill_between(
-                condition.time, spread.lowest, spread.highest, color=curve.colour, alpha=0.22, linewidth=0.0
-            )
-        style = (0, (4, 2.5)) if curve.dashed else "-"
-        axes.plot(condition.time, spread.mean, color=curve.colour, linewidth=1.2, linestyle=style, label=curve.label)
-    if len(condition.time):
-        axes.set_xlim(0.0, float(np.ceil((condition.time[-1] + condition.time[0]) * 100.0) / 100.0))
+@lru_cache(maxsize=4)
+def _frame(signals: tuple[str, ...], banded: bool) -> Frame:
+    return Frame(signals, banded)
+
+
+def _dress(axes: Any, title: str, legend: bool, last: bool) -> None:
     axes.margins(y=0.08)
-    axes.set_ylabel(panel.title, color=INK, fontsize=8.5)
+    axes.set_ylabel(title, color=INK, fontsize=8.5)
     axes.yaxis.set_label_coords(-0.08, 0.5)
     axes.locator_params(axis="y", nbins=5)
     axes.grid(True, axis="y", color=GRID, linewidth=0.5)
@@ -115,7 +152,7 @@ def _draw_panel(axes: Any, panel: Panel, condition: Condition, last: bool) -> No
         spine.set_color(INK)
         spine.set_linewidth(0.7)
     axes.tick_params(colors=INK, labelsize=8, width=0.7, length=3)
-    if len(present) > 1:
+    if legend:
         axes.legend(
             loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3, fontsize=8, frameon=False, labelcolor=INK,
             borderaxespad=0.0, borderpad=0.0, handlelength=1.8, columnspacing=1.4,
@@ -132,5 +169,5 @@ def tidy(svg: str) -> str:
     svg = re.sub(r"<!--.*?-->", "", svg, flags=re.DOTALL)
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r' id="[\w.]+_\d+"', "", svg)
-    svg = re.sub(r"(\d+\.\d{2})\d+", r"\1", svg)
-    return re.sub(r"\n\s*", "\n", svg)
+    svg = re.sub(r"(?<=\d\.\d\d)\d+", "", svg)
+    return re.sub(r"\n\s+", "\n", svg)

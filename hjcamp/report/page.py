@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from string import Template
@@ -23,7 +24,7 @@ SHADES = {
 }
 #: Pixels of the screen for a point of the drawing, whose smallest letters have 7 points.
 READABLE = 1.2
-PAGE = Template("""<!DOCTYPE html>
+ABOVE = Template("""<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
@@ -43,7 +44,8 @@ $tables
 <nav>
 $links
 </nav>
-$pictures
+""")
+BELOW = Template("""
 <h2 id="origin">Where this comes from</h2>
 <div class="scroll"><table>
 $origin
@@ -55,35 +57,44 @@ $configuration
 """)
 
 
+@dataclass(frozen=True)
+class Picture:
+    """A picture of the page: its caption, and what draws it as SVG when its turn comes."""
+
+    caption: str
+    draw: Callable[[], str]
+
+
 def build_page(
     *,
     title: str,
     facts: Sequence[str],
     verdict: str,
     sheets: Sequence[Sheet],
-    pictures: Mapping[str, tuple[str, str]],
+    pictures: Mapping[str, Picture],
     origin: Sequence[tuple[str, str]],
     command: str,
     configuration: str,
-) -> str:
-    """Return the HTML of the report; every text is escaped.
+) -> Iterator[str]:
+    """Yield the HTML of the report piece by piece, one picture after the other; every text is escaped.
 
-    ``pictures`` maps a condition to its SVG and caption, ``origin`` are name and value of what made the run,
-    ``command`` runs it again.
+    ``pictures`` are those of the conditions by name, ``origin`` are name and value of what made the run, ``command``
+    runs it again.
     """
     numbered = {name: f"condition-{number}" for number, name in enumerate(pictures, start=1)}
     again = f"<h3>Run it again</h3>\n<pre>{escape(command)}</pre>" if command else ""
     shown = f"<details><summary>Configuration as asked</summary>\n<pre>{escape(configuration)}</pre></details>"
-    return PAGE.substitute(
+    yield ABOVE.substitute(
         title=escape(title),
         style=STYLE.read_text(encoding="utf-8"),
         facts=escape(" · ".join(facts)),
         verdict=f'<p class="verdict">{escape(verdict)}</p>' if verdict else "",
         tables="\n".join(table_html(sheet) for sheet in sheets),
         links="\n".join(f'<a href="#{anchor}">{escape(name)}</a>' for name, anchor in numbered.items()),
-        pictures="\n".join(
-            picture_html(name, numbered[name], svg, caption) for name, (svg, caption) in pictures.items()
-        ),
+    )
+    for number, (name, picture) in enumerate(pictures.items()):
+        yield ("\n" if number else "") + picture_html(name, numbered[name], picture.draw(), picture.caption)
+    yield BELOW.substitute(
         origin="\n".join(
             f'<tr><td>{escape(name)}</td><td class="fact">{escape(value)}</td></tr>' for name, value in origin
         ),

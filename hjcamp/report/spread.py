@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
 
+Array = NDArray[np.float64]
 MOST_POINTS = 400
 SIGNALS = (
     "reference_deg",
@@ -45,23 +46,68 @@ class Condition:
     signals: Mapping[str, Spread]
 
 
-def gather(name: str, logs: Sequence[TestLog], most_points: int = MOST_POINTS) -> Condition:
-    """Return mean and range of every signal over the repetitions, in at most ``most_points`` stretches of time.
+class Gathering:
+    """The repetitions of one condition, added one after the other; none of them is kept.
 
-    Peaks survive: each stretch keeps the lowest and highest sample of all repetitions. Repetitions of different length
-    are compared up to the end of the shortest, those without a command phase are left out; a signal counts where every
-    repetition has it.
+    Repetitions of different length are compared up to the end of the shortest, those without a command phase are left
+    out; a signal counts where every repetition has it.
     """
-    phases = [with_error(phase) for phase in (log.command_phase for log in logs) if len(phase["time_s"])]
-    samples = min((len(phase["time_s"]) for phase in phases), default=0)
-    size = max(1, -(-samples // most_points))
-    time = _stretches(phases[0]["time_s"][:samples], size).mean(axis=-1) if samples else np.empty(0)
-    signals: dict[str, Spread] = {}
-    for signal in SIGNALS if samples else ():
-        if all(signal in phase for phase in phases):
-            values = np.stack([_stretches(phase[signal][:samples], size) for phase in phases])
-            signals[signal] = Spread(values.mean(axis=(0, 2)), values.min(axis=(0, 2)), values.max(axis=(0, 2)))
-    return Condition(name, len(phases), time, signals)
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._tests = 0
+        self._time: Array = np.empty(0)
+        #: Sum, lowest and highest of each signal, sample by sample.
+        self._so_far: dict[str, tuple[Array, Array, Array]] = {}
+
+    def add(self, log: TestLog) -> None:
+        """Add one repetition."""
+        phase = with_error(log.command_phase)
+        if not len(phase["time_s"]):
+            return
+        self._tests += 1
+        if self._tests == 1:
+            self._time = phase["time_s"].copy()
+            there = [name for name in SIGNALS if name in phase]
+            self._so_far = {name: (phase[name].copy(), phase[name].copy(), phase[name].copy()) for name in there}
+            return
+        samples = min(len(self._time), len(phase["time_s"]))
+        self._time = self._time[:samples]
+        self._so_far = {
+            name: (total[:samples], lowest[:samples], highest[:samples])
+            for name, (total, lowest, highest) in self._so_far.items()
+            if name in phase
+        }
+        for name, (total, lowest, highest) in self._so_far.items():
+            values = phase[name][:samples]
+            np.add(total, values, out=total)
+            np.minimum(lowest, values, out=lowest)
+            np.maximum(highest, values, out=highest)
+
+    def condition(self, most_points: int = MOST_POINTS) -> Condition:
+        """Return mean and range of every signal over the repetitions, in at most ``most_points`` stretches of time.
+
+        Peaks survive: each stretch keeps the lowest and highest sample of all repetitions.
+        """
+        size = max(1, -(-len(self._time) // most_points))
+        time = _stretches(self._time, size).mean(axis=-1) if len(self._time) else self._time
+        signals = {
+            name: Spread(
+                _stretches(total, size).mean(axis=-1) / self._tests,
+                _stretches(lowest, size).min(axis=-1),
+                _stretches(highest, size).max(axis=-1),
+            )
+            for name, (total, lowest, highest) in self._so_far.items()
+        }
+        return Condition(self._name, self._tests, time, signals)
+
+
+def gather(name: str, logs: Iterable[TestLog], most_points: int = MOST_POINTS) -> Condition:
+    """Return the repetitions of one condition as `Gathering` condenses them."""
+    gathering = Gathering(name)
+    for log in logs:
+        gathering.add(log)
+    return gathering.condition(most_points)
 
 
 def with_error(phase: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
 from pathlib import Path
 
 import polars as pl
@@ -10,10 +11,11 @@ import polars as pl
 from hjcamp.storage import whole_file
 
 
-def replace_file(path: Path, content: bytes | str) -> None:
-    """Write ``content`` to ``path`` so that the name never holds a part of it; `HjcampError` where that fails."""
+def replace_file(path: Path, content: bytes | str | Iterator[str]) -> None:
+    """Write ``content``, or its pieces, to ``path``, whose name never holds a part of it; `HjcampError` where that fails."""
     with whole_file(path) as stream:
-        stream.write(content.encode("utf-8") if isinstance(content, str) else content)
+        for piece in (content,) if isinstance(content, bytes | str) else content:
+            stream.write(piece.encode("utf-8") if isinstance(piece, str) else piece)
 
 
 def write_frame(folder: Path, name: str, frame: pl.DataFrame) -> None:

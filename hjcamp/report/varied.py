@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hjcamp.report.indicators import CHOICES, COLUMNS, IDENTITY, configuration
 from hjcamp.report.published.configurations import leaves
-
-if TYPE_CHECKING:
-    from hjcamp.records.log import TestLog
 
 #: What belongs to the run, or follows from a parameter of another name.
 LEFT_OUT = ("repetitions", "seed", "controller_model")
@@ -18,16 +15,18 @@ SEPARATOR = "__"
 
 
 def varied(
-    logs: Sequence[TestLog], rows: Sequence[Mapping[str, Any]], axes: Mapping[str, Sequence[str]]
+    attached: Sequence[bytes], rows: Sequence[Mapping[str, Any]], axes: Mapping[str, Sequence[str]]
 ) -> dict[str, list[Any]]:
-    """Return one column for each axis and each parameter that varies, a value per log.
+    """Return one column for each axis and each parameter that varies, a value per log with its attached configuration.
 
     An axis of one parameter holds its values under the parameter's full name, any other its labels under its own name.
     A parameter that differs only because a choice does (that of its group, or all choices together) is left out.
     """
-    attached = [log.attachments.get("config.yaml", b"") for log in logs]
     flat = {text: dict(leaves(configuration(text), "")) for text in dict.fromkeys(attached)}
     labels = [labels_of(str(row["condition"]), axes) for row in rows]
+    # Repetitions say nothing new: one of each condition decides whether a parameter varies.
+    choices = [tuple(row[group] for group in CHOICES) for row in rows]
+    distinct = [(flat[text], chosen) for text, chosen in dict.fromkeys(zip(attached, choices, strict=True))]
     columns: dict[str, list[Any]] = {}
     for axis in axes:
         if axis in CHOICES:
@@ -38,10 +37,9 @@ def varied(
             name = f"axis_{axis}" if axis in (*COLUMNS, *IDENTITY) else axis
             columns[name] = [found.get(axis) for found in labels]
     for key in dict.fromkeys(key for known in flat.values() for key in known):
-        if key.split(".")[0] not in LEFT_OUT and not key.endswith(".name") and key not in columns:
-            values = [flat[text].get(key) for text in attached]
-            if _varies(key, values, rows, [flat[text] for text in attached]):
-                columns[key] = values
+        known_otherwise = key.split(".")[0] in LEFT_OUT or key.endswith(".name") or key in columns
+        if not known_otherwise and _varies(key, distinct):
+            columns[key] = [flat[text].get(key) for text in attached]
     return {name: _one_type(values) for name, values in columns.items() if any(value is not None for value in values)}
 
 
@@ -63,14 +61,12 @@ def labels_of(condition: str, axes: Mapping[str, Sequence[str]]) -> dict[str, st
     return dict(zip(names, matched(condition, 0) or [], strict=False))
 
 
-def _varies(
-    key: str, values: Sequence[Any], rows: Sequence[Mapping[str, Any]], configurations: Sequence[Mapping[str, Any]]
-) -> bool:
+def _varies(key: str, distinct: Sequence[tuple[Mapping[str, Any], tuple[str | None, ...]]]) -> bool:
     name = f"{key.split('.')[0]}.name"
     seen: dict[Any, str] = {}
-    for value, row, known in zip(values, rows, configurations, strict=True):
-        chosen = known[name] if name in known else tuple(row[group] for group in CHOICES)
-        if known and seen.setdefault(chosen, _text(value)) != _text(value):
+    for known, choices in distinct:
+        text = _text(known.get(key))
+        if known and seen.setdefault(known.get(name, choices), text) != text:
             return True
     return False
 
