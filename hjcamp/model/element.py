@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.port import KINDS, Port
@@ -31,7 +31,7 @@ class Element:
     """What an element takes and becomes: ``offers`` maps names of its kind to its lines, in the words of ``Line``.
 
     ``reads`` are arguments that an effect may read; ``rate`` is the line that is the rate of a state, empty where the
-    element is a quantity of its own.
+    element is a quantity of its own. ``hints`` says which argument gives a name that is not called like one.
     """
 
     name: str
@@ -41,6 +41,7 @@ class Element:
     lines: tuple[Line, ...]
     offers: Mapping[str, str]
     rate: str = ""
+    hints: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def arguments(self) -> tuple[str, ...]:
@@ -52,7 +53,7 @@ CONTACT = Element(
     "contact",
     ("velocity", "push", "coulomb"),
     ("viscous", "static"),
-    ("travel", "load"),
+    ("travel", "load", "mass"),
     (
         Line("_push", "signal", "{push}", "push", "force before friction"),
         Line("_forward", "signal", "1.0 if {direction} > 0.0 or ({direction} == 0.0 and {name}_push > 0.0) else 0.0", "1",
@@ -66,7 +67,8 @@ CONTACT = Element(
     ),
     {"static": "{name}_static", "coulomb": "{name}_coulomb", "viscous": "{name}_viscous", "locks": "{name}_locks",
      "friction": "{name}", "velocity": "{velocity}", "speed": "{name}_speed", "push": "{name}_push",
-     "direction": "{direction}"},
+     "direction": "{direction}", "breakaway": "{breakaway}"},
+    hints={"breakaway": "static"},
 )  # fmt: skip
 BODY = Element(
     "body",
@@ -81,11 +83,12 @@ BODY = Element(
     {"force": "{load}", "mass": "{name}_mass", "velocity": "{state}", "acceleration": "{name}_acceleration",
      "push": "{name}_force"},
     rate="{name}_acceleration",
+    hints={"force": "load"},
 )  # fmt: skip
 STORE = Element(
     "store",
     ("inflow",),
-    ("capacity",),
+    ("capacity", "stiffness"),
     (),
     (
         Line("_inflow", "signal", "{inflow}", "inflow", "net flow in"),
@@ -96,6 +99,19 @@ STORE = Element(
         ),
     ),
     {"loss": "{name}_loss", "capacity": "{name}_capacity", "level": "{state}", "inflow": "{name}_inflow"},
+    rate="{name}_rate",
+)
+STIFF_STORE = Element(
+    "store",
+    STORE.needs,
+    STORE.takes,
+    STORE.reads,
+    (
+        *STORE.lines[:2],
+        Line("_stiffness", "slot", "{stiffness}", "stiffness", "rise of the level for each unit of what flows in"),
+        Line("_rate", "signal", "{name}_stiffness * ({name}_inflow - {name}_loss)", "inflow*stiffness", "rate of the level"),
+    ),
+    {"loss": "{name}_loss", "stiffness": "{name}_stiffness", "level": "{state}", "inflow": "{name}_inflow"},
     rate="{name}_rate",
 )
 PATH = Element(
@@ -177,7 +193,11 @@ def expand(call: ast.Call, target: str, state: str, several: bool, where: str) -
     pieces |= {"name": name, "direction": direction, "state": f"state.{state}" if state else ""}
     if element is CONTACT:
         _complete_contact(pieces, where)
-    if element is STORE:
+    if element is STORE and pieces["stiffness"]:
+        if pieces["capacity"]:
+            raise UsageError(f"{where}: give store '{name}' a capacity or a stiffness, which is 1 over it, not both")
+        element = STIFF_STORE
+    elif element is STORE:
         pieces["capacity"] = pieces["capacity"] or "1.0"
     lines, names = [], {}
     for read in element.reads:
@@ -232,6 +252,7 @@ def _complete_contact(pieces: dict[str, str], where: str) -> None:
         raise UsageError(
             f"{where}: the velocity of contact '{name}' must be a state (state.NAME), not {pieces['velocity']}"
         )
+    pieces["breakaway"] = f"{name}_static" if pieces["static"] else ""
     pieces["static"] = pieces["static"] or pieces["coulomb"]
     pieces["viscous"] = pieces["viscous"] or "0.0"
     for key in ("static", "coulomb", "viscous"):

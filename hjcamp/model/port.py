@@ -34,7 +34,7 @@ KINDS: dict[str, Kind] = {
             "contact",
             "dry friction between two bodies",
             ("static", "coulomb", "viscous", "locks", "friction"),
-            ("velocity", "speed", "push", "direction", "travel", "load"),
+            ("velocity", "speed", "push", "direction", "travel", "load", "mass", "breakaway"),
             {"speed": "velocity"},
         ),
         Kind(
@@ -60,10 +60,20 @@ class Port:
 
     Declared as a class attribute, ``seal = Port("contact", velocity="slider_velocity", ...)``, or made by an element
     of the equations. Ports of one ``group`` are alike (two lines of one make): an effect that is declared ``together``
-    acts on all of them with one set of parameters.
+    acts on all of them with one set of parameters. ``like`` maps a slot that is 0 without effects to a name of the plant
+    that has its usual size.
     """
 
-    def __init__(self, kind: str, *, name: str = "", group: str = "", subsystem: str = "", **names: str) -> None:
+    def __init__(
+        self,
+        kind: str,
+        *,
+        name: str = "",
+        group: str = "",
+        subsystem: str = "",
+        like: Mapping[str, str] | None = None,
+        **names: str,
+    ) -> None:
         if kind not in KINDS:
             raise unknown("kind of port", kind, KINDS)
         for local in names:
@@ -71,9 +81,27 @@ class Port:
                 raise unknown("name", local, KINDS[kind].names, f"a port of the kind '{kind}'")
         self.kind, self.name, self.group, self.subsystem = kind, name, group, subsystem
         self.names: Mapping[str, str] = names
+        self.like: Mapping[str, str] = like or {}
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = self.name or name
+
+    def but(self, names: Mapping[str, str]) -> Port:
+        """Return this place with some of its names for others of the plant."""
+        changed = {local: name for local, name in names.items() if local in KINDS[self.kind].names}
+        return Port(
+            self.kind,
+            name=self.name,
+            group=self.group,
+            subsystem=self.subsystem,
+            like=self.like,
+            **{**self.names, **changed},
+        )
+
+    def size_of(self, local: str) -> str:
+        """Return the plant's name that has the usual size of a name of this place."""
+        other = KINDS[self.kind].sizes.get(local, local)
+        return self.like.get(local) or self.names.get(other) or self.names[local]
 
     def lacks(self, wanted: set[str]) -> set[str]:
         """Return those of the wanted names that this place does not offer."""

@@ -11,7 +11,7 @@ from functools import cache, cached_property
 from typing import Any
 
 from hjcamp.errors import UsageError
-from hjcamp.model.element import CONTACT, ELEMENTS, called, expand
+from hjcamp.model.element import BODY, CONTACT, ELEMENTS, bare_name, called, expand
 from hjcamp.model.parameter import Contact
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
@@ -95,9 +95,27 @@ def _parsed(plant: Any) -> Vocabulary:
     function = ast.parse(textwrap.dedent("".join(lines))).body[0]
     assert isinstance(function, ast.FunctionDef)
     reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
+    reader.masses = _masses(function)
     for node in function.body:
         reader.read(node)
     return reader.vocabulary()
+
+
+def _masses(function: ast.FunctionDef) -> dict[str, str]:
+    """Return for each state whose rate is a body's, or a quotient, the parameter that stands for the mass."""
+    found = {}
+    for node in function.body:
+        if not isinstance(node, ast.Assign) or not isinstance(node.targets[0], ast.Attribute):
+            continue
+        value, mass = node.value, None
+        if isinstance(value, ast.BinOp) and isinstance(value.op, ast.Div):
+            mass = value.right
+        elif isinstance(value, ast.Call) and called(value) == BODY.name:
+            named = {keyword.arg: keyword.value for keyword in value.keywords}
+            mass = named.get("mass", value.args[1] if len(value.args) > 1 else None)
+        if mass is not None and ast.unparse(mass).startswith("parameter.") and bare_name(ast.unparse(mass)):
+            found[f"state.{node.targets[0].attr}"] = ast.unparse(mass)
+    return found
 
 
 class _Reader:
@@ -113,6 +131,7 @@ class _Reader:
         self.held: dict[str, str] = {}
         self.ports = dict(plant.ports)
         self.units: Any = None
+        self.masses: dict[str, str] = {}
 
     def read(self, node: ast.stmt) -> None:
         """Take one line of the equations."""
@@ -141,6 +160,8 @@ class _Reader:
             self._add(name, node.value, "rate" if of_rate else "plain", where, number)
 
     def _element(self, call: ast.Call, name: str, of_rate: bool, where: str, number: int) -> None:
+        if called(call) == CONTACT.name:
+            call = self._with_mass(call)
         place = expand(call, name, name if of_rate else "", self.several, where)
         port = place.port
         if port.name in self.ports:
@@ -156,6 +177,16 @@ class _Reader:
             self.held[names["velocity"]] = names["direction"]
         if of_rate:
             self._add(name, ast.parse(place.rate, mode="eval").body, "rate", where, number)
+
+    def _with_mass(self, call: ast.Call) -> ast.Call:
+        """Give a contact the mass that it brakes where the rate of its velocity says it."""
+        given = {keyword.arg: keyword.value for keyword in call.keywords}
+        velocity = given.get("velocity", call.args[0] if call.args else None)
+        mass = self.masses.get(ast.unparse(velocity)) if velocity is not None else None
+        if mass is None or "mass" in given or len(call.args) == len(CONTACT.arguments):
+            return call
+        keyword = ast.keyword("mass", ast.parse(mass, mode="eval").body)
+        return ast.Call(call.func, call.args, [*call.keywords, keyword])
 
     def _add(self, name: str, value: ast.expr, mark: str, where: str, number: int) -> None:
         kind = called(value)

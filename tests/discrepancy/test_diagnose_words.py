@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hjcamp.commands._diagnose_words import Told
-from hjcamp.effects.leakage import Leakage
+from hjcamp.effects import load_effects
 
 ROW = {"value": 2.79e-16, "unit": "m^3/(s*Pa)", "ci95": [2.6e-16, 3e-16]}
 CONTENT: dict[str, Any] = {
@@ -41,7 +41,7 @@ def told(**changed: Any) -> Told:
     found: Any = SimpleNamespace(
         steps=[step], final=final, baseline=None, confounded=confounded, reason="it is so", undecided=()
     )
-    return Told(found, CONTENT | changed, {"leakage": Leakage}, "published", 15.5, None)
+    return Told(found, CONTENT | changed, {"leakage": load_effects([])["leakage"]}, "published", 15.5, None)
 
 
 @pytest.mark.parametrize(
