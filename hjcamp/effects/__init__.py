@@ -33,9 +33,7 @@ def load_effects(folders: Sequence[Path] | None = None, plant: type[Plant] | str
     return dict(library_of(plant, folders).effects)
 
 
-def find_effect(
-    name: str, plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | None = None
-) -> type[Effect]:
+def find_effect(name: str, plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | None = None) -> type[Effect]:
     """Return the effect that a plant calls ``name``; one that does not fit is refused with its reason."""
     return library_of(plant, folders).find(name)
 

@@ -27,7 +27,9 @@ class FrictionDrift(Effect):
     settling_time = Parameter(
         "period", 1e4, (200.0, 1e5), "log-uniform", "time after which the rate has fallen to 37 %", shape=True
     )
-    pace = Parameter("speed", 50.0, (0.05, 50.0), "log-uniform", "speed at which travel counts as much as time", shape=True)
+    pace = Parameter(
+        "speed", 50.0, (0.05, 50.0), "log-uniform", "speed at which travel counts as much as time", shape=True
+    )
     travelled = State("travel", text="travel since the start of the command")
     last_position = State("travel", text="place one sample ago")
 

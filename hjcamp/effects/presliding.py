@@ -29,10 +29,22 @@ class Presliding(Effect):
 
     acts_on = "contact"
     compliance = Parameter(
-        "velocity*period/static", 5.0, (0.5, 100.0), "log-uniform", "mean deflection for each unit of force", shape=True, off=0.0
+        "velocity*period/static",
+        5.0,
+        (0.5, 100.0),
+        "log-uniform",
+        "mean deflection for each unit of force",
+        shape=True,
+        off=0.0,
     )
     fall_velocity = Parameter(
-        "speed", 0.05, (5e-3, 2.0), "log-uniform", "slip at which half of the extra static friction is gone", shape=True, off=0.0
+        "speed",
+        0.05,
+        (5e-3, 2.0),
+        "log-uniform",
+        "slip at which half of the extra static friction is gone",
+        shape=True,
+        off=0.0,
     )
     lateness = Parameter("1", 16.0, (0.0, 40.0), text="0: friction falls with any motion; large: with full slip only")
     deflection = State("velocity*period", 2e-3, text="deflection of the middle bristles", known=True)

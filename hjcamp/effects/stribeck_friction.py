@@ -20,7 +20,13 @@ class StribeckFriction(Effect):
 
     acts_on = "contact"
     stribeck_velocity = Parameter(
-        "speed", 0.1, (5e-3, 2.0), "log-uniform", "speed at which the extra friction has fallen to 37 %", shape=True, off=0.0
+        "speed",
+        0.1,
+        (5e-3, 2.0),
+        "log-uniform",
+        "speed at which the extra friction has fallen to 37 %",
+        shape=True,
+        off=0.0,
     )
 
     @staticmethod

@@ -99,7 +99,9 @@ def _bind_instance(instance: Any, effect: Any, plant: Any) -> type[Effect]:
         if place not in known:
             raise unknown("place", place, known, where)
         if known[place].kind != effect.acts_on:
-            raise UsageError(f"{where}: '{effect.name}' acts on a {effect.acts_on}, but '{place}' is a {known[place].kind}")
+            raise UsageError(
+                f"{where}: '{effect.name}' acts on a {effect.acts_on}, but '{place}' is a {known[place].kind}"
+            )
         ports.append(known[place].but(names))
         if lacks := ports[-1].lacks(wanted):
             raise UsageError(f"{where}: {_lacking(ports[-1], lacks)}")

@@ -216,7 +216,7 @@ def expand(call: ast.Call, target: str, state: str, several: bool, where: str) -
                     f"{where}: '{local}' of {element.name} '{name}' is the expression '{text_of}'; it must be a name"
                 )
     port = Port(
-        element.name, name=name, group=options.get("group", ""), subsystem=options.get("subsystem", ""), **names
+        element.name, name=name, group=options.get("group", ""), subsystem=options.get("subsystem", ""), like={}, **names
     )
     return Place(tuple(lines), port, pieces, element.rate.format_map(pieces))
 

@@ -304,5 +304,7 @@ COVERS = {
     "hard_stop": "travel_stop and stop_stiffness are parameters of the joint",
     "overflow": "a closed line has no brim",
     "flow_exponent": "no flow crosses between the lines but cross_leakage, which is laminar",
+    "backlash": "pump_backlash, which knows which flank the pressures press on",
+    "pendulum_weight": "gravity_load, in the payload's own mass and radius",
     "sensor_drift": "a test lasts seconds, and the sensors are read at rest before each",
 }
