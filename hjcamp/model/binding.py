@@ -7,6 +7,7 @@ import functools
 import math
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -16,7 +17,7 @@ import numpy as np
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.amount import Amount, dimension
 from hjcamp.model.amount_formula import evaluated, plain_functions
-from hjcamp.model.compose import Composition, check_effect
+from hjcamp.model.compose import check_effect
 from hjcamp.model.effect import Effect, Term
 from hjcamp.model.effect_units import check_units
 from hjcamp.model.element import ELEMENTS
@@ -64,7 +65,7 @@ def _bind(effect: Any, plant: Any) -> tuple[type[Effect], ...]:
     wanted = wanted_names(effect)
     ports = [port for port in read_vocabulary(plant).ports.values() if port.kind == effect.acts_on]
     if not ports:
-        raise Unfit(f"{where}: needs a {effect.acts_on} ({KINDS[effect.acts_on].text}); plant {plant.name} has none")
+        raise Unfit(f"{where}: needs {"an" if effect.acts_on[0] in "aeiou" else "a"} {effect.acts_on} ({KINDS[effect.acts_on].text}); plant {plant.name} has none")
     able = [port for port in ports if not port.lacks(wanted)]
     if not able:
         least = min(ports, key=lambda port: len(port.lacks(wanted)))
@@ -291,22 +292,25 @@ def usual_sizes(plant: Any) -> Mapping[str, float]:
 @functools.cache
 def _sizes_found(plant: Any) -> Mapping[str, float]:
     vocabulary = read_vocabulary(plant)
-    composition = Composition(plant)
-    scope = plain_functions(composition.signals_source())
+    lines = [(one.target, compile(one.expression, "<plant>", "eval")) for one in vocabulary.statements if one.mark != "rate"]
     generator = np.random.default_rng(20090403)
-    out = np.zeros(len(vocabulary.signals))
-    squares = []
+    regimes = {f"u_{port.names['direction']}" for port in vocabulary.ports.values() if "direction" in port.names}
+    squares: dict[str, list[float]] = {name: [] for name in vocabulary.signals}
     for _ in range(DRAWS):
-        z = [usual_state(state, generator) for state in plant.states.values()]
-        u = [usual_input(plant.inputs[name], generator) for name in composition.inputs]
-        p = [item.default for item in plant.parameters.values()]
-        scope["signals"](0.1, generator.choice((-1.0, 1.0)), z, u, p, out)
-        squares.append(out**2)
-    found = dict(zip(vocabulary.signals, np.sqrt(np.mean(squares, axis=0)).tolist(), strict=True))
+        scope = plain_functions("") | {f"p_{name}": item.default for name, item in plant.parameters.items()}
+        scope |= {f"s_{name}": usual_state(state, generator) for name, state in plant.states.items()}
+        scope |= {f"u_{name}": usual_input(given, generator) for name, given in plant.inputs.items()}
+        scope |= {name: float(generator.choice((-1.0, 1.0))) for name in sorted({*regimes, "u_direction"})}
+        with suppress(ArithmeticError, ValueError):  # what a plant's own check tells, line by line
+            for name, expression in lines:
+                scope[name] = eval(expression, scope)
+                if name in squares:
+                    squares[name].append(float(scope[name]) ** 2)
+    found = {name: math.sqrt(sum(all_of) / len(all_of)) for name, all_of in squares.items() if all_of}
     found |= {name: abs(item.default) for name, item in plant.parameters.items()}
     found |= {name: abs(item.typical) for name, item in plant.inputs.items()}
     found |= {name: abs(item.typical) for name, item in plant.states.items()}
-    return {name: size if size > 0.0 and np.isfinite(size) else 1.0 for name, size in found.items()}
+    return {name: size if size > 0.0 and math.isfinite(size) else 1.0 for name, size in found.items()}
 
 
 def usual_state(state: State, generator: np.random.Generator) -> float:

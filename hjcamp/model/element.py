@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 from hjcamp.errors import UsageError, unknown
@@ -175,11 +175,13 @@ def called(node: ast.AST) -> str:
     return node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
 
 
-def expand(call: ast.Call, target: str, state: str, several: bool, where: str) -> Place:
+def expand(
+    call: ast.Call, target: str, state: str, several: bool, where: str, plain: Collection[str] = ()
+) -> Place:
     """Return the lines and the port that an element stands for.
 
     ``target`` is what it is called if it has no ``name``; ``state`` the state whose rate it is assigned to, empty for
-    a plain name; with ``several`` contacts each has a regime of its own. Raises ``UsageError`` for an unknown,
+    a plain name; with ``several`` contacts each has a regime of its own; the lines named in ``plain`` are not for effects. Raises ``UsageError`` for an unknown,
     missing or repeated argument and for an element that is assigned to the wrong thing.
     """
     element = ELEMENTS[called(call)]
@@ -202,8 +204,9 @@ def expand(call: ast.Call, target: str, state: str, several: bool, where: str) -
     lines, names = [], {}
     for read in element.reads:
         if pieces[read]:
-            names[read] = bare_name(pieces[read]) or f"{name}_{read}"
-            if not bare_name(pieces[read]):
+            own = bare_name(pieces[read])
+            names[read] = own if own and own not in plain else f"{name}_{read}"
+            if names[read] != own:
                 lines.append((f"{name}_{read}", Line("", "signal", pieces[read], read, f"{name}: {read}")))
     for line in element.lines:
         text = Line("", line.mark, line.expression.format_map(pieces), line.unit, f"{name}: {line.text}")

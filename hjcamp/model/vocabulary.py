@@ -162,7 +162,8 @@ class _Reader:
     def _element(self, call: ast.Call, name: str, of_rate: bool, where: str, number: int) -> None:
         if called(call) == CONTACT.name:
             call = self._with_mass(call)
-        place = expand(call, name, name if of_rate else "", self.several, where)
+        plain = {one.target for one in self.statements if one.mark == "plain"}
+        place = expand(call, name, name if of_rate else "", self.several, where, plain)
         port = place.port
         if port.name in self.ports:
             raise UsageError(f"{where}: two places are called '{port.name}'; give one of them name='...'")
