@@ -65,7 +65,10 @@ def _bind(effect: Any, plant: Any) -> tuple[type[Effect], ...]:
     wanted = wanted_names(effect)
     ports = [port for port in read_vocabulary(plant).ports.values() if port.kind == effect.acts_on]
     if not ports:
-        raise Unfit(f"{where}: needs {"an" if effect.acts_on[0] in "aeiou" else "a"} {effect.acts_on} ({KINDS[effect.acts_on].text}); plant {plant.name} has none")
+        article = "an" if effect.acts_on[0] in "aeiou" else "a"
+        raise Unfit(
+            f"{where}: needs {article} {effect.acts_on} ({KINDS[effect.acts_on].text}); plant {plant.name} has none"
+        )
     able = [port for port in ports if not port.lacks(wanted)]
     if not able:
         least = min(ports, key=lambda port: len(port.lacks(wanted)))
@@ -292,7 +295,9 @@ def usual_sizes(plant: Any) -> Mapping[str, float]:
 @functools.cache
 def _sizes_found(plant: Any) -> Mapping[str, float]:
     vocabulary = read_vocabulary(plant)
-    lines = [(one.target, compile(one.expression, "<plant>", "eval")) for one in vocabulary.statements if one.mark != "rate"]
+    lines = [
+        (one.target, compile(one.expression, "<plant>", "eval")) for one in vocabulary.statements if one.mark != "rate"
+    ]
     generator = np.random.default_rng(20090403)
     regimes = {f"u_{port.names['direction']}" for port in vocabulary.ports.values() if "direction" in port.names}
     squares: dict[str, list[float]] = {name: [] for name in vocabulary.signals}
