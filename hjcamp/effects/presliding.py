@@ -30,8 +30,8 @@ class Presliding(Effect):
     acts_on = "contact"
     compliance = Parameter(
         "velocity*period/static",
-        5.0,
-        (0.5, 100.0),
+        1.0,
+        (0.02, 100.0),
         "log-uniform",
         "mean deflection for each unit of force",
         shape=True,

@@ -65,9 +65,8 @@ def _bind(effect: Any, plant: Any) -> tuple[type[Effect], ...]:
     wanted = wanted_names(effect)
     ports = [port for port in read_vocabulary(plant).ports.values() if port.kind == effect.acts_on]
     if not ports:
-        article = "an" if effect.acts_on[0] in "aeiou" else "a"
         raise Unfit(
-            f"{where}: needs {article} {effect.acts_on} ({KINDS[effect.acts_on].text}); plant {plant.name} has none"
+            f"{where}: needs {KINDS[effect.acts_on].one} ({KINDS[effect.acts_on].text}); plant {plant.name} has none"
         )
     able = [port for port in ports if not port.lacks(wanted)]
     if not able:
@@ -104,7 +103,7 @@ def _bind_instance(instance: Any, effect: Any, plant: Any) -> type[Effect]:
             raise unknown("place", place, known, where)
         if known[place].kind != effect.acts_on:
             raise UsageError(
-                f"{where}: '{effect.name}' acts on a {effect.acts_on}, but '{place}' is a {known[place].kind}"
+                f"{where}: '{effect.name}' acts on {KINDS[effect.acts_on].one}, but '{place}' is {KINDS[known[place].kind].one}"
             )
         ports.append(known[place].but(names))
         if lacks := ports[-1].lacks(wanted):
@@ -121,12 +120,12 @@ def wanted_names(effect: type[Effect]) -> set[str]:
     used = {name for term in terms for name in term.arguments} - own - {*EVERYWHERE}
     for name in effect.terms:
         if name not in kind.slots:
-            raise unknown("slot", name, kind.slots, f"{where}, on a {kind.name}")
+            raise unknown("slot", name, kind.slots, f"{where}, on {kind.one}")
     for name in sorted(own & {*kind.names, *EVERYWHERE}):
         raise UsageError(f"{where}: '{name}' is a name of every {kind.name}; give the parameter or state another one")
     for name in sorted(used):
         if name not in kind.names:
-            raise unknown("name", name, {*kind.names, *own, *EVERYWHERE}, f"{where}, on a {kind.name}")
+            raise unknown("name", name, {*kind.names, *own, *EVERYWHERE}, f"{where}, on {kind.one}")
     items: list[Any] = [*effect.parameters.values(), *effect.states.values()]
     for item in items:
         used |= set(re.findall(r"\b[A-Za-z_]\w*", item.unit)) & set(kind.names)

@@ -181,8 +181,8 @@ def expand(
     """Return the lines and the port that an element stands for.
 
     ``target`` is what it is called if it has no ``name``; ``state`` the state whose rate it is assigned to, empty for
-    a plain name; with ``several`` contacts each has a regime of its own; the lines named in ``plain`` are not for effects. Raises ``UsageError`` for an unknown,
-    missing or repeated argument and for an element that is assigned to the wrong thing.
+    a plain name; with ``several`` contacts each has a regime of its own; the lines in ``plain`` are not for effects.
+    Raises ``UsageError`` for an unknown, missing or repeated argument and for an element assigned to the wrong thing.
     """
     element = ELEMENTS[called(call)]
     if bool(element.rate) != bool(state):

@@ -22,6 +22,11 @@ class Kind:
     sizes: Mapping[str, str] = field(default_factory=dict)
 
     @property
+    def one(self) -> str:
+        """The kind as a sentence calls one of it."""
+        return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name}"
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Every name that an effect on this kind may use."""
         return (*self.slots, *self.reads)
