@@ -162,8 +162,12 @@ class PlaceBench:
     def along(self, values: Mapping[str, float]) -> Array:
         """Return the signals along the course with the effect, its parameters by their own names."""
         named = {f"{self.effect.name}.{name}": value for name, value in values.items()}
-        with np.errstate(all="ignore"):
-            return PlainModel(self.plant, (self.effect,), named).along(self.course)
+        try:
+            with np.errstate(all="ignore"):
+                return PlainModel(self.plant, (self.effect,), named).along(self.course)
+        except (ArithmeticError, ValueError) as problem:
+            shown = ", ".join(f"{key} = {value:g}" for key, value in values.items()) or "its defaults"
+            raise UsageError(f"effect {self.effect.name}: cannot be computed ({problem}) with {shown}") from None
 
     @cached_property
     def course(self) -> list[dict[str, float]]:
@@ -207,12 +211,8 @@ def finite_everywhere(bench: PlaceBench) -> str:
     places = [{item.name: _drawn(item, generator) for item in parameters} for _ in range(FINITE_DRAWS)]
     places += [{item.name: item.bounds[end] for item in parameters if _bounded(item)} for end in (0, 1)]
     for values in places:
-        shown = ", ".join(f"{key} = {value:g}" for key, value in values.items())
-        try:
-            finite = bool(np.all(np.isfinite(bench.along(values))))
-        except (ArithmeticError, ValueError) as problem:
-            raise UsageError(f"effect {bench.effect.name}: {problem}, with {shown}") from None
-        if not finite:
+        if not np.all(np.isfinite(bench.along(values))):
+            shown = ", ".join(f"{key} = {value:g}" for key, value in values.items())
             raise UsageError(f"effect {bench.effect.name}: not finite with {shown}")
     return f"{len(places)} places within the bounds"
 
