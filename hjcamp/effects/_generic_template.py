@@ -47,6 +47,7 @@ MEANINGS = {
     "speed": "without sign", "push": "force before friction", "direction": "0 held, +1 and -1 moving",
     "travel": "position along it", "load": "what presses on it", "mass": "what moves", "breakaway": "static friction of its own",
     "force": "outside force", "position": "of the mass", "acceleration": "of the mass", "loss": "flow lost",
+    "loss_below": "flow lost by the store below",
     "capacity": "inflow for one unit of level", "stiffness": "1 / capacity", "level": "what it holds", "inflow": "net, before losses",
     "flow": "what passes", "upstream": "level there", "downstream": "level there", "reading": "what it shows",
     "true": "true value", "command": "what is delivered", "demand": "what is asked", "supply": "what it draws on",

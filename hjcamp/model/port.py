@@ -50,7 +50,11 @@ KINDS: dict[str, Kind] = {
             {"force": "push"},
         ),
         Kind(
-            "store", "what holds a volume", ("loss", "capacity", "stiffness"), ("level", "inflow"), {"loss": "inflow"}
+            "store",
+            "what holds a volume",
+            ("loss", "loss_below", "capacity", "stiffness"),
+            ("level", "inflow"),
+            {"loss": "inflow", "loss_below": "inflow"},
         ),
         Kind("path", "what a flow passes", ("flow",), ("upstream", "downstream")),
         Kind("sensor", "what is measured", ("reading",), ("true",)),

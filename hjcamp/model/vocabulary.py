@@ -101,6 +101,15 @@ def _parsed(plant: Any) -> Vocabulary:
     return reader.vocabulary()
 
 
+def _find_next_stores(ports: dict[str, Port]) -> None:
+    """Let each store know the slot of what is lost by the one into which a path leads from it."""
+    stores = {port.names["level"]: port for port in ports.values() if port.kind == "store" and "level" in port.names}
+    for path in [port for port in ports.values() if port.kind == "path"]:
+        above, below = (stores.get(path.names.get(side, "")) for side in ("upstream", "downstream"))
+        if above and below and "loss" in below.names:
+            ports[above.name] = above.but({"loss_below": below.names["loss"]})
+
+
 def _masses(function: ast.FunctionDef) -> dict[str, str]:
     """Return for each state whose rate is a body's, or a quotient, the parameter that stands for the mass."""
     found = {}
@@ -240,6 +249,7 @@ class _Reader:
         statements = [self._guarded(one) for one in self.statements]
         readings = self.readings or tuple(item.sensor for item in self.plant.measured.values())
         limits = tuple(self.rename.limits)
+        _find_next_stores(self.ports)
         return Vocabulary(self.plant, tuple(statements), readings, limits, tuple(self.contacts), self.ports)
 
     def _guarded(self, one: Statement) -> Statement:

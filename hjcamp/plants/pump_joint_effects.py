@@ -303,6 +303,7 @@ COVERS = {
     "soft_stop": "travel_stop and stop_stiffness are parameters of the joint",
     "hard_stop": "travel_stop and stop_stiffness are parameters of the joint",
     "overflow": "a closed line has no brim",
+    "spill_over": "a closed line has no brim",
     "flow_exponent": "no flow crosses between the lines but cross_leakage, which is laminar",
     "backlash": "pump_backlash, which knows which flank the pressures press on",
     "pendulum_weight": "gravity_load, in the payload's own mass and radius",

@@ -23,7 +23,7 @@ FITS = {
     "position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag sensor_offset soft_stop "
     "spring static_friction_ageing stribeck_excess viscous_asymmetry",
     "tanks": "command_delay cross_leakage dead_band flow_exponent_at_between flow_exponent_at_outflow leakage_at_lower "
-    "leakage_at_upper overflow_at_lower overflow_at_upper saturation sensor_drift sensor_gain sensor_lag sensor_offset",
+    "leakage_at_upper overflow_at_lower overflow_at_upper saturation sensor_drift sensor_gain sensor_lag sensor_offset spill_over",
 }
 
 
@@ -74,6 +74,7 @@ def test_signs_are_bounds() -> None:
         ("load_friction", "axis", "needs load, .* write contact\\(\\.\\.\\., load=\\.\\.\\.\\)"),
         ("eccentricity", "axis", "needs its true in rad, not m, at sensor 'encoder' of plant axis"),
         ("entrained_air", "tanks", "needs stiffness, .* write store\\(\\.\\.\\., stiffness=\\.\\.\\.\\)"),
+        ("spill_over", "rotor", "needs loss_below, which store 'pressure' does not offer"),
         ("spring", "tanks", "needs a body \\(a mass that forces move\\); plant tanks has none"),
         ("backlash", "tanks", "needs a transmission"),
         ("gravity_load", "axis", "written in the names of plant pump_joint"),

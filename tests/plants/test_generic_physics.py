@@ -206,6 +206,15 @@ def test_losses_of_a_store() -> None:
         assert over.rates(place)["upper"] == pytest.approx(0.15 - 0.05 * sqrt(level) - 2.0 * max(level - 6.0, 0.0))
 
 
+@pytest.mark.parametrize("caught", [0.0, 0.4, 1.0])
+def test_what_spills_falls_into_the_tank_below(caught: float) -> None:
+    place = {"upper": 7.0, "lower": 1.0, "pump": 3.0}
+    made, plain = model("tanks", "spill_over", brim=6.0, spill=2.0, caught=caught), PlainModel(find_plant("tanks"))
+    apart = {tank: made.rates(place)[tank] - plain.rates(place)[tank] for tank in ("upper", "lower")}
+    assert apart == pytest.approx({"upper": -2.0, "lower": caught * 2.0})
+    assert made.rates(place | {"upper": 5.0}) == plain.rates(place | {"upper": 5.0})
+
+
 def test_half_a_power_more_makes_a_root_a_line() -> None:
     made = model("tanks", "flow_exponent_at_outflow", exponent=0.5, reference=1.0)
     for level in (0.0, 0.5, 4.0):
