@@ -262,6 +262,12 @@ class Composition:
 
 
 def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
+    """Refuse an effect that does not fit the plant, or with a method that is no formula of numbers."""
+    check_names(effect, plant)
+    check_functions(effect)
+
+
+def check_names(effect: type[Effect], plant: type[Plant]) -> None:
     """Refuse an effect whose slots, arguments or order do not fit the plant, with the nearest allowed name."""
     vocabulary = read_vocabulary(plant)
     where = f"effect {effect.name or effect.__name__}"
@@ -290,7 +296,6 @@ def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
                 allowed = everywhere | set(vocabulary.signals)
                 if argument not in allowed:
                     raise unknown("name", argument, allowed, f"{where}, method '{prefix}{own}'")
-    check_functions(effect)
 
 
 def check_functions(effect: type[Effect]) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.binding import Unfit, bind, bind_instance, wanted_names
-from hjcamp.model.compose import check_effect, check_functions
+from hjcamp.model.compose import check_functions, check_names
 from hjcamp.model.effect import Effect
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_file import is_users
@@ -79,7 +79,7 @@ def _of_file(
     if instances:
         bound = [bind_instance(instance, effect, plant) for instance in instances]
         for one in bound:
-            check_effect(one, plant)
+            check_names(one, plant)
         return bound
     if name in plant.covers:
         raise Unfit(f"effect {name}: plant {plant.name} needs none: {plant.covers[name]}")
@@ -88,7 +88,7 @@ def _of_file(
         check_functions(effect)
         return bind(effect, plant)
     try:
-        check_effect(effect, plant)
+        check_names(effect, plant)
     except UsageError as problem:
         if effect.plant:
             raise
