@@ -109,7 +109,13 @@ STIFF_STORE = Element(
     (
         *STORE.lines[:2],
         Line("_stiffness", "slot", "{stiffness}", "stiffness", "rise of the level for each unit of what flows in"),
-        Line("_rate", "signal", "{name}_stiffness * ({name}_inflow - {name}_loss)", "inflow*stiffness", "rate of the level"),
+        Line(
+            "_rate",
+            "signal",
+            "{name}_stiffness * ({name}_inflow - {name}_loss)",
+            "inflow*stiffness",
+            "rate of the level",
+        ),
     ),
     {"loss": "{name}_loss", "stiffness": "{name}_stiffness", "level": "{state}", "inflow": "{name}_inflow"},
     rate="{name}_rate",
@@ -175,9 +181,7 @@ def called(node: ast.AST) -> str:
     return node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
 
 
-def expand(
-    call: ast.Call, target: str, state: str, several: bool, where: str, plain: Collection[str] = ()
-) -> Place:
+def expand(call: ast.Call, target: str, state: str, several: bool, where: str, plain: Collection[str] = ()) -> Place:
     """Return the lines and the port that an element stands for.
 
     ``target`` is what it is called if it has no ``name``; ``state`` the state whose rate it is assigned to, empty for
@@ -219,7 +223,12 @@ def expand(
                     f"{where}: '{local}' of {element.name} '{name}' is the expression '{text_of}'; it must be a name"
                 )
     port = Port(
-        element.name, name=name, group=options.get("group", ""), subsystem=options.get("subsystem", ""), like={}, **names
+        element.name,
+        name=name,
+        group=options.get("group", ""),
+        subsystem=options.get("subsystem", ""),
+        like={},
+        **names,
     )
     return Place(tuple(lines), port, pieces, element.rate.format_map(pieces))
 
