@@ -239,3 +239,59 @@ def test_a_plant_names_its_own_instances(folder: Path) -> None:
         path.write_text(text.replace(old, new))
         with pytest.raises(UsageError, match=said):
             library_of("axis")
+
+
+TWO = '''"""Two carriages."""
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, body, contact, outside, sensor
+
+
+class Two(Plant):
+    """Two carriages on one guide, coupled by a spring."""
+
+    x = State("m", typical=0.1)
+    v = State("m/s", typical=0.05)
+    y = State("m", typical=0.1)
+    w = State("m/s", typical=0.05)
+    pull = Input("N", typical=50.0)
+    stiffness = Parameter("N/m", 1e4)
+    mass = Parameter("kg", 10.0, base=True)
+    dry1 = Parameter("N", 20.0)
+    dry2 = Parameter("N", 5.0)
+    stuck2 = Parameter("N", 8.0)
+    x_m = Measured("gauge_x", of="x")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        load = outside("N")
+        between = parameter.stiffness * (state.y - state.x)
+        first = contact(state.v, push=drive.pull + between + load, coulomb=parameter.dry1, load=between)
+        second = contact(state.w, push=-between, coulomb=parameter.dry2, static=parameter.stuck2, travel=state.y)
+        rate.x = state.v
+        rate.v = body(drive.pull + between + load - first, mass=parameter.mass, load=load, position=state.x)
+        rate.y = state.w
+        rate.w = (-between - second) / parameter.mass
+        gauge_x = sensor(state.x)
+'''
+
+
+def test_at_two_contacts_an_effect_acts_on_each_and_on_those_alone_that_offer_its_names(folder: Path) -> None:
+    (folder / "plants" / "two.py").write_text(TWO)
+    plant, found = find_plant("two"), load_effects(plant="two")
+    for name in ("coulomb_asymmetry", "presliding", "stribeck_excess", "static_friction_ageing"):
+        assert {f"{name}_at_first", f"{name}_at_second"} <= set(found) and name not in found
+    assert {"stribeck_friction", "position_friction", "load_friction"} <= set(found)
+    # the load is a line that is no slot or signal: it is made one for whoever reads it
+    assert found["load_friction"].terms["first_coulomb"].arguments == ("first_load", "coefficient")
+    assert found["coulomb_asymmetry_at_second"].terms["second_static"].arguments[1] == "direction_second"
+    for name in ("coulomb_asymmetry_at_first", "coulomb_asymmetry_at_second", "load_friction"):
+        for check in PLACE_CHECKS.values():
+            assert check(PlaceBench(found[name], plant))
+
+
+def test_a_store_has_a_capacity_or_a_stiffness(folder: Path) -> None:
+    path = folder / "plants" / "rotor.py"
+    path.write_text(
+        path.read_text().replace("stiffness=parameter.stiffness)", "capacity=1.0, stiffness=parameter.stiffness)")
+    )
+    with pytest.raises(UsageError, match="store 'pressure' a capacity or a stiffness, which is 1 over it, not both"):
+        library_of("rotor")
