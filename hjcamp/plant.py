@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import atan2, copysign, cos, exp, hypot, log, pi, sin, sqrt, tan, tanh
 
+from hjcamp.model.instance import Instance
 from hjcamp.model.marks import (
     actuator,
     body,
@@ -22,7 +23,7 @@ from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 
 __all__ = [
-    "Contact", "Cut", "Input", "Measured", "Parameter", "Plant", "Port", "State", "actuator", "atan2", "body", "contact",
+    "Contact", "Cut", "Input", "Instance", "Measured", "Parameter", "Plant", "Port", "State", "actuator", "atan2", "body", "contact",
     "copysign", "cos", "exp", "hypot", "limited", "log", "outside", "path", "pi", "sensor", "signal", "sin", "slot",
     "sqrt", "store", "tan", "tanh", "transmission",
 ]  # fmt: skip

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from hjcamp.errors import HjcampError, UsageError
 
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from hjcamp.model.effect import Effect
+    from hjcamp.model.plant import Plant
+
 RUN_S = 15.0  # a test of the checks takes well under a second
 FORMATS = (".pdf", ".png", ".svg")
-USAGE = "hjcamp effects [NAME [OVERRIDE...]] | effects new NAME | effects test NAME"
+USAGE = (
+    "hjcamp effects [NAME [OVERRIDE...]] | effects new NAME [--on KIND] | effects test NAME, each with --plant PLANT"
+)
 # Fast and slow moves, reversals and rests at a high preload with dither: every effect has its moment. Open loop, for in
 # closed loop one slip that comes earlier changes all that follow. The draws of the rig are left out.
 TEST = (
@@ -46,61 +55,109 @@ def effects(
         typer.Option("--figure", help="Where the picture goes (png, svg, pdf); effect_NAME.png if not given."),
     ] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="No picture.")] = False,
+    plant: Annotated[
+        str, typer.Option(help="Which plant's effects; pump_joint if not given.", show_default=False)
+    ] = "",
+    on: Annotated[
+        str, typer.Option(help="With new: write it for this kind of place, on any plant.", show_default=False)
+    ] = "",
 ) -> None:
     """Show the effect library, or one effect with a picture; write and test an effect of one's own."""
+    if on and (words or [])[:1] != ["new"]:
+        raise UsageError(f"--on is for a new effect: {USAGE}")
     match words or []:
         case []:
-            show_catalogue()
+            show_catalogue(plant)
         case ["new", name]:
-            write_new(name)
+            write_new(name, plant, on)
         case ["test", name]:
-            test_effect(name)
+            test_effect(name, plant)
         case ["new" | "test", *_]:
             raise UsageError(f"give one name: {USAGE}")
         case [name, *overrides]:
-            config = None if no_figure else configured(overrides)
+            from hjcamp.plants import DEFAULT
+
+            pictured = not no_figure and is_pictured(name, plant or DEFAULT)
+            if not pictured and (figure or overrides) and not no_figure:
+                raise UsageError(f"effect {name}: pictures are of tests of {DEFAULT}; leave out --figure and overrides")
+            config = configured(overrides) if pictured else None
             path = figure or Path(f"effect_{name}.png")
             check_suffix(path)
-            show_effect(name)
+            show_effect(name, plant)
             if config is not None:
                 draw(name, config, path)
 
 
-def show_catalogue() -> None:
-    """Print every effect: subsystem, what it is, its parameters."""
+def show_catalogue(plant: str = "") -> None:
+    """Print every effect of a plant, and without one those for any plant: where it acts, what it is, its parameters."""
     from rich.table import Table
 
     from hjcamp.campaign.console import make_console
-    from hjcamp.effects import load_effects
-    from hjcamp.plants.pump_joint import PumpJoint
+    from hjcamp.effects import effect_files, library_of
+    from hjcamp.model.port import KINDS
+    from hjcamp.plants import DEFAULT
 
-    table = Table(box=None, header_style="bold", pad_edge=False)
-    for column in ("subsystem", "effect", "what the published model leaves out", "parameters"):
-        table.add_column(column, no_wrap=column == "effect")
-    library = load_effects()
-    for name, effect in sorted(library.items(), key=lambda item: PumpJoint.subsystems.index(item[1].subsystem)):
-        table.add_row(effect.subsystem, name, effect.sentence(), ", ".join(effect.parameters))
+    library = library_of(plant or DEFAULT)
+    parts = [*library.plant.subsystems, *KINDS]
+    generic = {} if plant else {name: effect for name, effect in effect_files().items() if effect.acts_on}
+    shown = [(effect.subsystem, name, effect) for name, effect in library.effects.items()]
+    others = [(effect.acts_on, name, effect) for name, effect in generic.items()]
     console = make_console()
-    console.print(table)
-    console.print(f"  {len(library)} effects; one of them: hjcamp effects NAME", style="dim", markup=False)
+    for heading, rows in (("subsystem", shown), ("kind of place", others)):
+        table = Table(box=None, header_style="bold", pad_edge=False)
+        for column in (heading, "effect", "what the published model leaves out", "parameters"):
+            table.add_column(column, no_wrap=column == "effect")
+        for part, name, effect in sorted(rows, key=lambda row: parts.index(row[0]) if row[0] in parts else len(parts)):
+            table.add_row(part, name, effect.sentence(), ", ".join(effect.parameters))
+        if rows:
+            console.print(table)
+        said = f"{len(rows)} effects; one of them: hjcamp effects NAME"
+        if rows is shown:
+            said += f" --plant {plant}; what does not fit: hjcamp plants {plant}" if plant else ""
+        else:
+            said = f"{len(rows)} for any plant with such a place; which fit: hjcamp plants PLANT"
+        if rows or rows is shown:
+            console.print(f"  {said}", style="dim", markup=False, soft_wrap=True)
 
 
-def show_effect(name: str) -> None:
+def is_pictured(name: str, plant: str) -> bool:
+    """Return whether a test of the plant can be drawn with that effect; an unknown name is shown as such later."""
+    from hjcamp.effects import effect_files, library_of
+    from hjcamp.plants import DEFAULT
+
+    if plant != DEFAULT:
+        return False
+    return name in library_of(plant).effects or name not in effect_files()
+
+
+def shown_effect(name: str, plant: str) -> type[Effect]:
+    """Return the effect as the plant has it; where no plant is asked for and it has none, as its file holds it."""
+    from hjcamp.effects import effect_files, library_of
+    from hjcamp.plants import DEFAULT
+
+    library = library_of(plant or DEFAULT)
+    files = {} if plant else effect_files()
+    if name not in library.effects and name in files and files[name].acts_on:
+        return files[name]
+    return library.find(name)
+
+
+def show_effect(name: str, plant: str = "") -> None:
     """Print one effect: what it is, equation, validity, source, parameters, and on what it acts."""
     import inspect
 
     from rich.table import Table
 
     from hjcamp.campaign.console import make_console
-    from hjcamp.effects import find_effect
 
-    effect = find_effect(name)
+    effect = shown_effect(name, plant)
     console = make_console()
-    console.print(f"[bold]{name}[/bold]  ({effect.subsystem})")
+    console.print(f"[bold]{name}[/bold]  ({effect.subsystem or effect.acts_on})")
     text = inspect.cleandoc(effect.__doc__ or "").replace(".. math:: ", "    ")
     for line in text.splitlines():
         console.print(f"  {line}" if line.strip() else "", markup=False)
-    console.print(f"\n  acts on  {', '.join(effect.terms)}", markup=False)
+    place = f" of each {effect.acts_on}" if effect.acts_on else ""
+    console.print(f"\n  acts on  {', '.join(effect.terms)}{place}", markup=False)
     for state in effect.states.values():
         console.print(f"  own state  {state.name} [{state.unit}]  {state.text}", markup=False)
     table = Table(box=None, header_style="bold")
@@ -114,6 +171,14 @@ def show_effect(name: str) -> None:
             parameter.name, parameter.unit, f"{parameter.default:g}", bounds, parameter.prior, absent, parameter.text
         )
     console.print(table)
+    if effect.acts_on:
+        console.print(
+            "  units are names of the place, numbers multiples of what these usually are; "
+            f"in SI: hjcamp effects {name} --plant PLANT",
+            style="dim",
+            markup=False,
+            soft_wrap=True,
+        )
 
 
 def configured(overrides: list[str]) -> dict[str, Any]:
@@ -160,38 +225,68 @@ def draw(name: str, config: dict[str, Any], path: Path) -> None:
     console.print(f"\n  picture  {path}", markup=False, soft_wrap=True)
 
 
-def write_new(name: str) -> None:
-    """Write the template of an effect into ./effects."""
+def write_new(name: str, plant: str = "", on: str = "") -> None:
+    """Write the template of an effect into ./effects: in the names of pump_joint, or for a kind of place on any plant."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.effects import load_effects
+    from hjcamp.effects import effect_files, load_effects
+    from hjcamp.effects._generic_template import write_generic
     from hjcamp.effects._template import write_template
-    from hjcamp.plants.pump_joint import PumpJoint
+    from hjcamp.plants import DEFAULT, find_plant
 
-    path = write_template(name, Path("effects"), PumpJoint, load_effects([]))
+    folder, taken = Path("effects"), {*effect_files([]), *load_effects([])}
+    if on or plant not in ("", DEFAULT):
+        path = write_generic(name, folder, find_plant(plant) if plant else None, on, taken)
+    else:
+        path = write_template(name, folder, find_plant(DEFAULT, folders=[]), taken)
     console = make_console()
     console.print(f"  written  {path}", markup=False)
-    console.print(f"  next     hjcamp effects test {name}", markup=False)
+    where = f" --plant {plant}" if plant else " --plant PLANT" if on else ""
+    console.print(f"  next     hjcamp effects test {name}{where}", markup=False)
 
 
-def test_effect(name: str) -> None:
-    """Run the checks that every effect of the library passes on one effect."""
-    from hjcamp.campaign.compiling import Kernels, status
+def test_effect(name: str, plant: str = "") -> None:
+    """Run the checks that every effect of the library passes on one effect, at each of its places."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.effects import find_effect
-    from hjcamp.model.effect_checks import CHECKS, EffectBench, bench_simulator
+    from hjcamp.effects import library_of
     from hjcamp.model.effect_units import check_units
+    from hjcamp.plants import DEFAULT
+
+    library = library_of(plant or DEFAULT)
+    console = make_console()
+    for one in library.names.get(name, (name,)):
+        effect = library.find(one)
+        check_units(effect, library.plant)
+        checks = pump_checks(effect, console) if library.plant.name == DEFAULT else place_checks(effect, library.plant)
+        for check, answer in checks:
+            console.print(f"  {check:<26} {answer}", markup=False)
+        use = f"; use it: hjcamp run campaign=controllers '+effects.{one}={{}}'" if library.plant.name == DEFAULT else ""
+        console.print(f"[bold]{one}[/bold] passes{use}")
+
+
+def pump_checks(effect: type[Effect], console: Console) -> Iterator[tuple[str, str]]:
+    """Run the checks on simulated tests of the pump joint."""
+    from hjcamp.campaign.compiling import Kernels, status
+    from hjcamp.model.effect_checks import CHECKS, EffectBench, bench_simulator
     from hjcamp.model.time_limit import RunLimit
     from hjcamp.plants.pump_joint import PumpJoint
     from hjcamp.plants.pump_joint_menu import pump_courses
 
-    effect = find_effect(name)
-    check_units(effect, PumpJoint)
-    watch = RunLimit(RUN_S, f"effect {name}: one test of its checks")
+    watch = RunLimit(RUN_S, f"effect {effect.name}: one test of its checks")
     bench = EffectBench(effect, bench_simulator(PumpJoint, (effect,)), pump_courses(), watch)
-    console = make_console()
-    kernels = Kernels({f"the model with {name}": (bench.simulator.source, "follow")})
+    kernels = Kernels({f"the model with {effect.name}": (bench.simulator.source, "follow")})
     for number, (check, passes) in enumerate(CHECKS.items()):
         with status(console, kernels if not number else Kernels({}), f"checking: {check}"):
             found = passes(bench)
-        console.print(f"  {check:<26} {found}", markup=False)
-    console.print(f"[bold]{name}[/bold] passes; use it: hjcamp run campaign=controllers '+effects.{name}={{}}'")
+        yield check, found
+
+
+def place_checks(effect: type[Effect], plant: type[Plant]) -> Iterator[tuple[str, str]]:
+    """Run the checks that need no compiled model."""
+    from hjcamp.model.place_checks import PLACE_CHECKS, PlaceBench
+    from hjcamp.model.time_limit import time_limit
+
+    bench = PlaceBench(effect, plant)
+    for check, passes in PLACE_CHECKS.items():
+        with time_limit(4.0 * RUN_S, f"effect {effect.name}: one of its checks"):
+            answer = passes(bench)
+        yield check, answer

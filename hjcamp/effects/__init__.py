@@ -7,47 +7,54 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError, shown, unknown
-from hjcamp.model.binding import Library, library_for
 from hjcamp.model.catalogue import scan
 from hjcamp.model.effect import Effect
+from hjcamp.model.library import Library, library_for
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_folders import extension_folders
+from hjcamp.plants import DEFAULT, find_plant, load_plants
 
 
-def load_effects(folders: Sequence[Path] | None = None) -> dict[str, type[Effect]]:
-    """Return every effect by name, ours and the user's; a faulty file is refused, saying what is allowed."""
+def effect_files(folders: Sequence[Path] | None = None) -> dict[str, type[Effect]]:
+    """Return every effect as its file holds it, ours and the user's; a faulty file is refused, saying what is allowed."""
     chosen = extension_folders("effects") if folders is None else list(folders)
     return scan(Path(__file__).parent, __name__, Effect, chosen)
 
 
-def library_of(plant: type[Plant], folders: Sequence[Path] | None = None) -> Library:
+def library_of(plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | None = None) -> Library:
     """Return the effects that fit a plant, generic ones bound to its places, and why the others do not."""
-    return library_for(plant, load_effects(folders))
+    if isinstance(plant, str):
+        # ours does not depend on what plants the user has
+        plant = find_plant(plant, folders=[] if plant == DEFAULT else None)
+    return library_for(plant, effect_files(folders), lambda: load_plants().values())
 
 
-def find_effect(name: str, folders: Sequence[Path] | None = None) -> type[Effect]:
-    """Return the effect called ``name``."""
-    effects = load_effects(folders)
-    if name not in effects:
-        raise unknown("effect", name, effects)
-    return effects[name]
+def load_effects(folders: Sequence[Path] | None = None, plant: type[Plant] | str = DEFAULT) -> dict[str, type[Effect]]:
+    """Return every effect that fits a plant, by its name there, ours and the user's."""
+    return dict(library_of(plant, folders).effects)
+
+
+def find_effect(name: str, plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | None = None) -> type[Effect]:
+    """Return the effect that a plant calls ``name``; one that does not fit is refused with its reason."""
+    return library_of(plant, folders).find(name)
 
 
 def chosen_effects(
-    values: Mapping[str, Any], where: str = "effects"
+    values: Mapping[str, Any], where: str = "effects", plant: type[Plant] | str = DEFAULT
 ) -> tuple[list[type[Effect]], dict[str, dict[str, float]]]:
     """Return the effects of a configuration in alphabetical order, and their checked parameters.
 
     ``where`` is the path of ``values`` in the configuration; an effect without parameters has its defaults.
     """
-    library = load_effects()
+    library = library_of(plant)
     effects, checked = [], {}
     for name in sorted(values, key=str):
-        if name not in library:
-            raise unknown("effect", str(name), library, where)
+        if name not in library.effects and name not in {*library.unfit, *library.names}:
+            raise unknown("effect", str(name), library.effects, where)
+        effect = library.find(name)
         given = {} if values[name] is None else values[name]
         if not isinstance(given, Mapping):
             raise UsageError(f"{where}.{name} is {shown(given)}; give its parameters as {where}.{name}.PARAMETER=VALUE")
-        effects.append(library[name])
-        checked[name] = library[name].checked(given, where)
+        effects.append(effect)
+        checked[name] = effect.checked(given, where)
     return effects, checked

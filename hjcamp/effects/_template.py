@@ -29,6 +29,7 @@ class {title}(Effect):
     Source: where the equation comes from.
     """
 
+    plant = "{plant}"
     subsystem = "joint"
     stiffness = Parameter("N/rad", 0.5, (0.0, 50.0), text="force on the sliders for each radian", off=0.0)
 
@@ -41,7 +42,7 @@ class {title}(Effect):
 
 def template(name: str, plant: type[Plant]) -> str:
     """Return the text of the file ``name``.py for effects on ``plant``."""
-    return TEMPLATE.format(names=_names(plant), title=class_name(name))
+    return TEMPLATE.format(names=_names(plant), title=class_name(name), plant=plant.name)
 
 
 def write_template(name: str, folder: Path, plant: type[Plant], taken: Iterable[str]) -> Path:

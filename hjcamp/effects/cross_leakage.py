@@ -1,4 +1,4 @@
-"""Flow between the two lines."""
+"""Flow past a path."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from hjcamp.model.parameter import Parameter
 
 
 class CrossLeakage(Effect):
-    r"""Water passes from the line of higher pressure to the other one, in proportion to the difference.
+    r"""Some flow takes another way than the path, in proportion to the difference of the levels at its ends.
 
-    .. math:: q_{12} = G\,(p_1 - p_2)
+    .. math:: q \mathrel{+}= G\,(p_1 - p_2)
 
-    Seen as: the pressure difference decays while the sum of the pressures stays.
-    Not for: loss to the outside, where the sum falls (see leakage), or pistons that slip (see pump_backlash).
-    Source: laminar leakage flow, Merritt (1967), Hydraulic Control Systems, section 3.2; thesis 4.4.3.15.
+    Seen as: the difference between both sides decays while what they hold together stays.
+    Not for: loss to the outside, where both fall (see leakage).
+    Source: laminar leakage flow, Merritt (1967), Hydraulic Control Systems, section 3.2.
     """
 
-    subsystem = "lines"
-    conductance = Parameter("m^3/(s*Pa)", 2e-15, (0.0, 1e-11), text="flow for each pascal of difference", off=0.0)
+    acts_on = "path"
+    conductance = Parameter("flow/upstream", 0.02, (0.0, 10.0), text="flow for each unit of difference", off=0.0)
 
     @staticmethod
-    def cross_flow(pressure1, pressure2, conductance):
-        """Flow from line 1 to line 2, m^3/s."""
-        return conductance * (pressure1 - pressure2)
+    def flow(upstream, downstream, conductance):
+        """Flow past the path."""
+        return conductance * (upstream - downstream)

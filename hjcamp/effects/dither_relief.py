@@ -18,6 +18,7 @@ class DitherRelief(Effect):
     doi:10.1016/0005-1098(94)90209-7 (dither); thesis 5.2.
     """
 
+    plant = "pump_joint"
     subsystem = "joint"
     static_relief = Parameter("1/V", 0.2, (0.0, 0.8), text="share of static friction taken away by each volt", off=0.0)
     coulomb_relief = Parameter(

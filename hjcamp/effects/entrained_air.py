@@ -1,4 +1,4 @@
-"""Air bubbles in the water."""
+"""Air bubbles in a liquid."""
 
 from __future__ import annotations
 
@@ -7,29 +7,23 @@ from hjcamp.model.parameter import Parameter
 
 
 class EntrainedAir(Effect):
-    r"""Bubbles in a line make it softer at low pressure.
+    r"""Bubbles in the liquid make a store softer at low pressure.
 
     .. math:: \frac{1}{K} = \frac{1}{K_0} + \frac{V_a p_{atm}}{(p + p_{atm})^2}
 
-    with V_a the air of one line at atmospheric pressure, compressed isothermally.
-    Seen as: dp/dV that falls with pressure; a preload far from the usual one shows it.
-    Not for: delayed extra volume (see tubing_creep).
-    Source: thesis 4.4.3.4 - 4.4.3.6, 4.4.3.14.
+    with p the gauge pressure and V_a the air of one store at atmospheric pressure, compressed isothermally.
+    Seen as: a rise of pressure per volume that falls with pressure; a mean pressure far from the usual one shows it.
+    Not for: stores whose level is no pressure.
+    Source: Merritt (1967), Hydraulic Control Systems, section 2.2 (effective bulk modulus).
     """
 
-    subsystem = "lines"
-    air_volume = Parameter(
-        "m^3", 8.5e-9, (0.0, 3e-7), text="air of one line at atmospheric pressure (0.5 %: 8.5 mm3)", off=0.0
-    )
+    acts_on = "store"
+    together = True
+    only_in = {"level": ("Pa",)}  # noqa: RUF012
+    air_volume = Parameter("Pa/stiffness", 1e5, (0.0, 1e7), text="air of one store at atmospheric pressure", off=0.0)
 
     @staticmethod
-    def stiffness1(stiffness1, pressure1, air_volume):
-        """Give dp/dV of line 1 with its bubbles, Pa/m^3."""
-        absolute = max(pressure1 + 101325.0, 1000.0)
-        return stiffness1 / (1.0 + stiffness1 * air_volume * 101325.0 / (absolute * absolute))
-
-    @staticmethod
-    def stiffness2(stiffness2, pressure2, air_volume):
-        """Give dp/dV of line 2 with its bubbles, Pa/m^3."""
-        absolute = max(pressure2 + 101325.0, 1000.0)
-        return stiffness2 / (1.0 + stiffness2 * air_volume * 101325.0 / (absolute * absolute))
+    def stiffness(stiffness, level, air_volume):
+        """Give the stiffness with bubbles."""
+        absolute = max(level + 101325.0, 1000.0)
+        return stiffness / (1.0 + stiffness * air_volume * 101325.0 / (absolute * absolute))

@@ -22,38 +22,40 @@ class FrictionDrift(Effect):
     Armstrong-Helouvry (1991), Control of Machines with Friction, chapter 4.
     """
 
-    subsystem = "joint"
-    drift = Parameter("1/s", 0.05, (-1.0, 2.0), text="share of friction gained in each second at first", off=0.0)
+    acts_on = "contact"
+    drift = Parameter("1/period", 5e-5, (-1e-3, 2e-3), text="share of friction gained in each second at first", off=0.0)
     settling_time = Parameter(
-        "s", 10.0, (0.2, 100.0), "log-uniform", "time after which the rate has fallen to 37 %", shape=True
+        "period", 1e4, (200.0, 1e5), "log-uniform", "time after which the rate has fallen to 37 %", shape=True
     )
-    pace = Parameter("m/s", 1.0, (1e-3, 1.0), "log-uniform", "speed at which travel counts as much as time", shape=True)
-    travelled = State("m", 1e-6, 0.01, text="travel since the start of the command")
-    last_position = State("m", 1e-6, 0.01, text="travel of the sliders one sample ago")
+    pace = Parameter(
+        "speed", 50.0, (0.05, 50.0), "log-uniform", "speed at which travel counts as much as time", shape=True
+    )
+    travelled = State("travel", text="travel since the start of the command")
+    last_position = State("travel", text="place one sample ago")
 
     @staticmethod
-    def start_last_position(slider_position):
-        """Start where the sliders are, m."""
-        return slider_position
+    def start_last_position(travel):
+        """Start where it is."""
+        return travel
 
     @staticmethod
-    def next_travelled(travelled, last_position, slider_position, time):
-        """Add the way since the last sample, m."""
-        return travelled + abs(slider_position - last_position) if time > 0.0 else 0.0
+    def next_travelled(travelled, last_position, travel, time):
+        """Add the way since the last sample."""
+        return travelled + abs(travel - last_position) if time > 0.0 else 0.0
 
     @staticmethod
-    def next_last_position(slider_position):
-        """Keep this position, m."""
-        return slider_position
+    def next_last_position(travel):
+        """Keep this position."""
+        return travel
 
     @staticmethod
-    def friction_static(friction_static, time, travelled, drift, settling_time, pace):
-        """Static friction by now, N."""
+    def static(static, time, travelled, drift, settling_time, pace):
+        """Static friction by now."""
         progress = max(time, 0.0) + travelled / pace
-        return friction_static * max(0.05, 1.0 + drift * settling_time * (1.0 - exp(-progress / settling_time)))
+        return static * max(0.05, 1.0 + drift * settling_time * (1.0 - exp(-progress / settling_time)))
 
     @staticmethod
-    def friction_coulomb(friction_coulomb, time, travelled, drift, settling_time, pace):
-        """Coulomb friction by now, N."""
+    def coulomb(coulomb, time, travelled, drift, settling_time, pace):
+        """Coulomb friction by now."""
         progress = max(time, 0.0) + travelled / pace
-        return friction_coulomb * max(0.05, 1.0 + drift * settling_time * (1.0 - exp(-progress / settling_time)))
+        return coulomb * max(0.05, 1.0 + drift * settling_time * (1.0 - exp(-progress / settling_time)))

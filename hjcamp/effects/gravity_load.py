@@ -18,6 +18,7 @@ class GravityLoad(Effect):
     Source: thesis 5.5 and Figure 5.5.9 (8.5 g at 20 mm: 0.49 N at the sliders).
     """
 
+    plant = "pump_joint"
     subsystem = "joint"
     exact_in = ("arm_angle",)
     load_mass = Parameter("kg", 8.5e-3, (0.0, 0.5), text="mass of the payload", off=0.0)

@@ -1,4 +1,4 @@
-"""Loss of water from each line to the outside."""
+"""Loss from a store to the outside."""
 
 from __future__ import annotations
 
@@ -7,26 +7,22 @@ from hjcamp.model.parameter import Parameter
 
 
 class Leakage(Effect):
-    r"""Water is lost from each line, in proportion to its pressure and faster above a threshold.
+    r"""A store loses to the outside, in proportion to its level and faster above a threshold.
 
     .. math:: q_{leak} = G\,p + G_t \max(p - p_t, 0)
 
-    Seen as: both pressures fall with time, most at rest under high pressure.
-    Not for: water that comes back (see tubing_creep) or that goes to the other line (see cross_leakage).
-    Source: thesis 4.4.4 (0.03 MPa/s at 0.62 MPag, below 0.5 %/s under 0.58 MPag).
+    Seen as: levels that fall with time, most at rest and where they are high.
+    Not for: what goes to another store (see cross_leakage), or spills over a brim at once (see overflow).
+    Source: laminar leakage flow, Merritt (1967), Hydraulic Control Systems, section 3.2.
     """
 
-    subsystem = "lines"
-    conductance = Parameter("m^3/(s*Pa)", 2e-16, (0.0, 1e-11), text="flow for each pascal of line pressure", off=0.0)
-    threshold = Parameter("Pa", 0.59e6, (0.0, 2e6), text="pressure above which the fittings open", shape=True)
-    conductance_above = Parameter("m^3/(s*Pa)", 3.9e-14, (0.0, 1e-11), text="further flow per pascal above it", off=0.0)
+    acts_on = "store"
+    together = True
+    conductance = Parameter("loss/level", 0.02, (0.0, 10.0), text="flow for each unit of level", off=0.0)
+    threshold = Parameter("level", 1.0, (0.0, 4.0), text="level above which more is lost", shape=True)
+    conductance_above = Parameter("loss/level", 0.1, (0.0, 10.0), text="further flow for each unit above it", off=0.0)
 
     @staticmethod
-    def leak1(pressure1, conductance, threshold, conductance_above):
-        """Flow lost from line 1, m^3/s."""
-        return conductance * pressure1 + conductance_above * max(pressure1 - threshold, 0.0)
-
-    @staticmethod
-    def leak2(pressure2, conductance, threshold, conductance_above):
-        """Flow lost from line 2, m^3/s."""
-        return conductance * pressure2 + conductance_above * max(pressure2 - threshold, 0.0)
+    def loss(level, conductance, threshold, conductance_above):
+        """Flow lost."""
+        return conductance * level + conductance_above * max(level - threshold, 0.0)

@@ -19,6 +19,7 @@ class LineInertance(Effect):
     Source: thesis 4.4.2.1, 4.5.2; White (2011), Fluid Mechanics, 7th ed., section 3.3.
     """
 
+    plant = "pump_joint"
     subsystem = "lines"
     same_as = ("payload_inertia",)
     inertance = Parameter(

@@ -22,6 +22,7 @@ class LineResistance(Effect):
     Source: thesis 4.4.1.2 (Reynolds number below 900); White (2011), Fluid Mechanics, 7th ed., section 6.4.
     """
 
+    plant = "pump_joint"
     subsystem = "lines"
     resistance = Parameter("Pa*s/m^3", 2e10, (0.0, 2e12), text="pressure drop for each m^3/s in one line", off=0.0)
     far_share = Parameter("1", 0.5, (0.0, 1.0), text="share of the compliance on the joint's side of it")

@@ -16,6 +16,7 @@ class PayloadInertia(Effect):
     Source: thesis 4.5.2.1, 5.5.1 (8.5 g at 20 mm: 292 g).
     """
 
+    plant = "pump_joint"
     subsystem = "joint"
     load_mass = Parameter("kg", 8.5e-3, (0.0, 0.5), "log-normal", "mass of the payload", off=0.0)
     radius = Parameter("m", 0.02, (1e-3, 0.2), text="distance of the payload from the axis")

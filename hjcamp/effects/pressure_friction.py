@@ -20,6 +20,7 @@ class PressureFriction(Effect):
     doi:10.1243/13506501JET607 (reciprocating seals).
     """
 
+    plant = "pump_joint"
     subsystem = "joint"
     coefficient = Parameter("N/Pa", 1e-6, (0.0, 5e-5), text="friction added by each pascal of p1 + p2", off=0.0)
     reference = Parameter("Pa", 0.52e6, (0.2e6, 1.5e6), text="p1 + p2 at which base friction holds (published preload)")

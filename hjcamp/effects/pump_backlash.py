@@ -18,6 +18,7 @@ class PumpBacklash(Effect):
     Source: Nordin & Gutman (2002), Automatica 38(10), 1633-1649, doi:10.1016/S0005-1098(02)00047-X; thesis 3.8.
     """
 
+    plant = "pump_joint"
     subsystem = "pump"
     play = Parameter(
         "m", 2e-5, (2e-6, 5e-4), "log-uniform", "whole travel of the nut between both flanks", shape=True, off=0.0

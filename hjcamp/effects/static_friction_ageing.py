@@ -7,7 +7,7 @@ from hjcamp.model.parameter import Parameter, State
 
 
 class StaticFrictionAgeing(Effect):
-    r"""While the slider rests, its seals squeeze the water out and stick better.
+    r"""While a contact rests, it comes closer and sticks better.
 
     .. math:: F_s \leftarrow F_s\,\Bigl(1 + a\,\frac{t_r}{t_r + \gamma}\Bigr)
 
@@ -18,24 +18,26 @@ class StaticFrictionAgeing(Effect):
     doi:10.1016/0005-1098(94)90209-7 (rising static friction of the seven-parameter model).
     """
 
-    subsystem = "joint"
+    acts_on = "contact"
     growth = Parameter("1", 0.4, (0.0, 4.0), text="growth of static friction after a long rest", off=0.0)
-    half_time = Parameter("s", 0.3, (5e-3, 30.0), "log-uniform", "rest after which half of it has come", shape=True)
-    rest_before = Parameter("s", 2.0, (1e-2, 1e3), "log-uniform", "rest before the log began", shape=True)
-    rest_began = State("s", 1e-6, 1.0, text="time at which the slider came to rest")
+    half_time = Parameter(
+        "period", 300.0, (5.0, 3e4), "log-uniform", "rest after which half of it has come", shape=True
+    )
+    rest_before = Parameter("period", 2e3, (10.0, 1e6), "log-uniform", "rest before the log began", shape=True)
+    rest_began = State("s", 1e-6, 1.0, text="time at which the contact came to rest")
 
     @staticmethod
     def start_rest_began(time, rest_before):
-        """Start at rest, s."""
+        """Start at rest."""
         return time - rest_before
 
     @staticmethod
     def next_rest_began(rest_began, speed, time):
-        """Keep the time while the slider rests, else take this one, s."""
+        """Keep the time while the contact rests, else take this one."""
         return rest_began if speed < 1e-5 else time
 
     @staticmethod
-    def friction_static(friction_static, time, rest_began, growth, half_time):
-        """Static friction after this rest, N."""
+    def static(static, time, rest_began, growth, half_time):
+        """Static friction after this rest."""
         rest = max(time - rest_began, 0.0)
-        return friction_static * (1.0 + growth * rest / (rest + half_time))
+        return static * (1.0 + growth * rest / (rest + half_time))

@@ -9,20 +9,20 @@ from hjcamp.model.parameter import Parameter
 
 
 class StribeckFriction(Effect):
-    r"""Friction falls gradually from static to Coulomb as the seal starts to slide.
+    r"""Friction falls gradually from static to Coulomb as a contact starts to slide.
 
-    .. math:: f_c \mathrel{+}= (F_s - F_c)\, e^{-(\dot y / v_s)^2}
+    .. math:: f_c \mathrel{+}= (F_s - F_c)\, e^{-(v / v_s)^2}
 
     Seen as: a force that falls with speed after breakaway; slower slips, overshoot after each stick.
-    Not for: behaviour before breakaway (see presliding).
+    Not for: contacts without a static friction of their own (see stribeck_excess), or before breakaway (see presliding).
     Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138.
     """
 
-    subsystem = "joint"
+    acts_on = "contact"
     stribeck_velocity = Parameter(
-        "m/s",
-        6e-3,
-        (5e-4, 5e-2),
+        "speed",
+        0.1,
+        (5e-3, 2.0),
         "log-uniform",
         "speed at which the extra friction has fallen to 37 %",
         shape=True,
@@ -30,6 +30,6 @@ class StribeckFriction(Effect):
     )
 
     @staticmethod
-    def friction_coulomb(friction_coulomb, friction_static, speed, stribeck_velocity):
-        """Friction at this speed without its viscous part, N."""
-        return friction_coulomb + (friction_static - friction_coulomb) * exp(-((speed / stribeck_velocity) ** 2))
+    def coulomb(coulomb, breakaway, speed, stribeck_velocity):
+        """Friction at this speed without its viscous part."""
+        return coulomb + (breakaway - coulomb) * exp(-((speed / stribeck_velocity) ** 2))

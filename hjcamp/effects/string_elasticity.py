@@ -26,6 +26,7 @@ class StringElasticity(Effect):
     (1968), doi:10.21236/ADA041920.
     """
 
+    plant = "pump_joint"
     subsystem = "joint"
     compliance = Parameter("m/N", 4e-4, (1e-6, 3e-3), "log-uniform", "stretch for each newton in the string", off=0.0)
     arm_share = Parameter("1", 0.29, (0.1, 0.97), text="share of the moving mass and of the load that is on the arm")

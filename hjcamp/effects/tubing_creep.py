@@ -20,6 +20,7 @@ class TubingCreep(Effect):
     Source: Ferry (1980), Viscoelastic Properties of Polymers, 3rd ed., chapter 3; thesis 4.4.3.
     """
 
+    plant = "pump_joint"
     subsystem = "lines"
     share = Parameter("1", 0.15, (0.0, 3.0), text="delayed volume over immediate volume", off=0.0)
     delay = Parameter("s", 0.8, (0.02, 60.0), "log-uniform", "time constant of the slow delayed volume", shape=True)

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import copyreg
 import functools
+import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from hjcamp.errors import HjcampError, UsageError, unknown
+from hjcamp.errors import UsageError, unknown
 from hjcamp.model.amount import Amount, dimension
 from hjcamp.model.amount_formula import evaluated, plain_functions
-from hjcamp.model.compose import Composition, check_effect
+from hjcamp.model.compose import check_effect
 from hjcamp.model.effect import Effect, Term
+from hjcamp.model.effect_units import check_units
+from hjcamp.model.element import ELEMENTS
 from hjcamp.model.equation_units import Units
+from hjcamp.model.instance import Instance
 from hjcamp.model.parameter import Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import KINDS, Port
@@ -26,125 +33,216 @@ PERIOD = "period"
 DRAWS = 64
 
 
-@dataclass(frozen=True)
-class Library:
-    """The effects that fit a plant, by name, and for each effect that does not fit, the reason."""
-
-    effects: Mapping[str, type[Effect]]
-    unfit: Mapping[str, str]
+class Unfit(UsageError):  # noqa: N818 - it says what an effect is, not that somebody made a mistake
+    """A generic effect has no place in a plant, or none that offers what it uses; nothing is wrong with its file."""
 
 
-def library_for(plant: type[Plant], effects: Mapping[str, type[Effect]]) -> Library:
-    """Return which of the effects fit the plant, bound to its places, and why the others do not.
+class Bound(type):
+    """The type of an effect that was made for places of a plant: ``made_of`` says of what, for other processes."""
 
-    A generic effect is called by its own name where the plant has one place for it, ``name_at_place`` where it has more.
-    """
-    fitting: dict[str, type[Effect]] = {}
-    unfit: dict[str, str] = {}
-    for name, effect in effects.items():
-        try:
-            found = [effect] if not effect.acts_on else bind(effect, plant)
-            for one in found:
-                check_effect(one, plant)
-        except UsageError as problem:
-            unfit[name] = str(problem)
-            continue
-        for one in found:
-            if one.name in fitting:
-                raise UsageError(
-                    f"effect {name}: plant {plant.name} has an effect '{one.name}' already; choose another file name"
-                )
-            fitting[one.name] = one
-    return Library(fitting, unfit)
+    made_of: tuple[Any, ...]
 
 
 def bind(effect: type[Effect], plant: type[Plant]) -> list[type[Effect]]:
     """Return the effect bound to each place of its kind, to each group of places where it is declared ``together``.
 
-    Raises ``UsageError`` where the plant has no such place, or none that offers the names which the effect uses.
+    Raises ``Unfit`` where the plant has no such place, none that offers the names which the effect uses, or none of
+    fitting units, and ``UsageError`` where the file itself is wrong.
     """
+    hashable: Any = (effect, plant)
+    return list(_bind(*hashable))
+
+
+def bind_instance(instance: type[Instance], effect: type[Effect], plant: type[Plant]) -> type[Effect]:
+    """Return a generic effect at the places, and by the names, of the plant's ``instance`` of it."""
+    hashable: Any = (instance, effect, plant)
+    return _bind_instance(*hashable)
+
+
+@functools.cache
+def _bind(effect: Any, plant: Any) -> tuple[type[Effect], ...]:
     where = f"effect {effect.name or effect.__name__}"
+    wanted = wanted_names(effect)
     ports = [port for port in read_vocabulary(plant).ports.values() if port.kind == effect.acts_on]
     if not ports:
-        raise UsageError(
-            f"{where}: needs a {effect.acts_on} ({KINDS[effect.acts_on].text}); plant {plant.name} has none"
+        raise Unfit(
+            f"{where}: needs {KINDS[effect.acts_on].one} ({KINDS[effect.acts_on].text}); plant {plant.name} has none"
         )
-    wanted = _wanted(effect, where)
     able = [port for port in ports if not port.lacks(wanted)]
     if not able:
         least = min(ports, key=lambda port: len(port.lacks(wanted)))
-        lacks = ", ".join(sorted(least.lacks(wanted)))
-        raise UsageError(
-            f"{where}: needs {lacks}, which {least.kind} '{least.name}' does not offer: write "
-            f"{least.kind}(..., {', '.join(f'{name}=...' for name in sorted(least.lacks(wanted)))})"
-        )
+        raise Unfit(f"{where}: {_lacking(least, least.lacks(wanted))}")
+    problems: list[UsageError] = []
     groups: dict[str, list[Port]] = {}
     for port in able:
+        try:
+            _check_place(effect, plant, port)
+        except UsageError as problem:
+            problems.append(problem)
+            continue
         groups.setdefault(port.group if effect.together and port.group else port.name, []).append(port)
-    return [
-        _bound(effect, plant, chosen, effect.name if len(groups) == 1 else f"{effect.name}_at_{place}")
-        for place, chosen in groups.items()
-    ]
+    if not groups:
+        raise Unfit(f"{problems[0]}, at {able[0].kind} '{able[0].name}' of plant {plant.name}")
+    found = []
+    for place, chosen in groups.items():
+        name = effect.name if len(groups) == 1 else f"{effect.name}_at_{place}"
+        found.append(_bound(effect, plant, chosen, name, None))
+    return tuple(found)
 
 
-def _wanted(effect: type[Effect], where: str) -> set[str]:
-    own = {*effect.parameters, *effect.states, *EVERYWHERE}
-    terms = (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values())
-    used = {name for term in terms for name in term.arguments} - own
+@functools.cache
+def _bind_instance(instance: Any, effect: Any, plant: Any) -> type[Effect]:
+    where = f"effect {instance.name}, plant {plant.name}"
+    if not effect.acts_on:
+        raise UsageError(f"{where}: '{effect.name}' is no generic effect, it has no acts_on")
+    wanted = wanted_names(effect)
+    known = read_vocabulary(plant).ports
+    ports = []
+    for place, names in instance.at.items():
+        if place not in known:
+            raise unknown("place", place, known, where)
+        if known[place].kind != effect.acts_on:
+            raise UsageError(
+                f"{where}: '{effect.name}' acts on {KINDS[effect.acts_on].one}, but '{place}' is {KINDS[known[place].kind].one}"
+            )
+        ports.append(known[place].but(names))
+        if lacks := ports[-1].lacks(wanted):
+            raise UsageError(f"{where}: {_lacking(ports[-1], lacks)}")
+    return _bound(effect, plant, ports, instance.name, instance)
+
+
+def wanted_names(effect: type[Effect]) -> set[str]:
+    """Return the names that a generic effect needs of its place; refuse one that its kind does not have."""
+    where = f"effect {effect.name or effect.__name__}"
     kind = KINDS[effect.acts_on]
+    own = {*effect.parameters, *effect.states}
+    terms = (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values())
+    used = {name for term in terms for name in term.arguments} - own - {*EVERYWHERE}
     for name in effect.terms:
         if name not in kind.slots:
-            raise unknown("slot", name, kind.slots, f"{where}, on a {kind.name}")
-    for name in used:
+            raise unknown("slot", name, kind.slots, f"{where}, on {kind.one}")
+    for name in sorted(own & {*kind.names, *EVERYWHERE}):
+        raise UsageError(f"{where}: '{name}' is a name of every {kind.name}; give the parameter or state another one")
+    for name in sorted(used):
         if name not in kind.names:
-            raise unknown("name", name, {*kind.names, *own}, f"{where}, on a {kind.name}")
-    units = [item.unit for item in effect.parameters.values()] + [item.unit for item in effect.states.values()]
-    for unit in units:
-        used |= _in_unit(unit, kind.names)
+            raise unknown("name", name, {*kind.names, *own, *EVERYWHERE}, f"{where}, on {kind.one}")
+    items: list[Any] = [*effect.parameters.values(), *effect.states.values()]
+    for item in items:
+        used |= set(re.findall(r"\b[A-Za-z_]\w*", item.unit)) & set(kind.names)
     return used | set(effect.terms)
 
 
-def _in_unit(unit: str, names: Iterable[str]) -> set[str]:
-    return set(re.findall(r"\b[A-Za-z_]\w*", unit)) & set(names)
+def _lacking(port: Port, lacks: set[str]) -> str:
+    """Return what a place does not offer, and how its element is told."""
+    names = sorted(lacks)
+    said = f"needs {', '.join(names)}, which {port.kind} '{port.name}' does not offer"
+    element = ELEMENTS[port.kind]
+    given = {element.hints.get(name, name) for name in names}
+    if given <= set(element.arguments):
+        return f"{said}: write {port.kind}(..., {', '.join(f'{name}=...' for name in sorted(given))})"
+    return said
 
 
-def _bound(effect: type[Effect], plant: type[Plant], ports: Sequence[Port], name: str) -> type[Effect]:
-    """Return an ordinary effect that acts on these places: states and terms for each, parameters in common."""
-    several = len(ports) > 1
+def _check_place(effect: type[Effect], plant: type[Plant], port: Port) -> None:
+    """Refuse a place with a unit that does not fit, or a name that is computed too late."""
+    units = _units(plant)
+    for local, allowed in effect.only_in.items():
+        dims = units.value(_in_lines(units, port.names[local]), port.name).dims
+        if dims not in [dimension(unit) for unit in allowed]:
+            raise UsageError(
+                f"effect {effect.name}: needs its {local} in {' or '.join(allowed)}, not {units.written(dims)}"
+            )
+    trial = _bound(effect, plant, [port], effect.name, None)
+    check_effect(trial, plant)
+    check_units(trial, plant)
+
+
+def _bound(
+    effect: type[Effect], plant: type[Plant], ports: Sequence[Port], name: str, instance: type[Instance] | None
+) -> type[Effect]:
+    """Return an ordinary effect that acts on these places, by the names of the instance where there is one."""
     groups: dict[str, dict[str, Term]] = {"terms": {}, "rates": {}, "updates": {}, "starts": {}}
     body: dict[str, Any] = {
-        "__doc__": effect.__doc__,
+        "__doc__": (instance and instance.__doc__) or effect.__doc__,
         "__module__": effect.__module__,
         "subsystem": ports[0].subsystem or ports[0].kind,
-        "same_as": effect.same_as,
-        "exact_in": effect.exact_in,
+        "same_as": instance.same_as if instance else effect.same_as,
+        "exact_in": instance.exact_in if instance else effect.exact_in,
         **groups,
     }
-    quantities = Quantities(plant, ports[0])
-    for parameter in effect.parameters.values():
-        body[parameter.name] = quantities.parameter(parameter)
+    given = instance.declared if instance else {}
     for port in ports:
-        owned = {state: f"{state}_{port.name}" if several else state for state in effect.states}
-        names = {**port.names, **owned}
-        for state, own in owned.items():
-            body[own] = Quantities(plant, port).state(effect.states[state])
+        called = {own: own for own in effect.parameters}
+        called |= {own: f"{own}_{port.name}" if len(ports) > 1 else own for own in effect.states}
+        if instance:
+            called |= {own: new for own, new in instance.at[port.name].items() if own in called}
+        quantities = Quantities(plant, port)
+        for parameter in effect.parameters.values():
+            own = called[parameter.name]
+            body.setdefault(own, given.get(own) or quantities.parameter(parameter))
+        for state in effect.states.values():
+            own = called[state.name]
+            body.setdefault(own, given.get(own) or quantities.state(state))
+        names = {**port.names, **called}
+        taken = {port.names[local] for local in _read_by(effect) & set(port.names)} & set(called.values())
+        if taken:
+            raise Unfit(
+                f"effect {name}: its own '{sorted(taken)[0]}' is also a name of plant {plant.name}; call that otherwise"
+            )
         groups["terms"] |= {port.names[slot]: term.on(names) for slot, term in effect.terms.items()}
         for kind in ("rates", "updates", "starts"):
-            groups[kind] |= {owned[state]: term.on(names) for state, term in getattr(effect, kind).items()}
-    bound: type[Effect] = type(effect.__name__, (Effect,), body)
+            groups[kind] |= {called[state]: term.on(names) for state, term in getattr(effect, kind).items()}
+    if unused := set(given) - set(body):
+        raise unknown("parameter or state", sorted(unused)[0], [*effect.parameters, *effect.states], f"effect {name}")
+    bound: Any = Bound(effect.__name__, (Effect,), body)
+    bound.made_of = (effect, effect.name, plant, name, instance)
     bound.name = name
     return bound
+
+
+def _read_by(effect: type[Effect]) -> set[str]:
+    groups = (effect.terms, effect.rates, effect.updates, effect.starts)
+    return {name for group in groups for term in group.values() for name in term.arguments}
+
+
+def _made_again(
+    effect: type[Effect], file: str, plant: type[Plant], name: str, instance: type[Instance] | None
+) -> type[Effect]:
+    """Return the effect of that name in another process."""
+    effect.name = effect.name or file
+    if instance is not None:
+        return bind_instance(instance, effect, plant)
+    return next(one for one in bind(effect, plant) if one.name == name)
+
+
+def _reduced(made: Any) -> tuple[Any, tuple[Any, ...]]:
+    return _made_again, made.made_of
+
+
+copyreg.pickle(Bound, _reduced)
+
+
+def _in_lines(units: Units, name: str) -> str:
+    """Return how the lines of the equations call a name of the plant."""
+    return next((prefix + name for prefix in ("", "s_", "p_", "u_") if prefix + name in units.scope), name)
 
 
 class Quantities:
     """The units and usual sizes of the names that a place offers."""
 
     def __init__(self, plant: type[Plant], port: Port) -> None:
-        self.port = port
-        self.units = _units(plant)
-        sizes = usual_sizes(plant)
-        kind = KINDS[port.kind]
-        self.sizes = {local: sizes[port.names[kind.sizes.get(local, local)]] for local in port.names}
+        self.plant, self.port = plant, port
+
+    @cached_property
+    def units(self) -> Units:
+        """The units of the plant's names."""
+        return _units(self.plant)
+
+    @cached_property
+    def sizes(self) -> dict[str, float]:
+        """The usual size of each name of the place, SI."""
+        sizes = usual_sizes(self.plant)
+        return {local: sizes.get(self.port.size_of(local), 1.0) for local in self.port.names}
 
     def parameter(self, item: Parameter) -> Parameter:
         """Return a generic parameter in SI units: its default and bounds times the size of its unit."""
@@ -158,7 +256,7 @@ class Quantities:
     def state(self, item: State) -> State:
         """Return a generic state in SI units."""
         unit, size = self._resolved(item.unit)
-        return replace(item, unit=unit, typical=item.typical * size, resolution=1e-6 * item.typical * size)
+        return replace(item, unit=unit, typical=item.typical * size, resolution=item.resolution * size)
 
     def _resolved(self, unit: str) -> tuple[str, float]:
         """Return the SI unit and the size of a product of names of the place, of the period and of units."""
@@ -170,15 +268,11 @@ class Quantities:
         dims |= {word: self.units.value(self._local(word), self.port.name) for word in own - {PERIOD}}
         dims |= {PERIOD: Amount(1.0, dimension("s"))}
         whole = evaluated(unit, {**self.units.scope, **dims})
-        sizes = {word: self.sizes.get(word, 1.0) for word in words} | {PERIOD: self.units.plant.period}
+        sizes = {word: self.sizes.get(word, 1.0) for word in words} | {PERIOD: self.plant.period}
         return self.units.written(whole.dims), float(eval(unit, {"__builtins__": {}}, sizes))
 
     def _local(self, name: str) -> str:
-        full = self.port.names[name]
-        for prefix in ("", "s_", "p_", "u_"):
-            if prefix + full in self.units.scope:
-                return prefix + full
-        raise HjcampError(f"place '{self.port.name}': '{full}' has no unit")
+        return _in_lines(self.units, self.port.names[name])
 
 
 def _units(plant: Any) -> Units:
@@ -200,19 +294,24 @@ def usual_sizes(plant: Any) -> Mapping[str, float]:
 @functools.cache
 def _sizes_found(plant: Any) -> Mapping[str, float]:
     vocabulary = read_vocabulary(plant)
-    composition = Composition(plant)
-    scope = plain_functions(composition.signals_source())
+    lines = [
+        (one.target, compile(one.expression, "<plant>", "eval")) for one in vocabulary.statements if one.mark != "rate"
+    ]
     generator = np.random.default_rng(20090403)
-    out = np.zeros(len(vocabulary.signals))
-    squares = []
+    regimes = {f"u_{port.names['direction']}" for port in vocabulary.ports.values() if "direction" in port.names}
+    squares: dict[str, list[float]] = {name: [] for name in vocabulary.signals}
     for _ in range(DRAWS):
-        z = [state.usual(generator) for state in plant.states.values()]
-        u = [plant.inputs[name].usual(generator) for name in composition.inputs]
-        p = [item.default for item in plant.parameters.values()]
-        scope["signals"](0.1, generator.choice((-1.0, 1.0)), z, u, p, out)
-        squares.append(out**2)
-    found = dict(zip(vocabulary.signals, np.sqrt(np.mean(squares, axis=0)).tolist(), strict=True))
+        scope = plain_functions("") | {f"p_{name}": item.default for name, item in plant.parameters.items()}
+        scope |= {f"s_{name}": state.usual(generator) for name, state in plant.states.items()}
+        scope |= {f"u_{name}": given.usual(generator) for name, given in plant.inputs.items()}
+        scope |= {name: float(generator.choice((-1.0, 1.0))) for name in sorted({*regimes, "u_direction"})}
+        with suppress(ArithmeticError, ValueError):  # what a plant's own check tells, line by line
+            for name, expression in lines:
+                scope[name] = eval(expression, scope)
+                if name in squares:
+                    squares[name].append(float(scope[name]) ** 2)
+    found = {name: math.sqrt(sum(all_of) / len(all_of)) for name, all_of in squares.items() if all_of}
     found |= {name: abs(item.default) for name, item in plant.parameters.items()}
     found |= {name: abs(item.typical) for name, item in plant.inputs.items()}
     found |= {name: abs(item.typical) for name, item in plant.states.items()}
-    return {name: size if size > 0.0 and np.isfinite(size) else 1.0 for name, size in found.items()}
+    return {name: size if size > 0.0 and math.isfinite(size) else 1.0 for name, size in found.items()}

@@ -296,6 +296,12 @@ class Composition:
 
 
 def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
+    """Refuse an effect that does not fit the plant, or with a method that is no formula of numbers."""
+    check_names(effect, plant)
+    check_functions(effect)
+
+
+def check_names(effect: type[Effect], plant: type[Plant]) -> None:
     """Refuse an effect whose slots, arguments or order do not fit the plant, with the nearest allowed name."""
     vocabulary = read_vocabulary(plant)
     where = f"effect {effect.name or effect.__name__}"
@@ -304,6 +310,7 @@ def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
     if plant.subsystems and effect.subsystem not in plant.subsystems:
         raise unknown("subsystem", effect.subsystem, plant.subsystems, where)
     everywhere = {*effect.states, *effect.parameters, *plant.states, *plant.parameters, *plant.inputs}
+    everywhere |= {port.names["direction"] for port in vocabulary.ports.values() if "direction" in port.names}
     for slot, term in effect.terms.items():
         if slot not in vocabulary.slots:
             raise unknown("slot", slot, vocabulary.slots, where)
@@ -323,6 +330,11 @@ def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
                 allowed = everywhere | set(vocabulary.signals)
                 if argument not in allowed:
                     raise unknown("name", argument, allowed, f"{where}, method '{prefix}{own}'")
+
+
+def check_functions(effect: type[Effect]) -> None:
+    """Refuse an effect with a method that calls what a kernel cannot, or that gives no number."""
+    where = f"effect {effect.name or effect.__name__}"
     for term in (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()):
         _check_globals(term.function, where)
     check_calls(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]

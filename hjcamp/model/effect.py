@@ -14,7 +14,7 @@ from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.parameter import Parameter, State, declared
 from hjcamp.model.port import KINDS
 
-RESERVED = ("subsystem", "same_as", "examples", "acts_on", "together")
+RESERVED = ("subsystem", "same_as", "examples", "acts_on", "together", "plant", "only_in")
 
 
 @functools.cache
@@ -57,12 +57,16 @@ class Effect:
     A generic effect ``acts_on`` a kind of place (``hjcamp.model.port.KINDS``) instead: its slots and arguments are the
     names of that kind, the units of its parameters and states products of them ("loss/level"), and their numbers
     multiples of what these usually are. It is bound to each such place of a plant; where it is declared ``together``,
-    to all places of a group at once.
+    to all places of a group at once. ``only_in`` gives the units that a name of the place must have one of.
+
+    An effect in the names of one plant says so: ``plant`` is its name.
     """
 
     subsystem: ClassVar[str] = ""
     acts_on: ClassVar[str] = ""
     together: ClassVar[bool] = False
+    only_in: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    plant: ClassVar[str] = ""
     name: ClassVar[str] = ""
     parameters: ClassVar[dict[str, Parameter]] = {}
     states: ClassVar[dict[str, State]] = {}

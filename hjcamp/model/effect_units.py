@@ -43,6 +43,9 @@ def _units(effect: type[Effect], plant: type[Plant], where: str) -> dict[str, st
     groups: tuple[Mapping[str, Any], ...] = (plant.inputs, plant.parameters, plant.states)
     for group in groups:
         units.update({name: item.unit for name, item in group.items() if name not in units})
+    units |= {
+        port.names["direction"]: "1" for port in read_vocabulary(plant).ports.values() if "direction" in port.names
+    }
     own: dict[str, Any] = {**effect.parameters, **effect.states}
     for name, item in own.items():
         try:

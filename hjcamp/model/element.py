@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.port import KINDS, Port
@@ -31,7 +31,7 @@ class Element:
     """What an element takes and becomes: ``offers`` maps names of its kind to its lines, in the words of ``Line``.
 
     ``reads`` are arguments that an effect may read; ``rate`` is the line that is the rate of a state, empty where the
-    element is a quantity of its own.
+    element is a quantity of its own. ``hints`` says which argument gives a name that is not called like one.
     """
 
     name: str
@@ -41,6 +41,7 @@ class Element:
     lines: tuple[Line, ...]
     offers: Mapping[str, str]
     rate: str = ""
+    hints: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def arguments(self) -> tuple[str, ...]:
@@ -52,7 +53,7 @@ CONTACT = Element(
     "contact",
     ("velocity", "push", "coulomb"),
     ("viscous", "static"),
-    ("travel", "load"),
+    ("travel", "load", "mass"),
     (
         Line("_push", "signal", "{push}", "push", "force before friction"),
         Line("_forward", "signal", "1.0 if {direction} > 0.0 or ({direction} == 0.0 and {name}_push > 0.0) else 0.0", "1",
@@ -66,7 +67,8 @@ CONTACT = Element(
     ),
     {"static": "{name}_static", "coulomb": "{name}_coulomb", "viscous": "{name}_viscous", "locks": "{name}_locks",
      "friction": "{name}", "velocity": "{velocity}", "speed": "{name}_speed", "push": "{name}_push",
-     "direction": "{direction}"},
+     "direction": "{direction}", "breakaway": "{breakaway}"},
+    hints={"breakaway": "static"},
 )  # fmt: skip
 BODY = Element(
     "body",
@@ -81,11 +83,12 @@ BODY = Element(
     {"force": "{load}", "mass": "{name}_mass", "velocity": "{state}", "acceleration": "{name}_acceleration",
      "push": "{name}_force"},
     rate="{name}_acceleration",
+    hints={"force": "load"},
 )  # fmt: skip
 STORE = Element(
     "store",
     ("inflow",),
-    ("capacity",),
+    ("capacity", "stiffness"),
     (),
     (
         Line("_inflow", "signal", "{inflow}", "inflow", "net flow in"),
@@ -96,6 +99,25 @@ STORE = Element(
         ),
     ),
     {"loss": "{name}_loss", "capacity": "{name}_capacity", "level": "{state}", "inflow": "{name}_inflow"},
+    rate="{name}_rate",
+)
+STIFF_STORE = Element(
+    "store",
+    STORE.needs,
+    STORE.takes,
+    STORE.reads,
+    (
+        *STORE.lines[:2],
+        Line("_stiffness", "slot", "{stiffness}", "stiffness", "rise of the level for each unit of what flows in"),
+        Line(
+            "_rate",
+            "signal",
+            "{name}_stiffness * ({name}_inflow - {name}_loss)",
+            "inflow*stiffness",
+            "rate of the level",
+        ),
+    ),
+    {"loss": "{name}_loss", "stiffness": "{name}_stiffness", "level": "{state}", "inflow": "{name}_inflow"},
     rate="{name}_rate",
 )
 PATH = Element(
@@ -159,12 +181,12 @@ def called(node: ast.AST) -> str:
     return node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
 
 
-def expand(call: ast.Call, target: str, state: str, several: bool, where: str) -> Place:
+def expand(call: ast.Call, target: str, state: str, several: bool, where: str, plain: Collection[str] = ()) -> Place:
     """Return the lines and the port that an element stands for.
 
     ``target`` is what it is called if it has no ``name``; ``state`` the state whose rate it is assigned to, empty for
-    a plain name; with ``several`` contacts each has a regime of its own. Raises ``UsageError`` for an unknown,
-    missing or repeated argument and for an element that is assigned to the wrong thing.
+    a plain name; with ``several`` contacts each has a regime of its own; the lines in ``plain`` are not for effects.
+    Raises ``UsageError`` for an unknown, missing or repeated argument and for an element assigned to the wrong thing.
     """
     element = ELEMENTS[called(call)]
     if bool(element.rate) != bool(state):
@@ -177,13 +199,18 @@ def expand(call: ast.Call, target: str, state: str, several: bool, where: str) -
     pieces |= {"name": name, "direction": direction, "state": f"state.{state}" if state else ""}
     if element is CONTACT:
         _complete_contact(pieces, where)
-    if element is STORE:
+    if element is STORE and pieces["stiffness"]:
+        if pieces["capacity"]:
+            raise UsageError(f"{where}: give store '{name}' a capacity or a stiffness, which is 1 over it, not both")
+        element = STIFF_STORE
+    elif element is STORE:
         pieces["capacity"] = pieces["capacity"] or "1.0"
     lines, names = [], {}
     for read in element.reads:
         if pieces[read]:
-            names[read] = bare_name(pieces[read]) or f"{name}_{read}"
-            if not bare_name(pieces[read]):
+            own = bare_name(pieces[read])
+            names[read] = own if own and own not in plain else f"{name}_{read}"
+            if names[read] != own:
                 lines.append((f"{name}_{read}", Line("", "signal", pieces[read], read, f"{name}: {read}")))
     for line in element.lines:
         text = Line("", line.mark, line.expression.format_map(pieces), line.unit, f"{name}: {line.text}")
@@ -196,7 +223,12 @@ def expand(call: ast.Call, target: str, state: str, several: bool, where: str) -
                     f"{where}: '{local}' of {element.name} '{name}' is the expression '{text_of}'; it must be a name"
                 )
     port = Port(
-        element.name, name=name, group=options.get("group", ""), subsystem=options.get("subsystem", ""), **names
+        element.name,
+        name=name,
+        group=options.get("group", ""),
+        subsystem=options.get("subsystem", ""),
+        like={},
+        **names,
     )
     return Place(tuple(lines), port, pieces, element.rate.format_map(pieces))
 
@@ -232,6 +264,7 @@ def _complete_contact(pieces: dict[str, str], where: str) -> None:
         raise UsageError(
             f"{where}: the velocity of contact '{name}' must be a state (state.NAME), not {pieces['velocity']}"
         )
+    pieces["breakaway"] = f"{name}_static" if pieces["static"] else ""
     pieces["static"] = pieces["static"] or pieces["coulomb"]
     pieces["viscous"] = pieces["viscous"] or "0.0"
     for key in ("static", "coulomb", "viscous"):

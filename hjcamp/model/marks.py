@@ -36,6 +36,7 @@ def contact(
     static: float | tuple[float, float] | None = None,
     travel: float | None = None,
     load: float | None = None,
+    mass: float | None = None,
     name: str = "",
     group: str = "",
     subsystem: str = "",
@@ -43,7 +44,8 @@ def contact(
     """Return the friction that holds a velocity (a state) at 0 while the ``push`` is within the static friction.
 
     A pair is the value of the positive and of the negative direction; without ``static`` the static friction is the
-    Coulomb friction. ``travel`` and ``load`` are what effects may let friction depend on.
+    Coulomb friction. ``travel`` and ``load`` are what effects may let friction depend on, ``mass`` is what it brakes: where
+    it is not given, the parameter over which the rate of the velocity is.
     """
     return math.copysign(1.0, velocity) * (coulomb[0] if isinstance(coulomb, tuple) else coulomb)
 
@@ -56,9 +58,16 @@ def body(
     return force / mass
 
 
-def store(inflow: float, capacity: float = 1.0, name: str = "", group: str = "", subsystem: str = "") -> float:
-    """Return the rate of a level: what flows in over the ``capacity``; effects take a loss from it."""
-    return inflow / capacity
+def store(
+    inflow: float,
+    capacity: float = 1.0,
+    stiffness: float | None = None,
+    name: str = "",
+    group: str = "",
+    subsystem: str = "",
+) -> float:
+    """Return the rate of a level: what flows in over the ``capacity``, or times the ``stiffness``; effects take a loss."""
+    return inflow / capacity if stiffness is None else inflow * stiffness
 
 
 def path(

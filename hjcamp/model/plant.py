@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from hjcamp.model.docstring import docstring_equation, docstring_sentence
+from hjcamp.model.instance import Instance
 from hjcamp.model.parameter import Channel, Contact, Cut, Input, Measured, Parameter, State, declared
 from hjcamp.model.port import Port
 
@@ -22,6 +24,8 @@ class Plant:
     """A machine whose equations effects may extend; a subclass is one file.
 
     ``period`` is the usual time between samples of its logs, s: the unit of what effects call a ``period``.
+    ``instances`` are the generic effects that have names and numbers of their own here: such an effect then acts at
+    their places only. ``covers`` says of a generic effect why the plant needs none: what holds it already.
     ``loop`` is "foreign" where somebody else's controller holds the measured motion: then forces are judged.
     """
 
@@ -43,6 +47,8 @@ class Plant:
     inputs: ClassVar[dict[str, Input]] = {}
     measured: ClassVar[dict[str, Measured]] = {}
     ports: ClassVar[dict[str, Port]] = {}
+    instances: ClassVar[tuple[type[Instance], ...]] = ()
+    covers: ClassVar[Mapping[str, str]] = {}
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()

@@ -22,6 +22,11 @@ class Kind:
     sizes: Mapping[str, str] = field(default_factory=dict)
 
     @property
+    def one(self) -> str:
+        """The kind as a sentence calls one of it."""
+        return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name}"
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Every name that an effect on this kind may use."""
         return (*self.slots, *self.reads)
@@ -34,7 +39,7 @@ KINDS: dict[str, Kind] = {
             "contact",
             "dry friction between two bodies",
             ("static", "coulomb", "viscous", "locks", "friction"),
-            ("velocity", "speed", "push", "direction", "travel", "load"),
+            ("velocity", "speed", "push", "direction", "travel", "load", "mass", "breakaway"),
             {"speed": "velocity"},
         ),
         Kind(
@@ -45,7 +50,11 @@ KINDS: dict[str, Kind] = {
             {"force": "push"},
         ),
         Kind(
-            "store", "what holds a volume", ("loss", "capacity", "stiffness"), ("level", "inflow"), {"loss": "inflow"}
+            "store",
+            "what holds a volume",
+            ("loss", "loss_below", "capacity", "stiffness"),
+            ("level", "inflow"),
+            {"loss": "inflow", "loss_below": "inflow"},
         ),
         Kind("path", "what a flow passes", ("flow",), ("upstream", "downstream")),
         Kind("sensor", "what is measured", ("reading",), ("true",)),
@@ -60,10 +69,20 @@ class Port:
 
     Declared as a class attribute, ``seal = Port("contact", velocity="slider_velocity", ...)``, or made by an element
     of the equations. Ports of one ``group`` are alike (two lines of one make): an effect that is declared ``together``
-    acts on all of them with one set of parameters.
+    acts on all of them with one set of parameters. ``like`` maps a slot that is 0 without effects to a name of the plant
+    that has its usual size.
     """
 
-    def __init__(self, kind: str, *, name: str = "", group: str = "", subsystem: str = "", **names: str) -> None:
+    def __init__(
+        self,
+        kind: str,
+        *,
+        name: str = "",
+        group: str = "",
+        subsystem: str = "",
+        like: Mapping[str, str] | None = None,
+        **names: str,
+    ) -> None:
         if kind not in KINDS:
             raise unknown("kind of port", kind, KINDS)
         for local in names:
@@ -71,9 +90,27 @@ class Port:
                 raise unknown("name", local, KINDS[kind].names, f"a port of the kind '{kind}'")
         self.kind, self.name, self.group, self.subsystem = kind, name, group, subsystem
         self.names: Mapping[str, str] = names
+        self.like: Mapping[str, str] = like or {}
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = self.name or name
+
+    def but(self, names: Mapping[str, str]) -> Port:
+        """Return this place with some of its names for others of the plant."""
+        changed = {local: name for local, name in names.items() if local in KINDS[self.kind].names}
+        return Port(
+            self.kind,
+            name=self.name,
+            group=self.group,
+            subsystem=self.subsystem,
+            like=self.like,
+            **{**self.names, **changed},
+        )
+
+    def size_of(self, local: str) -> str:
+        """Return the plant's name that has the usual size of a name of this place."""
+        other = KINDS[self.kind].sizes.get(local, local)
+        return self.like.get(local) or self.names.get(other) or self.names[local]
 
     def lacks(self, wanted: set[str]) -> set[str]:
         """Return those of the wanted names that this place does not offer."""

@@ -11,7 +11,7 @@ from functools import cache, cached_property
 from typing import Any
 
 from hjcamp.errors import UsageError
-from hjcamp.model.element import CONTACT, ELEMENTS, called, expand
+from hjcamp.model.element import BODY, CONTACT, ELEMENTS, bare_name, called, expand
 from hjcamp.model.parameter import Contact
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
@@ -96,9 +96,36 @@ def _parsed(plant: Any) -> Vocabulary:
     function = ast.parse(textwrap.dedent("".join(lines))).body[0]
     assert isinstance(function, ast.FunctionDef)
     reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
+    reader.masses = _masses(function)
     for node in function.body:
         reader.read(node)
     return reader.vocabulary()
+
+
+def _find_next_stores(ports: dict[str, Port]) -> None:
+    """Let each store know the slot of what is lost by the one into which a path leads from it."""
+    stores = {port.names["level"]: port for port in ports.values() if port.kind == "store" and "level" in port.names}
+    for path in [port for port in ports.values() if port.kind == "path"]:
+        above, below = (stores.get(path.names.get(side, "")) for side in ("upstream", "downstream"))
+        if above and below and "loss" in below.names:
+            ports[above.name] = above.but({"loss_below": below.names["loss"]})
+
+
+def _masses(function: ast.FunctionDef) -> dict[str, str]:
+    """Return for each state whose rate is a body's, or a quotient, the parameter that stands for the mass."""
+    found = {}
+    for node in function.body:
+        if not isinstance(node, ast.Assign) or not isinstance(node.targets[0], ast.Attribute):
+            continue
+        value, mass = node.value, None
+        if isinstance(value, ast.BinOp) and isinstance(value.op, ast.Div):
+            mass = value.right
+        elif isinstance(value, ast.Call) and called(value) == BODY.name:
+            named = {keyword.arg: keyword.value for keyword in value.keywords}
+            mass = named.get("mass", value.args[1] if len(value.args) > 1 else None)
+        if mass is not None and ast.unparse(mass).startswith("parameter.") and bare_name(ast.unparse(mass)):
+            found[f"state.{node.targets[0].attr}"] = ast.unparse(mass)
+    return found
 
 
 class _Reader:
@@ -114,6 +141,7 @@ class _Reader:
         self.held: dict[str, str] = {}
         self.ports = dict(plant.ports)
         self.units: Any = None
+        self.masses: dict[str, str] = {}
 
     def read(self, node: ast.stmt) -> None:
         """Take one line of the equations."""
@@ -142,7 +170,10 @@ class _Reader:
             self._add(name, node.value, "rate" if of_rate else "plain", where, number)
 
     def _element(self, call: ast.Call, name: str, of_rate: bool, where: str, number: int) -> None:
-        place = expand(call, name, name if of_rate else "", self.several, where)
+        if called(call) == CONTACT.name:
+            call = self._with_mass(call)
+        plain = {one.target for one in self.statements if one.mark == "plain"}
+        place = expand(call, name, name if of_rate else "", self.several, where, plain)
         port = place.port
         if port.name in self.ports:
             raise UsageError(f"{where}: two places are called '{port.name}'; give one of them name='...'")
@@ -157,6 +188,16 @@ class _Reader:
             self.held[names["velocity"]] = names["direction"]
         if of_rate:
             self._add(name, ast.parse(place.rate, mode="eval").body, "rate", where, number)
+
+    def _with_mass(self, call: ast.Call) -> ast.Call:
+        """Give a contact the mass that it brakes where the rate of its velocity says it."""
+        given = {keyword.arg: keyword.value for keyword in call.keywords}
+        velocity = given.get("velocity", call.args[0] if call.args else None)
+        mass = self.masses.get(ast.unparse(velocity)) if velocity is not None else None
+        if mass is None or "mass" in given or len(call.args) == len(CONTACT.arguments):
+            return call
+        keyword = ast.keyword("mass", ast.parse(mass, mode="eval").body)
+        return ast.Call(call.func, call.args, [*call.keywords, keyword])
 
     def _add(self, name: str, value: ast.expr, mark: str, where: str, number: int) -> None:
         kind = called(value)
@@ -209,6 +250,7 @@ class _Reader:
         statements = [self._guarded(one) for one in self.statements]
         readings = self.readings or tuple(item.sensor for item in self.plant.measured.values())
         limits = tuple(self.rename.limits)
+        _find_next_stores(self.ports)
         return Vocabulary(self.plant, tuple(statements), readings, limits, tuple(self.contacts), self.ports)
 
     def _guarded(self, one: Statement) -> Statement:

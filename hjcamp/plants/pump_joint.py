@@ -7,6 +7,8 @@ import math
 from hjcamp.model.marks import limited, signal, slot
 from hjcamp.model.parameter import Channel, Contact, Cut, Input, Parameter, State
 from hjcamp.model.plant import Plant
+from hjcamp.model.port import Port
+from hjcamp.plants.pump_joint_effects import COVERS, INSTANCES
 
 INFINITE = float("inf")
 
@@ -67,6 +69,35 @@ class PumpJoint(Plant):
     encoder_count = Parameter("rad", 2 * math.pi / 1024, (1e-7, 2.0), text="one count of the arm encoder (3.7)")
     pump_count = Parameter("rad", 2 * math.pi / 4096, (1e-7, 2.0), text="one count of the pump motor encoder")
     pressure_noise = Parameter("Pa", 700.0, (0.0, 1e6), text="standard deviation of a pressure sample")
+
+    motor = Port("actuator", subsystem="pump", command="pump_command", demand="command")
+    pistons = Port("transmission", subsystem="pump", output="piston_velocity", input="motor_velocity")
+    line1 = Port(
+        "store", group="lines", subsystem="lines", like={"loss": "pump_flow"},
+        loss="leak1", stiffness="stiffness1", level="pressure1",
+    )  # fmt: skip
+    line2 = Port(
+        "store", group="lines", subsystem="lines", like={"loss": "pump_flow"},
+        loss="leak2", stiffness="stiffness2", level="pressure2",
+    )  # fmt: skip
+    crossing = Port(
+        "path", subsystem="lines", like={"flow": "pump_flow"},
+        flow="cross_flow", upstream="pressure1", downstream="pressure2",
+    )  # fmt: skip
+    seal = Port(
+        "contact", subsystem="joint", velocity="slider_velocity", speed="speed", push="push", direction="direction",
+        travel="slider_position", mass="moving_mass", static="friction_static", breakaway="friction_static",
+        coulomb="friction_coulomb", viscous="friction_viscous", locks="friction_locks", friction="friction",
+    )  # fmt: skip
+    sliders = Port(
+        "body", subsystem="joint", like={"force": "friction"}, position="slider_position", velocity="slider_velocity",
+        acceleration="slider_acceleration", push="push", force="load_force", mass="mass",
+    )  # fmt: skip
+    encoder = Port("sensor", subsystem="sensors", reading="arm_reading", true="arm_angle")
+    gauge1 = Port("sensor", group="gauges", subsystem="sensors", reading="pressure1_reading", true="pressure1")
+    gauge2 = Port("sensor", group="gauges", subsystem="sensors", reading="pressure2_reading", true="pressure2")
+    instances = INSTANCES
+    covers = COVERS
 
     # No arm turns beyond a turn (3.6.4). Water parts at -0.1 MPa; the sensors end at 0.69 (3.9), and a simulated arm
     # in the vertical reaches 1.0. Twice the joint's stroke of 20 mm is more than the pump ever moves.

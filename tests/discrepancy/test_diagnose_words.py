@@ -12,7 +12,7 @@ from hjcamp.commands._diagnose_words import Told
 from hjcamp.commands._error_words import error_table, worse_than_mean
 from hjcamp.discrepancy.replay import ChannelError
 from hjcamp.discrepancy.scale import Judged, Scale
-from hjcamp.effects.leakage import Leakage
+from hjcamp.effects import load_effects
 
 ROW = {"value": 2.79e-16, "unit": "m^3/(s*Pa)", "ci95": [2.6e-16, 3e-16]}
 CONTENT: dict[str, Any] = {
@@ -46,7 +46,8 @@ def told(**changed: Any) -> Told:
     )
     floors = {"arm_deg": 0.4, "pressure1_mpa": 0.009, "pressure2_mpa": 0.009}
     judging: Any = SimpleNamespace(before=judged(14.0), after=judged(1.15), scale=Scale(floors, {}))
-    return Told(found, CONTENT | changed, {"leakage": Leakage}, "published", judged(15.5), judging, None)
+    effects = {"leakage": load_effects([])["leakage"]}
+    return Told(found, CONTENT | changed, effects, "published", judged(15.5), judging, None)
 
 
 def judged(score: float) -> Judged:

@@ -10,8 +10,6 @@ from discrepancy_answers import Call, read_answer
 from truth.case import write_case
 
 import hjcamp.effects
-from hjcamp.model.catalogue import scan
-from hjcamp.model.effect import Effect
 
 RIVALS = (
     "cross_leakage", "encoder_bias", "encoder_eccentricity", "encoder_lag", "entrained_air", "friction_drift", "gravity_load",
@@ -22,8 +20,7 @@ RIVALS = (
 @pytest.fixture
 def ask(call: Call, monkeypatch: pytest.MonkeyPatch) -> Call:
     """Return ``call`` with a library in which the hidden effects have rivals of their own kind."""
-    folder = Path(hjcamp.effects.__file__).parent
-    everything = scan(folder, "hjcamp.effects", Effect, [])
+    everything = hjcamp.effects.load_effects([])
     few = {name: everything[name] for name in RIVALS}
     monkeypatch.setattr(hjcamp.effects, "load_effects", lambda folders=None: dict(few))
     return call

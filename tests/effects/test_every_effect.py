@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-import hjcamp.effects
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import Composition
@@ -42,21 +39,20 @@ CONTRACT = {
     "pressure_offset",
     "pressure_gain",
 }
-FILES = sorted(path.stem for path in Path(hjcamp.effects.__file__).parent.glob("[a-z]*.py"))
+NAMES = sorted(load_effects([]))
 
 
 def test_the_library_holds_the_names_of_the_contract() -> None:
-    assert set(FILES) == CONTRACT
-    assert set(load_effects([])) == CONTRACT
+    assert set(NAMES) == CONTRACT and len(NAMES) == len(CONTRACT)
 
 
 @pytest.mark.parametrize("check", CHECKS)
-@pytest.mark.parametrize("name", [*FILES, "arm_spring"])
+@pytest.mark.parametrize("name", [*NAMES, "arm_spring"])
 def test_effect(benches: dict[str, EffectBench], name: str, check: str) -> None:
     assert CHECKS[check](benches[name])
 
 
-@pytest.mark.parametrize("name", [*FILES, "arm_spring"])
+@pytest.mark.parametrize("name", [*NAMES, "arm_spring"])
 def test_the_docstring_tells_equation_sign_and_source(library: dict[str, type[Effect]], name: str) -> None:
     effect = library[name]
     text = effect.__doc__ or ""
@@ -96,7 +92,10 @@ def test_each_check_can_fail(benches: dict[str, EffectBench], check: str) -> Non
     class Wrong(Effect):
         subsystem = "lines"
         conductance = WRONG[check]
-        cross_flow = staticmethod(good.effect.terms["cross_flow"].function)
+
+        @staticmethod
+        def cross_flow(pressure1, pressure2, conductance):  # type: ignore[no-untyped-def]
+            return conductance * (pressure1 - pressure2)
 
     Wrong.name = "cross_leakage"
     with pytest.raises(UsageError, match="cross_leakage"):

@@ -1,4 +1,4 @@
-"""A user's folder with two plants: a carriage with dry friction, and two tanks without any contact."""
+"""A user's folder with plants: a carriage with dry friction, two tanks without any contact, an arm with all kinds of places."""
 
 from __future__ import annotations
 
@@ -33,6 +33,41 @@ class Tanks(Plant):
         rate.lower = store(between - outflow)
         gauge = sensor(state.lower)
 '''
+ROTOR = """'''A vessel under pressure that turns an arm.'''
+from hjcamp.plant import Input, Measured, Parameter, Plant, State
+from hjcamp.plant import actuator, body, contact, outside, path, sensor, store, transmission
+
+
+class Rotor(Plant):
+    '''A vessel under pressure turns an arm.'''
+
+    pressure = State("Pa", typical=1e5, low=-9e4)
+    angle = State("rad", typical=1.0)
+    speed = State("rad/s", typical=2.0)
+    flow = Input("m^3/s", typical=1e-5)
+    stiffness = Parameter("Pa/m^3", 1e11)
+    volume = Parameter("m^3", 1e-6)
+    gap = Parameter("m^3/(s*Pa)", 1e-11)
+    inertia = Parameter("kg*m^2", 0.05, base=True)
+    coulomb = Parameter("N*m", 0.03, base=True)
+    static = Parameter("N*m", 0.05, base=True)
+    viscous = Parameter("N*m*s", 0.01, base=True)
+    angle_deg = Measured("encoder", of="angle")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        inflow = actuator(drive.flow)
+        drain = path(parameter.gap * state.pressure, upstream=state.pressure)
+        rate.pressure = store(inflow - drain - parameter.volume * state.speed, stiffness=parameter.stiffness)
+        load = outside("N*m")
+        torque = parameter.volume * state.pressure
+        rub = contact(state.speed, torque + load, coulomb=parameter.coulomb, static=parameter.static,
+                      viscous=parameter.viscous, travel=state.angle, load=torque)
+        rate.angle = state.speed
+        rate.speed = body(torque + load - rub, parameter.inertia, load=load, position=state.angle)
+        arm = transmission(state.angle)
+        encoder = sensor(arm)
+"""
 AXIS = TEMPLATE.format(title="Axis")
 
 
@@ -42,5 +77,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "plants").mkdir()
     (tmp_path / "plants" / "axis.py").write_text(AXIS)
     (tmp_path / "plants" / "tanks.py").write_text(TANKS)
+    (tmp_path / "plants" / "rotor.py").write_text(ROTOR)
     monkeypatch.chdir(tmp_path)
     return tmp_path

@@ -214,6 +214,7 @@ def test_plants_shows_lines_places_and_what_fits(folder: Path, name: str, capsys
     assert cli.run(["plants", name]) == 0
     told = capsys.readouterr().out
     assert "effects that fit" in told and "rate." in told
+    assert (name == "pump_joint") == ("constant_force: plant pump_joint needs none: " in told)
     assert cli.run(["plants"]) == 0
     assert name in capsys.readouterr().out
 
