@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from hjcamp.model.docstring import docstring_equation, docstring_sentence
+from hjcamp.model.field_table import Field
 from hjcamp.model.parameter import Channel, Contact, Cut, Input, Measured, Parameter, State, declared
 from hjcamp.model.port import Port
 
@@ -23,6 +24,7 @@ class Plant:
 
     ``period`` is the usual time between samples of its logs, s: the unit of what effects call a ``period``.
     ``loop`` is "foreign" where somebody else's controller holds the measured motion: then forces are judged.
+    ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
     """
 
     name: ClassVar[str] = ""
@@ -43,6 +45,8 @@ class Plant:
     inputs: ClassVar[dict[str, Input]] = {}
     measured: ClassVar[dict[str, Measured]] = {}
     ports: ClassVar[dict[str, Port]] = {}
+    fields: ClassVar[tuple[Field, ...]] = ()
+    one_of: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -64,6 +68,11 @@ class Plant:
     def equation(cls) -> str:
         """Return the equation of the docstring (the text of its ``.. math::`` block), or an empty string."""
         return docstring_equation(cls)
+
+    @classmethod
+    def given_inputs(cls) -> dict[str, Input]:
+        """Return the inputs that the plant declares itself: what every plant has is not in its logs."""
+        return {name: item for name, item in cls.inputs.items() if name not in ALWAYS}
 
     @classmethod
     def cut(cls, name: str) -> Cut:

@@ -7,6 +7,7 @@ import math
 from hjcamp.model.marks import limited, signal, slot
 from hjcamp.model.parameter import Channel, Contact, Cut, Input, Parameter, State
 from hjcamp.model.plant import Plant
+from hjcamp.plants.pump_joint_fields import FIELDS, ONE_OF
 
 INFINITE = float("inf")
 
@@ -20,6 +21,8 @@ class PumpJoint(Plant):
 
     name = "pump_joint"
     subsystems = ("pump", "lines", "joint", "sensors")
+    fields = FIELDS
+    one_of = ONE_OF
 
     pump_position = State("m", 1e-9, 1e-3, text="travel of the pump motor's nut")
     pump_velocity = State("m/s", 1e-6, 0.01, text="speed of the pump motor's nut")

@@ -57,7 +57,7 @@ def build_report(
     are the logs where they have been read already, ``further`` gives more pictures for the page. `UsageError` where
     there is no log, a log that cannot be read, or an unknown ``against`` or table.
     """
-    from hjcamp.records.find import read_logs
+    from hjcamp.records.find import read_logs, refuse_unanalysed
     from hjcamp.records.run_folder import refuse_links_out
 
     if against is not None and against not in AGAINST:
@@ -71,6 +71,7 @@ def build_report(
     read = list(logs) if logs is not None else read_logs([run_dir])
     if not read:
         raise UsageError(f"{run_dir}: there are no test logs to report on")
+    refuse_unanalysed(read, "the report")
     read = in_plan_order(read, origin)
     indicators = indicators_frame(read, origin.axes, run_dir)
     definitions = _with_rows(declared_tables(origin.tables), indicators)
