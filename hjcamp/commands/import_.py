@@ -13,8 +13,8 @@ from hjcamp.errors import UsageError
 
 HELP = """Turn measurements from elsewhere into test logs.
 
-FILE is CSV, MATLAB (.mat up to version 7), Parquet or MCAP (JSON or protobuf messages). An example of MAP.yaml; "hjcamp
-plants NAME" prints one with all fields of a plant:
+FILE is CSV, MATLAB (.mat up to version 7), Parquet or MCAP (JSON or protobuf messages). "hjcamp plants NAME" prints a map
+with all fields of a plant. An example of MAP.yaml:
 
 \b
   plant: axis              # pump_joint where it is absent
@@ -51,7 +51,6 @@ def import_table(
     from hjcamp.records.find import ANALYSED
     from hjcamp.records.import_map import read_import_map
     from hjcamp.records.importing import import_files
-    from hjcamp.records.plausible import findings
 
     targets = targets_of(files, into, output)
     rules = read_import_map(mapping)
@@ -60,12 +59,12 @@ def import_table(
     left = [target for target in targets if target.with_name(target.name + ".part").exists()]
     logs = import_files(files, mapping, targets)
     for target, log in zip(targets, logs, strict=True):
-        for one in findings(log):
+        for one in log.doubtful:
             print(f"{target}: {one.line}", file=sys.stderr)
-        print(f"{target}: {log.samples} samples, {log.duration:.3f} s, fields {' '.join(log.columns)}")
+        print(f"{target}: {log.samples} samples, {log.duration:.3f} s, fields {' '.join(log.fields)}")
         if target in left:
             print(f"  {target.name}.part, left by an import that was cut off, is gone")
-    for name in rules.lacking(logs):
+    for name in rules.lacking([log.metadata for log in logs]):
         print(f"{mapping}: warning: the metadata do not give '{name}'; the plant's default is used", file=sys.stderr)
     command = "compare" if rules.plant.name in ANALYSED else "log info"
     print(f"next  hjcamp {command} {joined([into] if into and len(targets) > 1 else targets)}")

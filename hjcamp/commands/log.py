@@ -60,7 +60,7 @@ def verify(paths: Paths) -> None:
             print(f"{path}: {problem}")
     for (plant, period, fields), number in kinds.items():
         if number:
-            print(f"{number} of plant {plant}, one sample each {span(period)}: {' '.join(fields)}")
+            print(f"{number} logs of plant {plant}, one sample each {span(period)}: {' '.join(fields)}")
     whole = f"{len(logs)} logs, {len(logs) - damaged} whole, {damaged} not"
     print(f"{whole}; {implausible} with what cannot be, {doubtful} with warnings" if implausible + doubtful else whole)
     if damaged:

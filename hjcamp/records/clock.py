@@ -9,7 +9,7 @@ import numpy as np
 from hjcamp.errors import UsageError
 from hjcamp.records.import_map import HIGHEST_SAMPLING_HZ, LOWEST_SAMPLING_HZ
 from hjcamp.records.log import COMMAND_PHASE
-from hjcamp.records.of_plant import LONGEST_PERIOD_S, USUAL_PERIOD_S, span
+from hjcamp.records.of_plant import LONGEST_PERIOD_S, span
 
 LONGEST_STEP = 1.5  # of the usual one
 RATE_TOLERANCE = 0.01
@@ -87,8 +87,3 @@ def resample(
         elif name != "time_s":
             resampled[name] = np.interp(clock, time, values)
     return resampled
-
-
-def steady_times(rows: int, period: float | None) -> np.ndarray:
-    """Return the times of rows that a map says are ``period`` (s) apart."""
-    return np.asarray(np.arange(rows) * (period or USUAL_PERIOD_S))

@@ -28,14 +28,14 @@ def read_messages(source: Path, names: list[str], topic: str, where: str) -> tup
     Raises UsageError for a file or message that cannot be read, a topic or name that is not there.
     """
     try:
-        found = scan(load(source))
-        channel = _channel(found, topic, source, where)
-        messages = sorted(_messages(found, channel, source), key=lambda one: one[0])
+        whole = scan(load(source))
+        channel = _channel(whole, topic, source, where)
+        messages = sorted(_messages(whole, channel, source), key=lambda one: one[0])
     except Damaged as fault:
         raise UsageError(f"{source}: {fault}") from fault
     if not messages:
         raise UsageError(f"{source}: there is no message on the topic {topic}")
-    parse, get = _decoder(found, channel, str(source))
+    parse, get = _decoder(whole, channel, str(source))
     columns = {name: np.empty(len(messages)) for name in names}
     for index, (_, data) in enumerate(messages):
         content = parse(data, index)
@@ -46,7 +46,8 @@ def read_messages(source: Path, names: list[str], topic: str, where: str) -> tup
             if value is MISSING:
                 raise UsageError(f"{source}: '{name}' is missing in message {index} on {topic}")
             if isinstance(value, bool) or not isinstance(value, int | float):
-                raise UsageError(f"{source}: '{name}' is no number in message {index} on {topic}: {value!r:.40}")
+                found = " ".join(repr(value).split())
+                raise UsageError(f"{source}: '{name}' is no number in message {index} on {topic}: {found:.40}")
             try:
                 values[index] = value
             except OverflowError as error:

@@ -16,7 +16,6 @@ from hjcamp.model.parameter import Parameter, finite_number
 from hjcamp.model.plant import Plant
 from hjcamp.plants import DEFAULT, find_plant, load_plants
 from hjcamp.records.check import check_names
-from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import LONGEST_PERIOD_S, PERIOD_KEY, PLANT_KEY
 from hjcamp.records.units import conversion_to_field
 
@@ -81,11 +80,11 @@ class ImportMap:
                 _given_value(found[item.given], item.given, item.unit, item.bounds, f"{file} by {self.where}")
         return found
 
-    def lacking(self, logs: Iterable[TestLog]) -> list[str]:
-        """Return what the plant expects in the metadata of each test and the metadata of some do not say."""
-        given = [item.given for item in self.plant.parameters.values() if item.given]
-        tests = [log.metadata for log in logs]
-        return [name for name in dict.fromkeys(given) if any(name not in metadata for metadata in tests)]
+    def lacking(self, tests: Iterable[Mapping[str, str]]) -> list[str]:
+        """Return what the plant expects in the metadata of each of ``tests`` and some of them do not say."""
+        given = dict.fromkeys(item.given for item in self.plant.parameters.values() if item.given)
+        known = list(tests)
+        return [name for name in given if any(name not in metadata for metadata in known)]
 
 
 def read_import_map(path: Path) -> ImportMap:
@@ -126,9 +125,10 @@ def example_map(plant: type[Plant]) -> str:
     table = fields_of(plant)
     lines = [f"plant: {plant.name}", "# period_s: 0.001   instead of time_s, or sampling_hz", "fields:"]
     for known in table.fields:
-        needed = known.required or known.name in table.one_of
+        needed = known.required or known.name in table.one_of[:1]
+        meaning = known.text + (f" (one of {', '.join(table.one_of)})" if known.name in table.one_of else "")
         text = f"  {'' if needed else '# '}{known.name}: {{column: {known.name}, unit: {_quoted(known.unit)}}}"
-        lines.append(f"{text}  # {known.text}" if known.text else text)
+        lines.append(f"{text}  # {meaning}" if meaning else text)
     lines += [
         "# scale, offset and sign beside unit: sign * (scale * column + offset)",
         "metadata:",

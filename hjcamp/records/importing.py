@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,24 +12,36 @@ from hjcamp.errors import UsageError
 from hjcamp.model.field_unit import field_of
 from hjcamp.plants import DEFAULT
 from hjcamp.records.check import check_finite, check_phase
-from hjcamp.records.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, steady_times, usual_step
+from hjcamp.records.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, usual_step
 from hjcamp.records.import_map import ImportMap, read_import_map
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, USUAL_PERIOD_S
-from hjcamp.records.plausible import refuse_implausible
+from hjcamp.records.plausible import Finding, refuse_implausible
+from hjcamp.records.read import read_log
 from hjcamp.records.tables import read_table
 from hjcamp.records.write import write_log
 
-SUFFIX = ".mcap"
+
+@dataclass(frozen=True)
+class Imported:
+    """A log that an import wrote: how much it holds (duration in s), and what in it is doubtful."""
+
+    path: Path
+    samples: int
+    duration: float
+    fields: tuple[str, ...]
+    metadata: dict[str, str]
+    doubtful: list[Finding]
 
 
 def import_file(file: str | Path, mapping: str | Path, out: str | Path) -> TestLog:
     """Write ``file`` as the test log ``out`` by the YAML file ``mapping``, and return the log; see ``import_files``."""
-    return import_files([file], mapping, [out])[0]
+    import_files([file], mapping, [out])
+    return read_log(out)
 
 
-def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequence[str | Path]) -> list[TestLog]:
-    """Write each of ``files`` as the test log of ``outs`` by the YAML file ``mapping``, and return the logs.
+def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequence[str | Path]) -> list[Imported]:
+    """Write each of ``files`` as the test log of ``outs`` by the YAML file ``mapping``, and return what was written.
 
     A column becomes a field as ``sign * (scale * column + offset)`` in ``unit``. The end of a file's name says what it
     is: ``.mat`` (a column is a variable: ``q``, ``data.q``, ``q(:,2)``), ``.parquet``, ``.mcap`` (a column is a name in
@@ -61,11 +74,22 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
             if taken == target:
                 raise UsageError(f"{target}: would be the log of {other} and of {source}; import them one by one")
     rules = read_import_map(Path(mapping))
-    logs = [_log(source, target, rules, Path(mapping)) for source, target in pairs]
-    for log in logs:
-        assert log.path is not None
-        write_log(log.path, log)
-    return logs
+    written: list[Imported] = []
+    try:
+        for source, target in pairs:
+            written.append(_import(source, target, rules, Path(mapping)))
+    except BaseException:
+        for one in written:
+            one.path.unlink(missing_ok=True)
+        raise
+    return written
+
+
+def _import(source: Path, target: Path, rules: ImportMap, mapping: Path) -> Imported:
+    log = _log(source, target, rules, mapping)
+    doubtful = refuse_implausible(log, f"{source} by {mapping}")
+    write_log(target, log)
+    return Imported(target, log.samples, log.duration, tuple(log.columns), log.metadata, doubtful)
 
 
 def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> TestLog:
@@ -75,8 +99,12 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> TestLog
     rows = len(next(iter(fields.values())))
     if rows < 2:
         raise UsageError(f"{where}: {rows} rows are no test")
-    if times is None or (rules.period is not None and "time_s" not in fields):
-        times = steady_times(rows, rules.period)
+    if rules.period is not None and "time_s" not in fields:
+        times = np.arange(rows) * rules.period
+    if times is None:
+        raise UsageError(
+            f"{rules.where}: give period_s or sampling_hz, or map a column to time_s; {source} has no times"
+        )
     usual = usual_step(times, where)
     if rules.period is not None and abs(usual / rules.period - 1) > RATE_TOLERANCE:
         given = f"sampling_hz is {1 / rules.period:g}" if rules.by_rate else f"period_s is {rules.period:g}"
@@ -89,9 +117,7 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> TestLog
         metadata |= {PLANT_KEY: rules.plant.name, PERIOD_KEY: repr(period)}
     columns = resample(fields, times, period, held, where)
     check_phase(columns, where)
-    log = TestLog(columns, metadata, {"import.yaml": mapping.read_bytes()}, target)
-    refuse_implausible(log, f"{source} by {mapping}")
-    return log
+    return TestLog(columns, metadata, {"import.yaml": mapping.read_bytes()}, target)
 
 
 def _held(rules: ImportMap) -> list[str]:

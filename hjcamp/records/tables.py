@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -72,7 +73,7 @@ def _read_parquet(source: Path, names: list[str], rules: ImportMap) -> Table:
 
     try:
         table = polars.read_parquet(source, use_pyarrow=False)
-    except (polars.exceptions.PolarsError, ValueError) as error:
+    except (polars.exceptions.PolarsError, polars.exceptions.PanicException, ValueError) as error:
         raise UsageError(f"{source}: cannot be read as Parquet: {_first_line(error)}") from error
     return Table(_numbers(source, table, names, False))
 
@@ -107,12 +108,12 @@ def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_co
 
 def _read_mat(source: Path, names: list[str], rules: ImportMap) -> Table:
     from scipy.io import loadmat, whosmat
-    from scipy.io.matlab import MatReadError
 
+    wanted = sorted({re.split(r"[.(]", name)[0] for name in names})
     try:
-        variables = [name for name, _, _ in whosmat(source)]
-        wanted = {re.split(r"[.(]", name)[0] for name in names}
-        content = loadmat(source, squeeze_me=False, variable_names=sorted(wanted))
+        with warnings.catch_warnings(action="ignore"):
+            variables = [name for name, _, _ in whosmat(source)]
+            content = loadmat(source, squeeze_me=False, variable_names=wanted)
     except NotImplementedError as error:
         raise UsageError(
             f"{source}: this is a file of MATLAB 7.3 (HDF5), which cannot be read; in MATLAB write it again: "
@@ -120,7 +121,7 @@ def _read_mat(source: Path, names: list[str], rules: ImportMap) -> Table:
         ) from error
     except OSError:
         raise
-    except (MatReadError, Exception) as error:  # scipy raises many kinds for bytes that are no such file
+    except Exception as error:  # scipy raises many kinds for bytes that are no such file
         raise UsageError(f"{source}: cannot be read as a MATLAB file: {_first_line(error)}") from error
     return Table({name: _of_mat(source, name, content, variables) for name in names})
 
@@ -163,7 +164,7 @@ def _read_mcap(source: Path, names: list[str], rules: ImportMap) -> Table:
     return Table(columns, times)
 
 
-def _first_line(error: Exception) -> str:
+def _first_line(error: BaseException) -> str:
     return next(iter(str(error).strip().splitlines()), "") or type(error).__name__
 
 
