@@ -43,6 +43,7 @@ def verify(paths: Paths) -> None:
     """Check that logs are whole, meet the contract and are plausible; exit code 1 where one is not."""
     from collections import Counter
 
+    from hjcamp.plants import DEFAULT
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import span
     from hjcamp.records.recover import verify_log
@@ -53,14 +54,14 @@ def verify(paths: Paths) -> None:
     for path in logs:
         found = verify_log(path)
         damaged += not found.whole
-        kinds[found.plant, found.period, found.fields] += found.whole
+        if found.whole and found.plant != DEFAULT:
+            kinds[found.plant, found.period, found.fields] += 1
         implausible += found.refused
         doubtful += bool(found.findings) and not found.refused
         for problem in [*found.problems, *(one.line for one in found.findings)]:
             print(f"{path}: {problem}")
     for (plant, period, fields), number in kinds.items():
-        if number:
-            print(f"{number} logs of plant {plant}, one sample each {span(period)}: {' '.join(fields)}")
+        print(f"{number} logs of plant {plant}, one sample each {span(period)}: {' '.join(fields)}")
     whole = f"{len(logs)} logs, {len(logs) - damaged} whole, {damaged} not"
     print(f"{whole}; {implausible} with what cannot be, {doubtful} with warnings" if implausible + doubtful else whole)
     if damaged:

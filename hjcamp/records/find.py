@@ -8,8 +8,9 @@ from pathlib import Path
 
 from hjcamp.errors import UsageError
 from hjcamp.plants import DEFAULT
+from hjcamp.records.check import RATE_TOLERANCE
 from hjcamp.records.log import TestLog
-from hjcamp.records.of_plant import PLANT_KEY
+from hjcamp.records.of_plant import PLANT_KEY, USUAL_PERIOD_S, span
 from hjcamp.records.read import read_log
 from hjcamp.records.run_folder import planned_only
 
@@ -95,11 +96,14 @@ def refuse_mixed_plants(logs: Iterable[TestLog]) -> None:
 
 
 def refuse_unanalysed(logs: Iterable[TestLog], what: str) -> None:
-    """Raise UsageError for logs of a plant that the analysis ``what`` cannot read yet."""
+    """Raise UsageError for logs of a plant, or with a period, that the analysis ``what`` cannot read yet."""
     for log in logs:
         name = log.metadata.get(PLANT_KEY) or DEFAULT
         if name not in ANALYSED:
             raise UsageError(f"{log.path}: a log of plant {name}; {what} knows only {', '.join(ANALYSED)} so far")
+        if abs(log.period / USUAL_PERIOD_S - 1) > RATE_TOLERANCE:
+            given, known = span(log.period), span(USUAL_PERIOD_S)
+            raise UsageError(f"{log.path}: one sample each {given}; {what} knows only one each {known} so far")
 
 
 def refuse_mixed_hardware(logs: Iterable[TestLog]) -> None:

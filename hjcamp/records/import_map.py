@@ -100,7 +100,9 @@ def read_import_map(path: Path) -> ImportMap:
     topic = _text(content, "topic", where)
     period = _period(content, plant, where)
     if period is None and "time_s" not in rules and not topic:
-        raise UsageError(f"{where}: give period_s or sampling_hz, or map a column to time_s")
+        raise UsageError(
+            f"{where}: give period_s or sampling_hz, or map a column to time_s (of an MCAP file: its topic)"
+        )
     check_names({"time_s", *rules}, table, where)
     metadata = _metadata(content.get("metadata"), "metadata", where)
     return ImportMap(
@@ -197,6 +199,9 @@ def _rule(name: str, content: Any, table: FieldTable, where: str) -> ColumnRule:
     if isinstance(content, str):
         content = {"column": content}
     _only_known(content, FIELD_KEYS, "key", place)
+    if isinstance(content.get("column"), bool):
+        said = "true" if content["column"] else "false"
+        raise UsageError(f"{place}: YAML reads this column as {said}; write its name in quotes")
     if content.get("column") is None or isinstance(content["column"], dict | list):
         raise UsageError(f"{place}: give the column that holds it")
     numbers = {key: _number(content[key], key, place) for key in ("scale", "offset", "sign") if key in content}

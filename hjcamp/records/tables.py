@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 # MATLAB's own way to name a column of a matrix: q(:,2).
 MATRIX_COLUMN = re.compile(r"(?P<name>.+)\(:,\s*(?P<column>\d+)\)")
+LOOKED_AT = 4096
 NS_IN = {"ns": 1.0, "us": 1e3, "ms": 1e6}
 
 
@@ -53,6 +54,10 @@ def read_table(source: Path, rules: ImportMap) -> Table:
 def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
     import polars
 
+    with source.open("rb") as stream:
+        if b"\0" in stream.read(LOOKED_AT):
+            listed = ", ".join(READERS)
+            raise UsageError(f"{source}: this is no table of text in UTF-8; those, {listed} can be read")
     try:
         table = polars.read_csv(
             source,

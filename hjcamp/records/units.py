@@ -43,6 +43,10 @@ RELATIVES: dict[str, dict[str, float]] = {
 SHIFTS = {"degC": 273.15, "degF": 459.67}
 # The same unit written in another way.
 WRITTEN = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "³": "^3", "²": "^2", "·": "", "*": "", " ": ""})
+ALIASES = {
+    "percent": "%", "ratio": "1", "-": "1", "sec": "s", "rev": "turn", "rev/s": "turn/s", "rev/min": "rpm", "l": "L",
+    "l/min": "L/min", "l/s": "L/s", "l/h": "L/h", "ml": "mL", "ml/min": "mL/min", "ml/s": "mL/s",
+}  # fmt: skip
 # What a unit that a field cannot have measures, told in the refusal.
 QUANTITIES = {
     "m": "a length", "m/s": "a speed", "m/s^2": "an acceleration", "N": "a force", "N*m": "a torque", "kg": "a mass",
@@ -97,7 +101,7 @@ def conversion_to_field(field: Field, unit: str, where: str) -> Conversion:
     """Return the conversion from ``unit`` to the unit of the field; raises UsageError for a unit it cannot have."""
     allowed = units_of(field)
     same = {name.translate(WRITTEN): name for name in reversed(allowed)}
-    if (known := same.get(unit.translate(WRITTEN))) is not None:
+    if (known := same.get(ALIASES.get(unit, unit).translate(WRITTEN))) is not None:
         return allowed[known]
     alike = [name for name in allowed if name.casefold() == unit.casefold()]
     if alike:

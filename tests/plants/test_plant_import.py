@@ -180,6 +180,10 @@ BAD_MAPS: dict[str, tuple[dict[str, Any], str]] = {
     "a wrong rate": ({"sampling_hz": 500}, "1000 rows a second, sampling_hz is 500"),
     "no rate": ({"sampling_hz": -1}, "sampling_hz is -1; at least"),
     "a missing column": (field("position_m", column="X"), "unknown column 'X' in .*Allowed: t, u, x"),
+    "a column called on": (
+        field("position_m", column=True),
+        "YAML reads this column as true; write its name in quotes",
+    ),
     "a column that is a list": (field("position_m", column=[1]), "give the column that holds it"),
     "the plant as metadata": ({"metadata": {"plant": "axis"}}, "plant is written by the import"),
     "files that are none": ({"files": ["a.csv"]}, "files must be file names"),
@@ -300,6 +304,12 @@ BAD_FILES: list[tuple[str, Callable[[Path], object], dict[str, Any], str]] = [
         lambda path: write_protobuf_mcap(path, measured()),
         {"topic": "/motor/state"} | field("position_m", column="pose"),
         "'pose' is no number in message 0",
+    ),
+    (
+        "a.xlsx",
+        lambda path: path.write_bytes(b"PK\3\4" + bytes(90)),
+        {},
+        "no table of text in UTF-8; those, .parquet, .pq, .mat",
     ),
     ("a.csv", lambda path: write_csv(path, measured()), {"topic": "/m"} | less("time_s"), "a.csv has no times"),
 ]

@@ -192,6 +192,10 @@ def test_metadata_that_cannot_be_are_refused(plants: Path, change: dict[str, str
         read_log(plants / "a.mcap")
     assert "\n" not in str(caught.value) and "a.mcap" in str(caught.value)
     assert not verify_log(plants / "a.mcap").whole
+    if change != {"period_s": "0.002"}:
+        with pytest.raises(UsageError, match=told):
+            recover_log(plants / "a.mcap", plants / "b.mcap")
+        assert not (plants / "b.mcap").exists()
 
 
 def test_a_plant_says_what_is_plausible(plants: Path) -> None:
@@ -252,3 +256,13 @@ def test_an_analysis_says_which_plants_it_knows(
     told = capsys.readouterr().err
     assert "logs of one plant given to another: logs/a.mcap is of plant axis, logs/b.mcap of plant tanks" in told
     assert sorted({*before, plants / "logs" / "b.mcap"}) == sorted(plants.rglob("*")), "something was written"
+
+
+def test_an_analysis_says_which_periods_it_knows(plants: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    names = [name for name in fields_of(find_plant("pump_joint")).names if name not in ("time_s", "phase")]
+    columns = {name: 0.3 + np.random.default_rng(6).normal(0.0, 1e-3, 200) for name in names}
+    columns["time_s"] = np.arange(200) * 0.004
+    write_log(plants / "logs" / "a.mcap", TestLog(columns, {"period_s": "0.004"}))
+    assert read_log(plants / "logs" / "a.mcap").duration == pytest.approx(0.8)
+    assert cli.run(["compare", "logs"]) == 2
+    assert "a.mcap: one sample each 4 ms; the diagnosis knows only one each 1 ms so far" in capsys.readouterr().err

@@ -30,7 +30,16 @@ def test_every_conversion_agrees_with_pint(shown: str) -> None:
 
 @pytest.mark.parametrize(
     ("shown", "written"),
-    [("L/min", "L / min"), ("N m", "N*m"), ("K", "°C"), ("m^3", "mm³"), ("m", "µm"), ("m/s^2", "m/s²")],
+    [
+        ("L/min", "L / min"),
+        ("N m", "N*m"),
+        ("K", "°C"),
+        ("m^3", "mm³"),
+        ("m", "µm"),
+        ("m/s^2", "m/s²"),
+        ("%", "percent"),
+        ("m^3", "l"),
+    ],
 )
 def test_a_unit_may_be_written_in_more_than_one_way(shown: str, written: str) -> None:
     conversion_to_field(Field("x", shown, True, ""), written, "here")
