@@ -132,6 +132,7 @@ def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.n
     fields: dict[str, np.ndarray] = {}
     for name, rule in rules.rules.items():
         values = table.columns[rule.column]
-        fields[name] = (rule.sign * (rule.scale * values + rule.offset) + rule.shift) * rule.factor
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below, with its place
+            fields[name] = (rule.sign * (rule.scale * values + rule.offset) + rule.shift) * rule.factor
     check_finite(fields, str(source))
     return fields, fields.get("time_s", table.times)
