@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -77,10 +80,25 @@ def _read_parquet(source: Path, names: list[str], rules: ImportMap) -> Table:
     import polars
 
     try:
-        table = polars.read_parquet(source, use_pyarrow=False)
+        with _quiet():
+            table = polars.read_parquet(source, use_pyarrow=False)
     except (polars.exceptions.PolarsError, polars.exceptions.PanicException, ValueError) as error:
         raise UsageError(f"{source}: cannot be read as Parquet: {_first_line(error)}") from error
     return Table(_numbers(source, table, names, False))
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep away what polars' own threads print of damaged bytes; the error that follows is told in one line."""
+    sys.stderr.flush()
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
 
 
 def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_comma: bool) -> dict[str, np.ndarray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -371,3 +372,17 @@ def test_help_shows_a_map(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["import", "--help"]) == 0
     told = capsys.readouterr().out
     assert "plant: axis" in told and "{file}" in told and "--into" in told
+
+
+def test_a_reader_that_panics_is_one_message(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def panics(*_: object, **__: object) -> None:
+        os.write(2, b"thread 'async-executor-0' panicked\nstack backtrace:\n")
+        raise polars.exceptions.PanicException("assertion failed\nstack")
+
+    write_parquet(folder / "a.parquet", measured())
+    write_map(folder)
+    monkeypatch.setattr(polars, "read_parquet", panics)
+    assert cli.run(["import", "a.parquet", "--map", "map.yaml"]) == 2
+    assert capfd.readouterr().err == "hjcamp: a.parquet: cannot be read as Parquet: assertion failed\n"
