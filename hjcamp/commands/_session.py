@@ -27,10 +27,11 @@ def evidence_of(paths: Sequence[Path]) -> Evidence:
     import sys
 
     from hjcamp.discrepancy.evidence import prepare
-    from hjcamp.records.find import read_logs
+    from hjcamp.records.find import read_logs, refuse_unanalysed
     from hjcamp.records.plausible import refuse_implausible
 
     logs = read_logs(list(paths))
+    refuse_unanalysed(logs, "the diagnosis")
     doubtful: dict[str, list[str]] = {}
     for log in logs:
         for one in refuse_implausible(log, str(log.path)):

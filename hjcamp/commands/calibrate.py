@@ -34,12 +34,13 @@ def calibrate(
     from hjcamp.calibrate.identify import only as select
     from hjcamp.campaign.console import make_console
     from hjcamp.configuration.setups import configuration_for
-    from hjcamp.records.find import read_logs
+    from hjcamp.records.find import read_logs, refuse_unanalysed
     from hjcamp.report.identification_figures import identification_page
     from hjcamp.storage import whole_file
 
     check_name(name, conf, replace)
     logs = select(read_logs(paths), _pairs(only or []))
+    refuse_unanalysed(logs, "calibrate")
     found = identify(logs, configuration_for)
     hardware = tuple(found.hardware.items())
     origin = {"command": " ".join(["hjcamp calibrate", *map(str, paths), f"--as {name}"])}

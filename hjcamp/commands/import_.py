@@ -1,50 +1,100 @@
-"""Turn a table of measurements from elsewhere into a test log: hjcamp import FILE.csv --map MAP.yaml"""
+"""Turn measurements from elsewhere into test logs: hjcamp import FILE... --map MAP.yaml"""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from hjcamp.errors import UsageError
+
+HELP = """Turn measurements from elsewhere into test logs.
+
+FILE is CSV, MATLAB (.mat up to version 7), Parquet or MCAP (JSON or protobuf messages). "hjcamp plants NAME" prints a map
+with all fields of a plant. An example of MAP.yaml:
+
+\b
+  plant: axis              # pump_joint where it is absent
+  period_s: 0.001          # or sampling_hz; not needed where time_s is mapped
+  topic: /motor/state      # MCAP alone
+  separator: ";"           # CSV alone: also decimal_comma, skip_lines, comment
+  fields:
+    time_s: {column: t, unit: ms}
+    position_m: {column: x, unit: mm, scale: 1, offset: 0, sign: -1}
+    voltage_v: u
+  metadata: {condition: "{file}", mass_kg: 95}   # {file}: the file's name
+  files:                   # where single files differ
+    train.csv: {condition: train}
+    pulses.csv: {condition: pulses, mass_kg: 120}
+
+A column is a CSV or Parquet column, a MATLAB variable (q, data.q, q(:,2)), or a name in a message (q, pose.x).
+"""
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("import")(import_table)
+    app.command("import", help=HELP)(import_table)
 
 
 def import_table(
-    file: Annotated[Path, typer.Argument(help="The table, CSV.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="The files, all by one map.")],
     mapping: Annotated[Path, typer.Option("--map", help="Which column is which field, in which unit (YAML).")],
-    output: Annotated[Path | None, typer.Option(help="The new log; FILE.mcap by default.")] = None,
+    into: Annotated[Path | None, typer.Option(help="The folder of the new logs; beside each file by default.")] = None,
+    output: Annotated[Path | None, typer.Option(help="The new log of one file; FILE.mcap by default.")] = None,
 ) -> None:
-    """Turn a table of measurements from elsewhere into a test log."""
+    """Turn measurements from elsewhere into test logs."""
+    from hjcamp.commands._session import joined
+    from hjcamp.plants import DEFAULT
+    from hjcamp.records.find import ANALYSED
     from hjcamp.records.import_map import read_import_map
-    from hjcamp.records.importing import import_csv
-    from hjcamp.records.plausible import findings
+    from hjcamp.records.importing import import_files
 
-    target = output or file.with_suffix(".mcap")
-    _check_hardware(read_import_map(mapping).metadata, mapping)
-    left = target.with_name(target.name + ".part").exists()
-    log = import_csv(file, mapping, target)
-    for one in findings(log):
-        print(f"{target}: {one.line}", file=sys.stderr)
-    print(f"{target}: {log.samples} samples, {log.duration:.3f} s, fields {' '.join(log.columns)}")
-    if left:
-        print(f"  {target.name}.part, left by an import that was cut off, is gone")
-    print(f"next  hjcamp compare {target}")
+    targets = targets_of(files, into, output)
+    rules = read_import_map(mapping)
+    if rules.plant.name == DEFAULT:
+        _check_hardware([rules.metadata, *rules.files.values()], mapping)
+    left = [target for target in targets if target.with_name(target.name + ".part").exists()]
+    logs = import_files(files, mapping, targets)
+    for target, log in zip(targets, logs, strict=True):
+        for one in log.doubtful:
+            print(f"{target}: {one.line}", file=sys.stderr)
+        print(f"{target}: {log.samples} samples, {log.duration:.3f} s, fields {' '.join(log.fields)}")
+        if target in left:
+            print(f"  {target.name}.part, left by an import that was cut off, is gone")
+    for name in rules.lacking([log.metadata for log in logs]):
+        print(f"{mapping}: warning: the metadata do not give '{name}'; the plant's default is used", file=sys.stderr)
+    command = "compare" if rules.plant.name in ANALYSED else "log info"
+    print(f"next  hjcamp {command} {joined([into] if into and len(targets) > 1 else targets)}")
 
 
-def _check_hardware(metadata: Mapping[str, str], mapping: Path) -> None:
+def targets_of(files: Sequence[Path], into: Path | None, output: Path | None) -> list[Path]:
+    """Return the log that each file becomes; raises UsageError where the options do not say it."""
+    if output is not None and into is not None:
+        raise UsageError("give --into DIR or --output FILE, not both")
+    if output is not None and len(files) > 1:
+        raise UsageError(f"--output {output}: there are {len(files)} files; give --into DIR")
+    if into is not None and into.exists() and not into.is_dir():
+        raise UsageError(f"--into {into}: this is a file; give a folder")
+    if output is not None:
+        return [output]
+    targets = [(into or file.parent) / f"{file.stem}.mcap" for file in files]
+    for file, target in zip(files, targets, strict=True):
+        if target == file:
+            raise UsageError(f"{file}: this is an MCAP file itself; give --into DIR or --output FILE for the new log")
+    return targets
+
+
+def _check_hardware(metadata: Sequence[Mapping[str, str]], mapping: Path) -> None:
     """Refuse hardware that no configuration describes: every analysis would ask for it."""
     from hjcamp.configuration.composer import Composer
     from hjcamp.discrepancy.hardware import NAMED
     from hjcamp.errors import unknown
 
-    named = [group for group in NAMED if metadata.get(group)]
+    named = [(group, one[group]) for one in metadata for group in NAMED if one.get(group)]
     composer = Composer() if named else None
-    for group in named:
-        if composer and metadata[group] not in (allowed := composer.options(group)):
-            raise unknown(group, metadata[group], allowed, f"the metadata of {mapping}")
+    for group, choice in named:
+        if composer and choice not in (allowed := composer.options(group)):
+            raise unknown(group, choice, allowed, f"the metadata of {mapping}")

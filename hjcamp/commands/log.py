@@ -26,11 +26,13 @@ def register(app: typer.Typer) -> None:
 def info(paths: Paths) -> None:
     """Show what logs hold: samples, duration, fields, metadata."""
     from hjcamp.records.find import find_logs
+    from hjcamp.records.of_plant import span
     from hjcamp.records.recover import verify_log
 
     for path in find_logs(paths):
         found = verify_log(path)
         print(f"{path}: {found.samples} samples, {found.duration:.3f} s, {'whole' if found.whole else 'NOT WHOLE'}")
+        print(f"  of           plant {found.plant}, one sample each {span(found.period)}")
         print(f"  fields       {' '.join(found.fields)}")
         print(f"  attachments  {' '.join(found.attachments) or 'none'}")
         for name, value in found.metadata.items():
@@ -39,18 +41,27 @@ def info(paths: Paths) -> None:
 
 def verify(paths: Paths) -> None:
     """Check that logs are whole, meet the contract and are plausible; exit code 1 where one is not."""
+    from collections import Counter
+
+    from hjcamp.plants import DEFAULT
     from hjcamp.records.find import find_logs
+    from hjcamp.records.of_plant import span
     from hjcamp.records.recover import verify_log
 
     damaged, implausible, doubtful = 0, 0, 0
+    kinds: Counter[tuple[str, float, tuple[str, ...]]] = Counter()
     logs = find_logs(paths)
     for path in logs:
         found = verify_log(path)
         damaged += not found.whole
+        if found.whole and found.plant != DEFAULT:
+            kinds[found.plant, found.period, found.fields] += 1
         implausible += found.refused
         doubtful += bool(found.findings) and not found.refused
         for problem in [*found.problems, *(one.line for one in found.findings)]:
             print(f"{path}: {problem}")
+    for (plant, period, fields), number in kinds.items():
+        print(f"{number} logs of plant {plant}, one sample each {span(period)}: {' '.join(fields)}")
     whole = f"{len(logs)} logs, {len(logs) - damaged} whole, {damaged} not"
     print(f"{whole}; {implausible} with what cannot be, {doubtful} with warnings" if implausible + doubtful else whole)
     if damaged:

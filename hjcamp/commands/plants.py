@@ -86,6 +86,7 @@ def show_plant(name: str, figure: Path | None) -> None:
     _lines(console, plant)
     _places(console, plant)
     _effects(console, plant)
+    _import_map(console, plant)
     if figure is not None:
         from hjcamp.report.plant_figure import draw_plant
 
@@ -149,6 +150,15 @@ def _effects(console: Console, plant: type[Plant]) -> None:
         console.print(f"\n  [bold]effects that do not[/bold] ({len(library.unfit)})", style="dim")
     for reason in library.unfit.values():
         console.print(f"  {reason}", style="dim", markup=False, soft_wrap=True)
+
+
+def _import_map(console: Console, plant: type[Plant]) -> None:
+    from hjcamp.records.import_map import example_map
+
+    console.print(
+        "\n  [bold]map for hjcamp import[/bold]: name your columns and their units, leave out what you have not\n"
+    )
+    console.print(example_map(plant), markup=False, soft_wrap=True, highlight=False)
 
 
 def write_new(name: str) -> None:

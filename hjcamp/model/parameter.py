@@ -115,7 +115,8 @@ class Input:
     """A quantity that is given for each sample: a command, a flow, a measured motion.
 
     ``field`` is what the logs call it (by default its name and SI unit, such as ``voltage_v``), ``plausible`` what a sound
-    log stays within; between samples it holds its "previous" value or runs "linear"-ly to the next.
+    log stays within; between samples it holds its "previous" value or runs "linear"-ly to the next. A log may lack one
+    that is not ``required``: it then has its default.
     """
 
     unit: str
@@ -125,6 +126,7 @@ class Input:
     hold: str = "previous"
     field: str = ""
     plausible: tuple[float, float] = (float("-inf"), float("inf"))
+    required: bool = True
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:

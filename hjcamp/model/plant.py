@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from hjcamp.model.docstring import docstring_equation, docstring_sentence
+from hjcamp.model.field_table import Field
 from hjcamp.model.instance import Instance
 from hjcamp.model.parameter import Channel, Contact, Cut, Input, Measured, Parameter, State, declared
 from hjcamp.model.port import Port
@@ -27,6 +28,7 @@ class Plant:
     ``instances`` are the generic effects that have names and numbers of their own here: such an effect then acts at
     their places only. ``covers`` says of a generic effect why the plant needs none: what holds it already.
     ``loop`` is "foreign" where somebody else's controller holds the measured motion: then forces are judged.
+    ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
     """
 
     name: ClassVar[str] = ""
@@ -49,6 +51,8 @@ class Plant:
     ports: ClassVar[dict[str, Port]] = {}
     instances: ClassVar[tuple[type[Instance], ...]] = ()
     covers: ClassVar[Mapping[str, str]] = {}
+    fields: ClassVar[tuple[Field, ...]] = ()
+    one_of: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -70,6 +74,11 @@ class Plant:
     def equation(cls) -> str:
         """Return the equation of the docstring (the text of its ``.. math::`` block), or an empty string."""
         return docstring_equation(cls)
+
+    @classmethod
+    def given_inputs(cls) -> dict[str, Input]:
+        """Return the inputs that the plant declares itself: what every plant has is not in its logs."""
+        return {name: item for name, item in cls.inputs.items() if name not in ALWAYS}
 
     @classmethod
     def cut(cls, name: str) -> Cut:

@@ -9,6 +9,7 @@ from hjcamp.model.parameter import Channel, Contact, Cut, Input, Parameter, Stat
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 from hjcamp.plants.pump_joint_effects import COVERS, INSTANCES
+from hjcamp.plants.pump_joint_fields import FIELDS, ONE_OF
 
 INFINITE = float("inf")
 
@@ -22,6 +23,8 @@ class PumpJoint(Plant):
 
     name = "pump_joint"
     subsystems = ("pump", "lines", "joint", "sensors")
+    fields = FIELDS
+    one_of = ONE_OF
 
     pump_position = State("m", 1e-9, 1e-3, text="travel of the pump motor's nut")
     pump_velocity = State("m/s", 1e-6, 0.01, text="speed of the pump motor's nut")

@@ -7,31 +7,34 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from hjcamp.errors import UsageError, nearest
-from hjcamp.records.log import COMMAND_PHASE, ONE_OF, PHASES, REQUIRED, SAMPLE_S
+from hjcamp.model.field_table import FieldTable
+from hjcamp.records.log import COMMAND_PHASE, PHASES, TestLog
+from hjcamp.records.of_plant import PERIOD_KEY, span
 
 RATE_TOLERANCE = 0.01
-LONGEST_STEP = 1.5 * SAMPLE_S  # two samples further apart than this have lost one between them
-# What one sample of 1 ms is where time_s is written in another unit.
-OTHER_CLOCKS = {"ms in time_s: 1000 times too large": 1.0, "us in time_s: 1e6 times too large": 1e3}
+LONGEST_STEP = 1.5  # periods: two samples further apart than this have lost one between them
+# How much longer a sample seems where time_s is written in another unit.
+OTHER_CLOCKS = {"ms in time_s: 1000 times too large": 1e3, "us in time_s: 1e6 times too large": 1e6}
 
 
-def check_log(columns: Mapping[str, np.ndarray], where: str) -> None:
-    """Raise UsageError unless ``columns``, each of shape (samples,), are a whole test log of 1 ms samples."""
-    check_names(columns, where)
-    check_finite(columns, where)
-    check_time(columns["time_s"], where)
-    check_phase(columns, where)
+def check_log(log: TestLog, where: str) -> None:
+    """Raise UsageError unless the columns of a log, each of shape (samples,), are a whole test of its plant, evenly sampled."""
+    check_names(log.columns, log.table, where)
+    check_finite(log.columns, where)
+    check_time(log.columns["time_s"], log.period, where, PERIOD_KEY in log.metadata)
+    check_phase(log.columns, where)
 
 
-def check_names(names: Collection[str], where: str) -> None:
-    """Raise UsageError where a required field is missing, or both of the pump's."""
-    for name in REQUIRED:
+def check_names(names: Collection[str], table: FieldTable, where: str) -> None:
+    """Raise UsageError where a required field is missing, or all of those that a log needs one of."""
+    for name in table.required:
         if name not in names:
-            match = nearest(name, [other for other in names if other not in REQUIRED])
+            match = nearest(name, [other for other in names if other not in table.required])
             hint = f" (nearest: '{match}')" if match else ""
             raise UsageError(f"{where}: required field '{name}' is missing{hint}; found: {', '.join(names) or 'none'}")
-    if not any(name in names for name in ONE_OF):
-        raise UsageError(f"{where}: neither 'pump_deg' nor 'command_deg' is there; a test log needs one of them")
+    if table.one_of and not any(name in names for name in table.one_of):
+        neither = " nor ".join(f"'{name}'" for name in table.one_of)
+        raise UsageError(f"{where}: neither {neither} is there; a test log needs one of them")
 
 
 def check_finite(columns: Mapping[str, np.ndarray], where: str) -> None:
@@ -46,8 +49,8 @@ def check_finite(columns: Mapping[str, np.ndarray], where: str) -> None:
             )
 
 
-def check_time(time: np.ndarray, where: str) -> None:
-    """Raise UsageError unless time (s) increases by 1 ms within 1 %, without a gap."""
+def check_time(time: np.ndarray, period: float, where: str, said: bool = False) -> None:
+    """Raise UsageError unless time (s) increases by ``period`` within 1 %, without a gap; ``said`` by the metadata or not."""
     if len(time) < 2:
         return
     steps = np.diff(time)
@@ -57,23 +60,24 @@ def check_time(time: np.ndarray, where: str) -> None:
             f"{where}: time does not increase at sample {first}: {time[first - 1]:.6g} s, then {time[first]:.6g} s"
         )
     usual = float(np.median(steps))
-    gaps = np.flatnonzero(steps > LONGEST_STEP)
-    if abs(usual / SAMPLE_S - 1) > RATE_TOLERANCE:
-        looks = next((f"; looks like {unit}" for unit, size in OTHER_CLOCKS.items() if _near(usual, size)), "")
+    gaps = np.flatnonzero(steps > LONGEST_STEP * period)
+    if abs(usual / period - 1) > RATE_TOLERANCE:
+        looks = next((f"; looks like {unit}" for unit, size in OTHER_CLOCKS.items() if _near(usual, size * period)), "")
+        by = f"by {PERIOD_KEY} of its metadata it has" if said else "a test log has"
         raise UsageError(
-            f"{where}: wrong rate, samples are {usual * 1e3:.4g} ms apart; a test log has one each 1 ms "
+            f"{where}: wrong rate, samples are {span(usual)} apart; {by} one each {span(period)} "
             f"(hjcamp import resamples){looks}"
         )
     if len(gaps):
         first = int(gaps[0])
-        lost = int(np.rint(steps[gaps] / SAMPLE_S - 1).sum())
+        lost = int(np.rint(steps[gaps] / period - 1).sum())
         raise UsageError(
-            f"{where}: gap of {steps[first] * 1e3:.4g} ms after sample {first} (time {time[first]:.6g} s); "
+            f"{where}: gap of {span(steps[first])} after sample {first} (time {time[first]:.6g} s); "
             f"{lost} samples are missing in {len(gaps)} gaps"
         )
     mean = float(time[-1] - time[0]) / (len(time) - 1)
-    if abs(mean / SAMPLE_S - 1) > RATE_TOLERANCE:
-        raise UsageError(f"{where}: wrong rate, {mean * 1e3:.4g} ms a sample on average instead of 1 ms within 1 %")
+    if abs(mean / period - 1) > RATE_TOLERANCE:
+        raise UsageError(f"{where}: wrong rate, {span(mean)} a sample on average instead of {span(period)} within 1 %")
 
 
 def check_phase(columns: Mapping[str, np.ndarray], where: str) -> None:

@@ -7,11 +7,16 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from hjcamp.errors import UsageError
+from hjcamp.plants import DEFAULT
+from hjcamp.records.check import RATE_TOLERANCE
 from hjcamp.records.log import TestLog
+from hjcamp.records.of_plant import PLANT_KEY, USUAL_PERIOD_S, span
 from hjcamp.records.read import read_log
 from hjcamp.records.run_folder import planned_only
 
 SUFFIX = ".mcap"
+# The plants that the analyses of tests can read.
+ANALYSED: tuple[str, ...] = (DEFAULT,)
 HARDWARE: tuple[str, ...] = ("pump", "amplifier", "tubing")
 
 
@@ -56,6 +61,7 @@ def read_logs(paths: Sequence[str | Path], say: Callable[[str], None] = tell) ->
     """Return the test logs that ``paths`` stand for, in the order of ``find_logs``; raises as ``read_log`` does.
 
     In a run folder only the tests of its plan count; ``say`` hears of others. A log that is named itself always counts.
+    Logs of several plants are refused.
     """
     return of_the_plan([read_log(path) for path in find_logs(paths)], paths, say)
 
@@ -68,6 +74,7 @@ def of_the_plan(logs: Sequence[TestLog], paths: Sequence[str | Path], say: Calla
     logs = [log for log in logs if id(log) not in left_out]
     if not logs:
         raise UsageError(f"{', '.join(map(str, paths))}: no log is a test of the plan beside it")
+    refuse_mixed_plants(logs)
     return logs
 
 
@@ -77,6 +84,30 @@ def group_by_condition(logs: Iterable[TestLog]) -> dict[str, list[TestLog]]:
     for log in logs:
         groups.setdefault(log.condition_key, []).append(log)
     return groups
+
+
+def refuse_mixed_plants(logs: Iterable[TestLog]) -> None:
+    """Raise UsageError where logs are of different plants: no model and no table holds both."""
+    first: TestLog | None = None
+    for log in logs:
+        first = first or log
+        one, other = (each.metadata.get(PLANT_KEY) or DEFAULT for each in (first, log))
+        if one != other:
+            raise UsageError(
+                f"logs of one plant given to another: {first.path} is of plant {one}, {log.path} of plant {other}; "
+                "analyse the tests of each plant alone"
+            )
+
+
+def refuse_unanalysed(logs: Iterable[TestLog], what: str) -> None:
+    """Raise UsageError for logs of a plant, or with a period, that the analysis ``what`` cannot read yet."""
+    for log in logs:
+        name = log.metadata.get(PLANT_KEY) or DEFAULT
+        if name not in ANALYSED:
+            raise UsageError(f"{log.path}: a log of plant {name}; {what} knows only {', '.join(ANALYSED)} so far")
+        if abs(log.period / USUAL_PERIOD_S - 1) > RATE_TOLERANCE:
+            given, known = span(log.period), span(USUAL_PERIOD_S)
+            raise UsageError(f"{log.path}: one sample each {given}; {what} knows only one each {known} so far")
 
 
 def refuse_mixed_hardware(logs: Iterable[TestLog]) -> None:

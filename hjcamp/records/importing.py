@@ -1,145 +1,138 @@
-"""Measurements from elsewhere, as a table of text, become test logs."""
+"""Measurements from elsewhere become test logs."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError
+from hjcamp.model.field_unit import field_of
+from hjcamp.plants import DEFAULT
 from hjcamp.records.check import check_finite, check_phase
-from hjcamp.records.import_map import HIGHEST_SAMPLING_HZ, LOWEST_SAMPLING_HZ, ImportMap, read_import_map
-from hjcamp.records.log import COMMAND_PHASE, SAMPLE_S, TestLog
-from hjcamp.records.plausible import refuse_implausible
+from hjcamp.records.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, usual_step
+from hjcamp.records.import_map import ImportMap, read_import_map
+from hjcamp.records.log import TestLog
+from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, USUAL_PERIOD_S
+from hjcamp.records.plausible import Finding, refuse_implausible
+from hjcamp.records.read import read_log
+from hjcamp.records.tables import read_table
 from hjcamp.records.write import write_log
 
-LONGEST_STEP = 1.5  # of the usual one
-RATE_TOLERANCE = 0.01
+
+@dataclass(frozen=True)
+class Imported:
+    """A log that an import wrote: how much it holds (duration in s), and what in it is doubtful."""
+
+    path: Path
+    samples: int
+    duration: float
+    fields: tuple[str, ...]
+    metadata: dict[str, str]
+    doubtful: list[Finding]
 
 
-def import_csv(file: str | Path, mapping: str | Path, out: str | Path) -> TestLog:
-    """Write the table ``file`` as the test log ``out`` by the YAML file ``mapping``, and return the log.
+def import_file(file: str | Path, mapping: str | Path, out: str | Path) -> TestLog:
+    """Write ``file`` as the test log ``out`` by the YAML file ``mapping``, and return the log; see ``import_files``."""
+    import_files([file], mapping, [out])
+    return read_log(out)
 
-    A column becomes a field as ``sign * (scale * column + offset)`` in ``unit``; the log has one sample each
-    1 ms, linearly interpolated (the phase is held). Time 0 is the first sample of phase 3, or the first of all
-    where no phase is mapped. An example, of which only the fields that every log needs are necessary::
 
+def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequence[str | Path]) -> list[Imported]:
+    """Write each of ``files`` as the test log of ``outs`` by the YAML file ``mapping``, and return what was written.
+
+    A column becomes a field as ``sign * (scale * column + offset)`` in ``unit``. The end of a file's name says what it
+    is: ``.mat`` (a column is a variable: ``q``, ``data.q``, ``q(:,2)``), ``.parquet``, ``.mcap`` (a column is a name in
+    the messages on ``topic``: ``q``, ``pose.x``; JSON or protobuf), anything else is a table of text::
+
+        plant: axis             # pump_joint where it is absent; its fields: hjcamp plants axis
         separator: ";"          # also: decimal_comma, skip_lines (before the header), comment
-        sampling_hz: 2000       # not needed where time_s is mapped
+        period_s: 0.001         # or sampling_hz; neither is needed where time_s is mapped
         fields:
           time_s: {column: t, unit: ms}
-          arm_deg: {column: theta, unit: rad, sign: -1}
-          pressure1_mpa: {column: P1, unit: bar, offset: -1.013}
-          pressure2_mpa: {column: P2_volt, unit: bar, scale: 2.5, offset: -1.25}
-          pump_deg: {column: piston, unit: mm}
-        metadata: {condition: ramp_bench, trajectory: ramp_pos, controller: pid, pump: pump2}
+          position_m: {column: x, unit: mm, sign: -1, offset: 12.5}
+          voltage_v: {column: u_raw, scale: 2.5}
+        metadata: {condition: "{file}", mass_kg: 95}      # {file}: the name of the file without its ending
+        files:                  # metadata of single files, where they differ; then every file is named
+          train.csv: {condition: train}
+          pulses.csv: {condition: pulses, mass_kg: 120}
 
-    Raises UsageError for a table or a mapping that is unusable, for values that the fields cannot have, and where ``out`` exists.
+    A log has one sample each period: that of the map, else the mean one of the rows; rows that jitter are interpolated
+    (an input that holds its value, and the phase, keep the value before). Logs of ``pump_joint`` have one each 1 ms.
+    Time 0 is the first row of phase 3, or the first of all. Nothing is written where one of the files cannot be.
+
+    Raises UsageError for a file or a mapping that is unusable, for values that the fields cannot have, and where one of
+    ``outs`` exists or stands for two files.
     """
-    source, target = Path(file), Path(out)
-    if target.exists():
-        raise UsageError(f"{target}: exists already; give the imported log another name")
+    pairs = [(Path(file), Path(out)) for file, out in zip(files, outs, strict=True)]
+    for number, (source, target) in enumerate(pairs):
+        if target.exists():
+            raise UsageError(f"{target}: exists already; give the imported log another name")
+        for other, taken in pairs[:number]:
+            if taken == target:
+                raise UsageError(f"{target}: would be the log of {other} and of {source}; import them one by one")
     rules = read_import_map(Path(mapping))
-    columns = resample(_fields(source, rules), rules.sampling_hz, str(source))
-    check_phase(columns, str(source))
-    log = TestLog(columns, rules.metadata, {"import.yaml": Path(mapping).read_bytes()}, target)
-    refuse_implausible(log, f"{source} by {mapping}")
+    written: list[Imported] = []
+    try:
+        for source, target in pairs:
+            written.append(_import(source, target, rules, Path(mapping)))
+    except BaseException:
+        for one in written:
+            one.path.unlink(missing_ok=True)
+        raise
+    return written
+
+
+def _import(source: Path, target: Path, rules: ImportMap, mapping: Path) -> Imported:
+    log = _log(source, target, rules, mapping)
+    doubtful = refuse_implausible(log, f"{source} by {mapping}")
     write_log(target, log)
-    return log
+    return Imported(target, log.samples, log.duration, tuple(log.columns), log.metadata, doubtful)
 
 
-def resample(columns: dict[str, np.ndarray], sampling_hz: float | None, where: str) -> dict[str, np.ndarray]:
-    """Return columns of shape (samples,) at 1 kHz, of columns of shape (rows,) at any steady rate from 200 Hz.
-
-    Raises UsageError where the time has gaps, does not increase, or disagrees with ``sampling_hz`` by over 1 %.
-    """
-    rows = len(next(iter(columns.values())))
+def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> TestLog:
+    where = str(source)
+    metadata = rules.metadata_for(source)
+    fields, times = _fields(source, rules)
+    rows = len(next(iter(fields.values())))
     if rows < 2:
         raise UsageError(f"{where}: {rows} rows are no test")
-    time = columns["time_s"] if "time_s" in columns else np.arange(rows) / (sampling_hz or 1 / SAMPLE_S)
-    usual = _usual_step(time, where)
-    if sampling_hz is not None and abs(usual * sampling_hz - 1) > RATE_TOLERANCE:
-        raise UsageError(f"{where}: the time column has {1 / usual:.5g} rows a second, sampling_hz is {sampling_hz:g}")
-    phase = columns.get("phase")
-    zero = time[0]
-    if phase is not None:
-        if not (phase == COMMAND_PHASE).any():
-            raise UsageError(f"{where}: no row of the command phase (phase 3)")
-        zero = time[int(np.argmax(phase == COMMAND_PHASE))]
-    tolerance = 1e-6  # of a sample: what rounding may cost at either end
-    first = int(np.ceil((time[0] - zero) / SAMPLE_S - tolerance))
-    last = int(np.floor((time[-1] - zero) / SAMPLE_S + tolerance))
-    grid = np.arange(first, last + 1) * SAMPLE_S
-    resampled = {"time_s": grid}
-    for name, values in columns.items():
-        if name == "phase":
-            held = np.searchsorted(time - zero, grid + tolerance * SAMPLE_S, side="right") - 1
-            resampled[name] = values[np.clip(held, 0, rows - 1)]
-        elif name != "time_s":
-            resampled[name] = np.interp(grid, time - zero, values)
-    return resampled
-
-
-def _usual_step(time: np.ndarray, where: str) -> float:
-    steps = np.diff(time)
-    if (steps <= 0).any():
-        row = int(np.argmax(steps <= 0)) + 1
+    if rules.period is not None and "time_s" not in fields:
+        times = np.arange(rows) * rules.period
+    if times is None:
         raise UsageError(
-            f"{where}: time does not increase at row {row + 1}: {time[row - 1]:.6g} s, then {time[row]:.6g} s"
+            f"{rules.where}: give period_s or sampling_hz, or map a column to time_s; {source} has no times"
         )
-    usual = float(np.median(steps))
-    if 1 / usual < LOWEST_SAMPLING_HZ * (1 - RATE_TOLERANCE):
-        raise UsageError(
-            f"{where}: {1 / usual:.4g} rows a second; below {LOWEST_SAMPLING_HZ:g} Hz too little is left of a test "
-            "(is the unit of time_s right?)"
-        )
-    if 1 / usual > HIGHEST_SAMPLING_HZ:
-        raise UsageError(
-            f"{where}: {1 / usual:.4g} rows a second, the whole table is {time[-1] - time[0]:.4g} s; no logger is faster than "
-            f"{HIGHEST_SAMPLING_HZ:g} Hz (is the unit of time_s right? s read as ms are 1000 times too short)"
-        )
-    if (steps > LONGEST_STEP * usual).any():
-        row = int(np.argmax(steps > LONGEST_STEP * usual))
-        raise UsageError(f"{where}: gap of {steps[row] * 1e3:.4g} ms after row {row + 1} (time {time[row]:.6g} s)")
-    return usual
+    usual = usual_step(times, where)
+    if rules.period is not None and abs(usual / rules.period - 1) > RATE_TOLERANCE:
+        given = f"sampling_hz is {1 / rules.period:g}" if rules.by_rate else f"period_s is {rules.period:g}"
+        raise UsageError(f"{where}: the time column has {1 / usual:.5g} rows a second, {given}")
+    if rules.plant.name == DEFAULT:
+        refuse_slow(usual, where)
+        period, held = USUAL_PERIOD_S, []
+    else:
+        period, held = steady_period(times, rules.period), _held(rules)
+        metadata |= {PLANT_KEY: rules.plant.name, PERIOD_KEY: repr(period)}
+    columns = resample(fields, times, period, held, where)
+    check_phase(columns, where)
+    return TestLog(columns, metadata, {"import.yaml": mapping.read_bytes()}, target)
 
 
-def _fields(source: Path, rules: ImportMap) -> dict[str, np.ndarray]:
-    """Return the mapped columns of the table in the units of their fields."""
-    import polars
+def _held(rules: ImportMap) -> list[str]:
+    """Return the fields of inputs that hold their value between samples."""
+    given = rules.plant.given_inputs().values()
+    return [one.field or field_of(one.name, one.unit, rules.where) for one in given if one.hold == "previous"]
 
-    try:
-        table = polars.read_csv(
-            source,
-            separator=rules.separator,
-            decimal_comma=rules.decimal_comma,
-            skip_lines=rules.skip_lines,
-            comment_prefix=rules.comment,
-            encoding="utf8-lossy",
-            infer_schema=False,
-        )
-    except OSError as error:
-        raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from error
-    except polars.exceptions.PolarsError as error:
-        reason = str(error).strip().splitlines()[0] if str(error).strip() else "it is no table"
-        raise UsageError(f"{source}: cannot be read as a table: {reason}") from error
-    table = table.rename({name: name.strip() for name in table.columns}) if _strippable(table.columns) else table
+
+def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
+    """Return the mapped columns in the units of their fields, in the order of the table, and the times of the rows, s."""
+    table = read_table(source, rules)
     fields: dict[str, np.ndarray] = {}
     for name, rule in rules.rules.items():
-        if rule.column not in table.columns:
-            raise unknown("column", rule.column, table.columns, str(source))
-        text = table[rule.column].str.strip_chars()
-        if rules.decimal_comma:
-            text = text.str.replace(",", ".", literal=True)
-        numbers = text.cast(polars.Float64, strict=False)
-        if numbers.null_count():
-            row = int(numbers.is_null().arg_max() or 0)
-            raise UsageError(f"{source}: '{rule.column}' is no number in row {row + 1}: {text[row]!r}")
-        values = numbers.to_numpy()
-        fields[name] = rule.sign * (rule.scale * values + rule.offset) * rule.factor
+        values = table.columns[rule.column]
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below, with its place
+            fields[name] = (rule.sign * (rule.scale * values + rule.offset) + rule.shift) * rule.factor
     check_finite(fields, str(source))
-    return fields
-
-
-def _strippable(names: list[str]) -> bool:
-    return len({name.strip() for name in names}) == len(names)
+    return fields, fields.get("time_s", table.times)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from hjcamp.errors import UsageError
-from hjcamp.records.log import FIELD_NAMES
 
 BATCH = 500
 _MISSING = object()
@@ -20,6 +19,9 @@ class JsonDecoder:
 
     implicit_zero: frozenset[str] = frozenset()
 
+    def __init__(self, names: Sequence[str]) -> None:
+        self._names = names
+
     def decode(
         self, messages: Sequence[bytes], first_sample: int, where: str
     ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
@@ -29,7 +31,7 @@ class JsonDecoder:
             objects += _parse(messages[start : start + BATCH], first_sample + start, where)
         values: dict[str, np.ndarray] = {}
         present: dict[str, np.ndarray] = {}
-        for name in FIELD_NAMES:
+        for name in self._names:
             column = [entry.get(name, _MISSING) for entry in objects]
             kinds = set(map(type, column))
             if kinds == {object}:

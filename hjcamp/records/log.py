@@ -10,40 +10,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from hjcamp.model.field_table import FieldTable
+from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, period_of, table_of
+
 TOPIC = "/test/sample"
-METADATA_NAME = "hjcamp.test"
-SAMPLE_S = 0.001
 COMMAND_PHASE = 3.0
 PHASES = {0: "preload", 1: "pressure adjustment", 2: "rest", 3: "command and control", 4: "release"}
 
-
-@dataclass(frozen=True)
-class Field:
-    """One field of a sample: name, unit as written in the log, whether every log must have it, meaning."""
-
-    name: str
-    unit: str
-    required: bool
-    text: str
-
-
-# The position in this table is the protobuf field number: append only, at most 15.
-FIELDS: tuple[Field, ...] = (
-    Field("time_s", "s", True, "0 at the first sample of the command phase; negative before"),
-    Field("phase", "1", False, "0 preload, 1 pressure adjustment, 2 rest, 3 command and control, 4 release"),
-    Field("reference_deg", "deg", False, "desired arm angle"),
-    Field("arm_deg", "deg", True, "arm encoder"),
-    Field("pressure1_mpa", "MPa", True, "pressure of line 1, pump side, gauge"),
-    Field("pressure2_mpa", "MPa", True, "pressure of line 2, pump side, gauge"),
-    Field("pump_deg", "deg", False, "pump motor encoder; 360 deg = 1 mm of piston travel"),
-    Field("command_deg", "deg", False, "command to the pump's own position loop"),
-    Field("pid_deg", "deg", False, "feedback part of the command"),
-    Field("feedforward_deg", "deg", False, "feedforward part of the command"),
-    Field("dither_v", "V", False, "dither added to the pump motor voltage"),
-)
-FIELD_NAMES: tuple[str, ...] = tuple(entry.name for entry in FIELDS)
-REQUIRED: tuple[str, ...] = tuple(entry.name for entry in FIELDS if entry.required)
-ONE_OF: tuple[str, ...] = ("pump_deg", "command_deg")
 
 # What tells two tests apart where a log names no condition.
 CHOICES: tuple[str, ...] = (
@@ -58,6 +31,8 @@ CHOICES: tuple[str, ...] = (
     "backend",
     "preload_mpa",
 )
+# What differs between repetitions of a test, or is the same in all of them.
+BOOKKEEPING = {PLANT_KEY, PERIOD_KEY, "repetition", "seed", "started_at", "model", "config_sha256", "git", "version"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +56,23 @@ class TestLog:
         return len(self.columns["time_s"])
 
     @property
+    def table(self) -> FieldTable:
+        """The fields that logs of its plant have; raises ``UsageError`` for a plant that is not known."""
+        return table_of(self.metadata, self._where)
+
+    @property
+    def period(self) -> float:
+        """Time between two samples, s; raises ``UsageError`` where the metadata give none that can be."""
+        return period_of(self.metadata, self._where)
+
+    @property
+    def _where(self) -> str:
+        return str(self.path or "this log")
+
+    @property
     def duration(self) -> float:
         """Time that the samples cover, one period each, in s."""
-        return self.samples * SAMPLE_S
+        return self.samples * self.period
 
     @cached_property
     def command_phase(self) -> dict[str, np.ndarray]:
@@ -105,6 +94,8 @@ def condition_key(metadata: Mapping[str, str], path: Path | None = None) -> str:
     """Return the name that repetitions of one test share."""
     if condition := metadata.get("condition"):
         return condition
-    if any(metadata.get(name) for name in CHOICES):
-        return " ".join(f"{name}={metadata[name]}" for name in CHOICES if metadata.get(name))
+    # A test of another plant is told apart by whatever its metadata say of it, such as a mass or a supply.
+    choices = tuple(sorted(set(metadata) - BOOKKEEPING)) if metadata.get(PLANT_KEY) else CHOICES
+    if any(metadata.get(name) for name in choices):
+        return " ".join(f"{name}={metadata[name]}" for name in choices if metadata.get(name))
     return path.stem if path is not None else "unnamed"

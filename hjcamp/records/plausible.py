@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from hjcamp.errors import UsageError
-from hjcamp.model.parameter import Channel
-from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.records.log import FIELDS, TestLog
+from hjcamp.model.field_table import FieldTable, fields_of
+from hjcamp.model.field_unit import field_of, unit_of_field
+from hjcamp.model.plant import Plant
+from hjcamp.records.log import TestLog
+from hjcamp.records.of_plant import plant_of
 from hjcamp.records.units import units_of
 
-PLANT = PumpJoint
 CONFIGURATION = "config.yaml"
 # So few samples of a test are single ones that went wrong; more of them are the column.
 FEW = 0.01
@@ -41,15 +42,43 @@ class Finding:
         return f"{'error' if self.refused else 'warning'}: {self.text}"
 
 
+@dataclass(frozen=True)
+class Watched:
+    """A column, what a sound log keeps it within (in its own unit), whether it must not stand still, and what goes with it."""
+
+    name: str
+    low: float
+    high: float
+    analog: bool
+    along: tuple[str, ...] = ()
+
+
 def findings(log: TestLog) -> list[Finding]:
-    """Return what is not plausible in a log, what must be refused first."""
-    found = [one for channel in PLANT.channels for one in _of_channel(log, channel)]
-    for known in PLANT.inputs.values():
-        if known.field in log.columns:
-            found += _outside(known.field, log, *known.plausible, refused=False)
-    found += _geared(log, {one.field for one in found})
+    """Return what is not plausible in a log of its plant, what must be refused first."""
+    plant = plant_of(log.metadata, str(log.path or "this log"))
+    table = fields_of(plant)
+    found = [one for watched in _measured(plant) for one in _of_measured(log, table, watched)]
+    for known in plant.given_inputs().values():
+        name = known.field or field_of(known.name, known.unit, plant.name)
+        if name in log.columns:
+            scale = unit_of_field(name, plant.name).scale
+            low, high = (end * scale for end in known.plausible)
+            found += _outside(name, log, table, low, high, refused=False)
+    found += _geared(log, plant, {one.field for one in found})
     found += _configuration(log.attachments)
     return sorted(found, key=lambda one: not one.refused)
+
+
+def _measured(plant: type[Plant]) -> Iterator[Watched]:
+    """Yield what a plant measures; a required sensor that is not said to count must not stand still."""
+    for channel in plant.channels:
+        low, high = (end * channel.log_scale for end in channel.plausible)
+        yield Watched(channel.field, low, high, channel.noise is not None, channel.along)
+    for one in () if plant.channels else plant.measured.values():
+        scale = unit_of_field(one.name, plant.name).scale
+        low, high = (end * scale for end in one.plausible)
+        analog = one.counts is None and (one.required or one.noise is not None)
+        yield Watched(one.name, low, high, analog, (f"reference_{one.name}",))
 
 
 def refuse_implausible(log: TestLog, where: str) -> list[Finding]:
@@ -62,25 +91,25 @@ def refuse_implausible(log: TestLog, where: str) -> list[Finding]:
     return found
 
 
-def _of_channel(log: TestLog, channel: Channel) -> Iterator[Finding]:
-    low, high = (one * channel.log_scale for one in channel.plausible)
-    for name in (channel.field, *channel.along):
+def _of_measured(log: TestLog, table: FieldTable, watched: Watched) -> Iterator[Finding]:
+    for name in (watched.name, *watched.along):
         if name in log.columns:
-            yield from _outside(name, log, low, high, refused=name == channel.field)
-    values = log.columns.get(channel.field)
-    if channel.noise and values is not None and len(values) > 1 and np.ptp(values) == 0.0:
-        text = f"'{channel.field}' is {values[0]:g} {_unit(channel.field)} in all {len(values)} samples; a sensor has noise"
-        yield Finding(channel.field, f"{text} (not connected, or a number written in its place)", True)
+            yield from _outside(name, log, table, watched.low, watched.high, refused=name == watched.name)
+    values = log.columns.get(watched.name)
+    if watched.analog and values is not None and len(values) > 1 and np.ptp(values) == 0.0:
+        unit = table.field(watched.name).unit
+        text = f"'{watched.name}' is {values[0]:g} {unit} in all {len(values)} samples; a sensor has noise"
+        yield Finding(watched.name, f"{text} (not connected, or a number written in its place)", True)
 
 
-def _outside(name: str, log: TestLog, low: float, high: float, refused: bool) -> Iterator[Finding]:
+def _outside(name: str, log: TestLog, table: FieldTable, low: float, high: float, refused: bool) -> Iterator[Finding]:
     """Say where a column leaves its range, with the unit that it looks like or the single samples that are wrong."""
     values = log.columns[name]
     out = (values < low) | (values > high)
     number = int(out.sum())
     if not number:
         return
-    unit, first = _unit(name), int(np.argmax(out))
+    unit, first = table.field(name).unit, int(np.argmax(out))
     held = f"a sound log stays within {low:g} and {high:g} {unit}"
     if number <= FEW * len(values):
         some = "single sample is" if number == 1 else "samples are"
@@ -88,45 +117,47 @@ def _outside(name: str, log: TestLog, low: float, high: float, refused: bool) ->
         text = f"'{name}': {number} {some} off, {values[first]:.4g} {unit} at sample {first} (time {time:.6g} s)"
         yield Finding(name, f"{text}; {held}; looks like a spike of the logger or the sensor", refused)
         return
-    cause = _likely(name, values, low, high)
+    cause = _likely(table, name, values, low, high)
     yield Finding(name, f"'{name}' reaches {values[np.argmax(np.abs(values))]:.4g} {unit}; {held}; {cause}", refused)
 
 
-def _likely(name: str, values: np.ndarray, low: float, high: float) -> str:
+def _likely(table: FieldTable, name: str, values: np.ndarray, low: float, high: float) -> str:
     """Return which units a column that is too large looks like: those that bring it into its range, and not next to 0."""
     size = float(np.quantile(np.abs(values), 0.99))
     fits = [
-        f"{unit}: {1.0 / factor:.4g} times too large"
-        for unit, factor in units_of(name).items()
-        if low <= float(values.min()) * factor and LEAST_SIZE * high <= size * factor <= high
+        f"{unit}: {1.0 / one.factor:.4g} times too large"
+        for unit, one in units_of(table.field(name)).items()
+        if not one.shift and low <= float(values.min()) * one.factor and LEAST_SIZE * high <= size * one.factor <= high
     ]
     return f"looks like {' or '.join(fits)}" if fits else "looks like another quantity"
 
 
-def _geared(log: TestLog, wrong: set[str]) -> Iterator[Finding]:
+def _geared(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Finding]:
     """Say where a column moves far less or far more than what drives it lets it; not of columns that are wrong already."""
-    for name, (driver, ratio) in PLANT.geared.items():
-        channels = {channel.field: channel for channel in PLANT.channels}
+    table = fields_of(plant)
+    for name, (driver, ratio) in plant.geared.items():
+        channels = {channel.field: channel for channel in plant.channels}
         source = next((one for one in (driver, *channels[driver].along) if one in log.columns), None)
         if source is None or name not in log.columns or not wrong.isdisjoint((name, source)):
             continue
         columns = log.command_phase
         moved = float(np.ptp(columns[name])) / channels[name].log_scale
         driven = ratio * float(np.ptp(columns[source])) / channels[driver].log_scale
-        count = PLANT.parameters[str(channels[name].counts)].default
+        count = plant.parameters[str(channels[name].counts)].default
         if driven > MOVES and moved == 0.0:
             if not _blocked(log):
                 text = f"'{name}' never changes although '{source}' moves (blocked, or its encoder is lost)"
                 yield Finding(name, text, False)
         elif driven > MOVES and moved < LEAST_GEARED * driven and len(np.unique(columns[name])) > 3 + 2 * moved / count:
-            yield _slow(name, source, moved / driven, "follows")
+            yield _slow(table, name, source, moved / driven, "follows")
         elif moved > MOVES and moved > MOST_GEARED * driven:
-            yield _slow(source, name, driven / moved, "drives")
+            yield _slow(table, source, name, driven / moved, "drives")
 
 
-def _slow(name: str, other: str, share: float, does: str) -> Finding:
+def _slow(table: FieldTable, name: str, other: str, share: float, does: str) -> Finding:
     """Return the finding of a column that moves only ``share`` of what the other one lets it."""
-    fits = {unit: factor for unit, factor in units_of(name).items() if 1 / NEARLY < factor * share < NEARLY}
+    units = units_of(table.field(name)).items()
+    fits = {unit: one.factor for unit, one in units if 1 / NEARLY < one.factor * share < NEARLY}
     unit = min(fits, key=lambda one: abs(math.log(fits[one] * share)), default=None)
     looks = "another quantity" if unit is None else f"{unit}: {fits[unit]:.4g} times too small"
     if share == 0.0:
@@ -165,7 +196,3 @@ def _not_finite(content: Any, place: str, seen: set[int]) -> Iterator[str]:
         named = content.items() if isinstance(content, Mapping) else enumerate(content)
         for name, value in named:
             yield from _not_finite(value, f"{place}.{name}" if place else str(name), seen)
-
-
-def _unit(name: str) -> str:
-    return next((field.unit for field in FIELDS if field.name == name), "")

@@ -9,26 +9,25 @@ import numpy as np
 from mcap import records
 
 from hjcamp.errors import UsageError
-from hjcamp.records.log import FIELD_NAMES
 
 
 class ProtobufDecoder:
-    """Decodes messages by the FileDescriptorSet in ``schema``; raises UsageError where that is unusable.
+    """Decodes the fields ``names`` by the FileDescriptorSet in ``schema``; raises UsageError where that is unusable.
 
     ``by_number``: the fields that are plain doubles, by protobuf number. ``implicit_zero``: fields of proto3
     without presence, whose zeros are not written.
     """
 
-    def __init__(self, schema: records.Schema | None, where: str) -> None:
+    def __init__(self, schema: records.Schema | None, names: Sequence[str], where: str) -> None:
         if schema is None or schema.encoding != "protobuf":
             found = "no schema" if schema is None else f"a schema in '{schema.encoding}'"
             raise UsageError(f"{where}: protobuf messages need a protobuf schema; the channel has {found}")
-        self._message_class, descriptor, proto = _message_type(schema, where)
+        self._message_class, descriptor, proto = message_type(schema, where)
         self.by_number: dict[int, str] = {}
         self.implicit_zero: frozenset[str] = frozenset()
         self._fields: list[tuple[str, bool]] = []
         for entry in proto.field:
-            if entry.name not in FIELD_NAMES:
+            if entry.name not in names:
                 continue
             if entry.label == entry.LABEL_REPEATED or not _is_number(entry):
                 raise UsageError(f"{where}: field '{entry.name}' of the protobuf schema is not a single number")
@@ -61,15 +60,19 @@ class ProtobufDecoder:
         return values, present
 
 
-def _message_type(schema: records.Schema, where: str) -> tuple[Any, Any, Any]:
+def message_type(schema: records.Schema, where: str) -> tuple[Any, Any, Any]:
+    """Return the class, descriptor and description of a schema's messages; raises UsageError where it is unusable."""
     from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
     from google.protobuf.message import DecodeError
 
     try:
         files = descriptor_pb2.FileDescriptorSet.FromString(schema.data)
         pool = descriptor_pool.DescriptorPool()
-        for file in files.file:
-            pool.Add(file)
+        waiting = {file.name: file for file in files.file}
+        while waiting:  # those that others are built on come first
+            ready = [file for file in waiting.values() if waiting.keys().isdisjoint(file.dependency)]
+            for file in ready or list(waiting.values()):
+                pool.Add(waiting.pop(file.name))
         descriptor = pool.FindMessageTypeByName(schema.name)
         proto = descriptor_pb2.DescriptorProto()
         descriptor.CopyToProto(proto)

@@ -7,21 +7,22 @@ from pathlib import Path
 from hjcamp.errors import UsageError
 from hjcamp.records.check import check_log
 from hjcamp.records.chunks import Damaged
-from hjcamp.records.log import METADATA_NAME, TestLog
+from hjcamp.records.log import TestLog
 from hjcamp.records.samples import SampleDecoder, Samples
-from hjcamp.records.scan import Scan, load, scan
+from hjcamp.records.scan import Scan, load, metadata_of, scan
 
 
 def read_log(path: str | Path, validate_crcs: bool = True) -> TestLog:
     """Return the test log in a file, protobuf or JSON.
 
     Raises UsageError, one line with the file, the fault, the place and what to do, for a file that is missing,
-    no MCAP file, truncated, damaged or too large, and for samples that are no whole test at 1 kHz.
+    no MCAP file, truncated, damaged or too large, and for samples that are no whole test of its plant, one each period.
     """
     source = Path(path)
     found, samples = read_samples(source, validate_crcs)
-    check_log(samples.columns, str(source))
-    return TestLog(samples.columns, metadata_of(found), attachments_of(found), source)
+    log = TestLog(samples.columns, metadata_of(found), attachments_of(found), source)
+    check_log(log, str(source))
+    return log
 
 
 def read_samples(path: Path, validate_crcs: bool = True) -> tuple[Scan, Samples]:
@@ -36,15 +37,6 @@ def read_samples(path: Path, validate_crcs: bool = True) -> tuple[Scan, Samples]
         raise UsageError(f"{path}: {fault}; what is whole in it can be saved: hjcamp log recover {path}") from fault
     found.stretches.clear()
     return found, decoder.result()
-
-
-def metadata_of(found: Scan) -> dict[str, str]:
-    """Return the metadata record of the test; empty where the file has none."""
-    merged: dict[str, str] = {}
-    for record in found.metadata:
-        if record.name == METADATA_NAME:
-            merged |= record.metadata
-    return merged
 
 
 def attachments_of(found: Scan) -> dict[str, bytes]:

@@ -2,38 +2,42 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from hjcamp.errors import UsageError
+from hjcamp.plants import DEFAULT
 from hjcamp.records.check import check_log, check_names
 from hjcamp.records.container import CHANNEL, Container
 from hjcamp.records.layout import encode
-from hjcamp.records.log import COMMAND_PHASE, PHASES, SAMPLE_S, TOPIC, TestLog
+from hjcamp.records.log import COMMAND_PHASE, PHASES, TOPIC, TestLog
+from hjcamp.records.of_plant import PLANT_KEY, USUAL_PERIOD_S, period_of, table_of
 from hjcamp.records.plausible import Finding, findings
-from hjcamp.records.read import attachments_of, metadata_of, read_samples
+from hjcamp.records.read import attachments_of, read_samples
 from hjcamp.records.salvage import Salvage, decode_salvage, salvage
 from hjcamp.records.samples import MOST_SAMPLES, Samples
-from hjcamp.records.scan import load
-from hjcamp.records.schema import descriptor_set, field_number
+from hjcamp.records.scan import load, metadata_of
+from hjcamp.records.schema import descriptor_set
 from hjcamp.records.write import CHUNK_BYTES
 from hjcamp.storage import whole_file
 
 RECOVERY_METADATA = "hjcamp.recovery"
-SAMPLE_NS = 1_000_000
 
 
 @dataclass(frozen=True)
 class Verification:
-    """What a log holds and what is wrong with it; ``whole`` means that ``read_log`` takes it. Duration in s.
+    """What a log holds and what is wrong with it; ``whole`` means that ``read_log`` takes it. Period and duration in s.
 
     ``findings`` are what is not plausible in a whole log.
     """
 
     path: Path
     whole: bool
+    plant: str
+    period: float
     samples: int
     duration: float
     fields: tuple[str, ...]
@@ -82,9 +86,9 @@ def verify_log(path: str | Path) -> Verification:
     data = load(source)
     try:
         found, samples = read_samples(source)
-        check_log(samples.columns, str(source))
         log = TestLog(samples.columns, metadata_of(found), attachments_of(found), source)
-        return _verification(source, True, samples, Salvage(found, _remarks(samples)), tuple(findings(log)))
+        check_log(log, str(source))
+        return _verification(source, True, samples, Salvage(found, _remarks(samples, log.period)), tuple(findings(log)))
     except UsageError as fault:
         problem = str(fault).removeprefix(f"{source}: ")
     result = salvage(data)
@@ -96,11 +100,11 @@ def verify_log(path: str | Path) -> Verification:
     return _verification(source, False, samples, result)
 
 
-def _remarks(samples: Samples) -> list[str]:
+def _remarks(samples: Samples, period: float) -> list[str]:
     remarks = list(samples.notes)
     phase = samples.columns.get("phase")
     zero = int(np.argmax(phase == COMMAND_PHASE)) if phase is not None else 0
-    if abs(start := samples.columns["time_s"][zero]) > SAMPLE_S:
+    if abs(start := samples.columns["time_s"][zero]) > period:
         remarks.append(f"the command phase starts at time {start:.6g} s instead of 0")
     return remarks
 
@@ -108,13 +112,18 @@ def _remarks(samples: Samples) -> list[str]:
 def _verification(
     path: Path, whole: bool, samples: Samples, result: Salvage, found: tuple[Finding, ...] = ()
 ) -> Verification:
+    metadata, period = metadata_of(result.found), USUAL_PERIOD_S
+    with suppress(UsageError):
+        period = period_of(metadata, str(path))
     return Verification(
         path=path,
         whole=whole,
+        plant=metadata.get(PLANT_KEY) or DEFAULT,
+        period=period,
         samples=len(samples.log_time),
-        duration=len(samples.log_time) * SAMPLE_S,
+        duration=len(samples.log_time) * period,
         fields=tuple(samples.columns),
-        metadata=metadata_of(result.found),
+        metadata=metadata,
         attachments=tuple(record.name for record in result.found.attachments),
         problems=tuple(result.problems),
         findings=found,
@@ -130,15 +139,17 @@ def recover_log(path: str | Path, out: str | Path) -> Recovery:
     if target.exists():
         raise UsageError(f"{target}: exists already; give the recovered log another name")
     result = salvage(load(source))
+    metadata = metadata_of(result.found)
     decoder = decode_salvage(result, str(source))
     try:
         samples = _without_duplicates(decoder.result())
-        check_names(samples.columns, str(source))
+        check_names(samples.columns, table_of(metadata, str(source)), str(source))
+        period = period_of(metadata, str(source))
     except UsageError as fault:
         reason = str(fault).removeprefix(f"{source}: ")
         raise UsageError(f"{source}: nothing can be recovered: {reason}") from fault
     kept = len(samples.log_time)
-    lost, exact = _lost(result, samples.log_time)
+    lost, exact = _lost(result, samples.log_time, period)
     until, last = float(samples.columns["time_s"][-1]), float(samples.columns.get("phase", [np.nan])[-1])
     problems = tuple(dict.fromkeys(result.problems))
     recovery = Recovery(target, kept, lost, exact, problems, until, int(last) if np.isfinite(last) else None)
@@ -154,24 +165,23 @@ def _without_duplicates(samples: Samples) -> Samples:
     return Samples({name: values[rows] for name, values in samples.columns.items()}, times, samples.notes)
 
 
-def _lost(result: Salvage, log_time: np.ndarray) -> tuple[int, bool]:
+def _lost(result: Salvage, log_time: np.ndarray, period: float) -> tuple[int, bool]:
     """Return the number of lost samples and whether the file's own statistics say so."""
     channels = [channel.id for channel in result.found.channels.values() if channel.topic == TOPIC]
     declared = (result.messages_declared or {}).get(channels[0])
     if declared is not None and len(log_time) <= declared <= MOST_SAMPLES:
         return declared - len(log_time), True
-    first, last = int(log_time[0]), int(log_time[-1])
+    first, last, step = int(log_time[0]), int(log_time[-1]), max(1, round(period * 1e9))
     for start, end in result.lost_spans:
-        if first - MOST_SAMPLES * SAMPLE_NS < start and end < last + MOST_SAMPLES * SAMPLE_NS:
+        if first - MOST_SAMPLES * step < start and end < last + MOST_SAMPLES * step:
             first, last = min(first, start), max(last, end)
-    return max(0, round((last - first) / SAMPLE_NS) + 1 - len(log_time)), False
+    return max(0, round((last - first) / step) + 1 - len(log_time)), False
 
 
 def _write(target: Path, samples: Samples, result: Salvage, note: dict[str, str]) -> None:
-    names = tuple(samples.columns)
-    messages = encode(
-        tuple(field_number(name) for name in names), list(samples.columns.values()), samples.log_time, CHANNEL, 0
-    )
+    table = table_of(metadata_of(result.found), str(target))
+    numbers = tuple(map(table.number, samples.columns))
+    messages = encode(numbers, list(samples.columns.values()), samples.log_time, CHANNEL, 0)
     size = CHUNK_BYTES // messages.itemsize
     with whole_file(target) as stream:
         container = Container(stream)
@@ -180,7 +190,7 @@ def _write(target: Path, samples: Samples, result: Salvage, note: dict[str, str]
         container.add_metadata(RECOVERY_METADATA, note)
         for attachment in result.found.attachments:
             container.add_attachment(attachment.name, attachment.media_type, attachment.data, attachment.log_time)
-        container.add_channel(TOPIC, descriptor_set(names))
+        container.add_channel(TOPIC, descriptor_set(tuple(zip(samples.columns, numbers, strict=True))))
         for start in range(0, len(messages), size):
             container.add_chunk(messages[start : start + size])
         container.finish()

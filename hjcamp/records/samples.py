@@ -11,11 +11,12 @@ from hjcamp.errors import UsageError, nearest
 from hjcamp.records import layout
 from hjcamp.records.chunks import Damaged
 from hjcamp.records.json_samples import JsonDecoder
-from hjcamp.records.log import COMMAND_PHASE, FIELD_NAMES, REQUIRED, TOPIC
+from hjcamp.records.log import COMMAND_PHASE, TOPIC
+from hjcamp.records.of_plant import table_of
 from hjcamp.records.protobuf_samples import ProtobufDecoder
-from hjcamp.records.scan import Scan, take, walk
+from hjcamp.records.scan import Scan, metadata_of, take, walk
 
-MOST_SAMPLES = 3_600_000  # an hour
+MOST_SAMPLES = 3_600_000  # an hour at 1 ms
 MOST_MESSAGE_BYTES = 64 * 1024
 
 
@@ -47,6 +48,7 @@ class SampleDecoder:
     def __init__(self, found: Scan, where: str) -> None:
         self._found = found
         self._where = where
+        self._table = table_of(metadata_of(found), where)
         self._blocks: list[Block] = []
         self._decoders: dict[int, JsonDecoder | ProtobufDecoder] = {}
         self.samples = 0
@@ -62,7 +64,7 @@ class SampleDecoder:
         block = self._fixed(stretch, start) or self._one_by_one(stretch, start)
         if block is not None:
             if self.samples + len(block.log_time) > MOST_SAMPLES:
-                raise TooManySamples(f"{self._where}: more than {MOST_SAMPLES} samples, an hour, is no test")
+                raise TooManySamples(f"{self._where}: more than {MOST_SAMPLES} samples are no test (an hour at 1 ms)")
             self.samples += len(block.log_time)
             self._blocks.append(block)
 
@@ -116,9 +118,10 @@ class SampleDecoder:
         if channel_id not in self._decoders:
             channel = self._found.channels[channel_id]
             if channel.message_encoding == "json":
-                self._decoders[channel_id] = JsonDecoder()
+                self._decoders[channel_id] = JsonDecoder(self._table.names)
             elif channel.message_encoding == "protobuf":
-                self._decoders[channel_id] = ProtobufDecoder(self._found.schemas.get(channel.schema_id), self._where)
+                schema = self._found.schemas.get(channel.schema_id)
+                self._decoders[channel_id] = ProtobufDecoder(schema, self._table.names, self._where)
             else:
                 raise UsageError(
                     f"{self._where}: messages in '{channel.message_encoding}'; protobuf and json can be read"
@@ -141,7 +144,7 @@ class SampleDecoder:
             raise UsageError(f"{self._where}: holds no messages on {TOPIC}")
         implicit = frozenset[str]().union(*(decoder.implicit_zero for decoder in self._decoders.values()))
         samples = Samples({}, np.concatenate([block.log_time for block in self._blocks]))
-        for name in FIELD_NAMES:
+        for name in self._table.names:
             column = self._column(name, name in implicit, samples.notes)
             if column is not None:
                 samples.columns[name] = column
@@ -159,7 +162,7 @@ class SampleDecoder:
                 for block, length in zip(self._blocks, lengths, strict=True)
             ]
         )
-        if not present.any() and not (implicit_zero and name in REQUIRED):
+        if not present.any() and not (implicit_zero and name in self._table.required):
             return None
         values = np.concatenate(
             [
@@ -173,7 +176,7 @@ class SampleDecoder:
             values[~present] = COMMAND_PHASE
             return values
         missing = f"'{name}' is missing in {len(present) - int(present.sum())} of {len(present)} messages"
-        if name in REQUIRED:
+        if name in self._table.required:
             raise UsageError(f"{self._where}: required field {missing}, first at sample {int(np.argmin(present))}")
         notes.append(f"{missing} and was left out")
         return None

@@ -23,6 +23,7 @@ from mcap.writer import MCAP0_MAGIC
 from hjcamp.errors import UsageError
 from hjcamp.records.chunks import Damaged, decompress
 
+METADATA_NAME = "hjcamp.test"
 MOST_FILE_BYTES = 256 * 2**20
 MOST_UNCOMPRESSED_BYTES = 256 * 2**20
 MOST_DESCRIBING_BYTES = 16 * 2**20  # of schemas, channels and metadata together
@@ -167,3 +168,12 @@ def _check_sections(data: bytes, data_end: int) -> None:
         raise Damaged("the footer points to a summary outside the file")
     if content.summary_crc and content.summary_crc != zlib.crc32(data[start : footer + FOOTER_BYTES - 4]):
         raise Damaged("wrong CRC of the summary")
+
+
+def metadata_of(found: Scan) -> dict[str, str]:
+    """Return the metadata record of the test; empty where the file has none."""
+    merged: dict[str, str] = {}
+    for record in found.metadata:
+        if record.name == METADATA_NAME:
+            merged |= record.metadata
+    return merged

@@ -4,20 +4,13 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from hjcamp.records.log import FIELD_NAMES
-
 SCHEMA_NAME = "hjcamp.Sample"
 SCHEMA_ENCODING = "protobuf"
 
 
-def field_number(name: str) -> int:
-    """Return the protobuf number of a field: its place in the field table, from 1."""
-    return FIELD_NAMES.index(name) + 1
-
-
 @lru_cache(maxsize=32)
-def descriptor_set(names: tuple[str, ...]) -> bytes:
-    """Return the serialised FileDescriptorSet of a message that holds the fields ``names`` as doubles.
+def descriptor_set(fields: tuple[tuple[str, int], ...]) -> bytes:
+    """Return the serialised FileDescriptorSet of a message that holds ``fields`` (name, number) as doubles.
 
     Proto2 with optional fields: a zero is written and an absent field is known to be absent, whoever reads it.
     """
@@ -25,10 +18,10 @@ def descriptor_set(names: tuple[str, ...]) -> bytes:
 
     file = descriptor_pb2.FileDescriptorProto(name="hjcamp/sample.proto", package="hjcamp")
     message = file.message_type.add(name="Sample")
-    for name in names:
+    for name, number in fields:
         message.field.add(
             name=name,
-            number=field_number(name),
+            number=number,
             type=descriptor_pb2.FieldDescriptorProto.TYPE_DOUBLE,
             label=descriptor_pb2.FieldDescriptorProto.LABEL_OPTIONAL,
         )

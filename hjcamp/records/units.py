@@ -3,35 +3,64 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import cache
 from typing import TypeVar
 
 import numpy as np
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.records.log import FIELDS
+from hjcamp.model.field_table import Field
+from hjcamp.model.field_unit import FIELD_UNITS
 
 Number = TypeVar("Number", float, np.ndarray)
 
 PASCAL_PER_MEGAPASCAL = 1e6
-PUMP_DEG_PER_MM = 360.0  # lead of the pump's ball screw: 1 mm a turn
 
-# unit of the field: {unit that may be given: factor to the field's unit}
-UNITS: dict[str, dict[str, float]] = {
-    "deg": {"deg": 1.0, "rad": 180.0 / math.pi, "turn": 360.0},
-    "MPa": {"Pa": 1e-6, "kPa": 1e-3, "MPa": 1.0, "bar": 0.1, "psi": 6.894757293168361e-3},
-    "s": {"s": 1.0, "ms": 1e-3},
-    "V": {"V": 1.0, "mV": 1e-3},
-    "1": {"1": 1.0},
-}
+# Units that no field is named by, though people measure in them: their size in SI.
+RELATIVES: dict[str, dict[str, float]] = {
+    "s": {"us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
+    "m": {"um": 1e-6, "cm": 1e-2, "km": 1e3, "in": 0.0254},
+    "m/s": {"cm/s": 1e-2, "um/s": 1e-6, "km/h": 1.0 / 3.6, "m/min": 1.0 / 60.0},
+    "m/s^2": {"mm/s^2": 1e-3},
+    "rad/s": {"turn/s": 2.0 * math.pi},
+    "N": {"mN": 1e-3, "kN": 1e3, "kgf": 9.80665, "lbf": 4.4482216152605},
+    "N*m": {"kN m": 1e3, "N mm": 1e-3},
+    "Pa": {"psi": 6894.757293168361, "mbar": 100.0, "hPa": 100.0, "GPa": 1e9},
+    "kg": {"mg": 1e-6, "t": 1e3},
+    "m^3": {"mL": 1e-6, "cm^3": 1e-6, "mm^3": 1e-9},
+    "m^3/s": {
+        "L/s": 1e-3, "L/h": 1e-3 / 3600.0, "mL/min": 1e-6 / 60.0, "mL/s": 1e-6, "m^3/h": 1.0 / 3600.0,
+        "cm^3/s": 1e-6, "mm^3/s": 1e-9,
+    },
+    "V": {"kV": 1e3, "uV": 1e-6},
+    "A": {"uA": 1e-6, "kA": 1e3},
+    "W": {"mW": 1e-3, "kW": 1e3},
+    "K": {"mK": 1e-3, "degC": 1.0, "degF": 5.0 / 9.0},
+    "1": {"ppm": 1e-6},
+}  # fmt: skip
+# What is added to a value in such a unit before its size counts.
+SHIFTS = {"degC": 273.15, "degF": 459.67}
+# The same unit written in another way.
+WRITTEN = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "³": "^3", "²": "^2", "·": "", "*": "", " ": ""})
+ALIASES = {
+    "percent": "%", "ratio": "1", "-": "1", "sec": "s", "rev": "turn", "rev/s": "turn/s", "rev/min": "rpm", "l": "L",
+    "l/min": "L/min", "l/s": "L/s", "l/h": "L/h", "ml": "mL", "ml/min": "mL/min", "ml/s": "mL/s",
+}  # fmt: skip
 # What a unit that a field cannot have measures, told in the refusal.
 QUANTITIES = {
     "m": "a length", "m/s": "a speed", "m/s^2": "an acceleration", "N": "a force", "N*m": "a torque", "kg": "a mass",
     "A": "a current", "K": "a temperature", "rad/s": "a speed of turning", "m^3/s": "a flow", "Pa": "a pressure",
-    "s": "a time", "V": "a voltage", "1": "a number",
+    "s": "a time", "V": "a voltage", "W": "a power", "m^3": "a volume", "1": "a number",
 }  # fmt: skip
-# Fields that turn the pump may be given as the travel of its pistons.
-TRAVEL: dict[str, float] = {"mm": PUMP_DEG_PER_MM}
-PUMP_FIELDS: tuple[str, ...] = ("pump_deg", "command_deg", "pid_deg", "feedforward_deg")
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """A value in the field's unit is ``(value + shift) * factor``."""
+
+    factor: float
+    shift: float = 0.0
 
 
 def rad_from_deg(angle: Number) -> Number:
@@ -54,26 +83,33 @@ def mpa_from_pa(pressure: Number) -> Number:
     return pressure / PASCAL_PER_MEGAPASCAL
 
 
-def units_of(field_name: str) -> dict[str, float]:
-    """Return the units in which a field may be given, with their factors to the unit of the field."""
-    for field in FIELDS:
-        if field.name == field_name:
-            return UNITS[field.unit] | (TRAVEL if field_name in PUMP_FIELDS else {})
-    raise unknown("field", field_name, [field.name for field in FIELDS])
+def units_of(field: Field) -> dict[str, Conversion]:
+    """Return the units in which a field may be given, its own first, with their conversions to it."""
+    return _units_of(field.unit) | {unit: Conversion(size) for unit, size in field.also}
 
 
-def factor_to_field(field_name: str, unit: str, where: str) -> float:
-    """Return the factor from ``unit`` to the unit of the field; raises UsageError for a unit it cannot have."""
-    allowed = units_of(field_name)
-    if unit in allowed:
-        return allowed[unit]
+@cache
+def _units_of(shown: str) -> dict[str, Conversion]:
+    own = next(unit for unit in FIELD_UNITS.values() if unit.shown == shown)
+    alike = {unit.shown: own.scale / unit.scale for unit in FIELD_UNITS.values() if unit.si == own.si}
+    relatives = {unit: size * own.scale for unit, size in RELATIVES.get(own.si, {}).items()}
+    sizes = {shown: 1.0} | alike | relatives
+    return {unit: Conversion(size, SHIFTS.get(unit, 0.0)) for unit, size in sizes.items()}
+
+
+def conversion_to_field(field: Field, unit: str, where: str) -> Conversion:
+    """Return the conversion from ``unit`` to the unit of the field; raises UsageError for a unit it cannot have."""
+    allowed = units_of(field)
+    same = {name.translate(WRITTEN): name for name in reversed(allowed)}
+    if (known := same.get(ALIASES.get(unit, unit).translate(WRITTEN))) is not None:
+        return allowed[known]
     alike = [name for name in allowed if name.casefold() == unit.casefold()]
     if alike:
-        raise UsageError(f"unknown unit '{unit}' of '{field_name}' in {where}; did you mean '{alike[0]}'?")
-    refusal = unknown(f"unit of '{field_name}'", unit, allowed, where)
-    own, other = (_quantity(one) for one in (next(iter(allowed)), unit))
+        raise UsageError(f"unknown unit '{unit}' of '{field.name}' in {where}; did you mean '{alike[0]}'?")
+    refusal = unknown(f"unit of '{field.name}'", unit, allowed, where)
+    own, other = (_quantity(one) for one in (field.unit, unit))
     if own and other and own != other:
-        raise UsageError(f"{refusal}; '{unit}' is a unit of {other}, and '{field_name}' is {own}")
+        raise UsageError(f"{refusal}; '{unit}' is a unit of {other}, and '{field.name}' is {own}")
     raise refusal
 
 
@@ -83,7 +119,7 @@ def _quantity(unit: str) -> str:
 
     registry: pint.UnitRegistry[float] = pint.UnitRegistry()
     try:
-        found = registry.parse_units(unit)
+        found = registry.parse_units("percent" if unit == "%" else unit)
     except Exception:  # pint raises many kinds for a text that is no unit
         return ""
     angles = {registry.rad, registry.deg, registry.turn}

@@ -12,16 +12,19 @@ from typing import IO
 
 import numpy as np
 
-from hjcamp.errors import HjcampError, UsageError, unknown
+from hjcamp.errors import HjcampError, UsageError
+from hjcamp.model.field_table import FieldTable
 from hjcamp.records.check import check_names
 from hjcamp.records.container import CHANNEL, Container
 from hjcamp.records.layout import encode
-from hjcamp.records.log import FIELD_NAMES, METADATA_NAME, TOPIC, TestLog
-from hjcamp.records.schema import descriptor_set, field_number
+from hjcamp.records.log import TOPIC, TestLog
+from hjcamp.records.of_plant import period_of, table_of
+from hjcamp.records.scan import METADATA_NAME
+from hjcamp.records.schema import descriptor_set
 from hjcamp.storage import disk_errors, put_in_place
 
 CHUNK_BYTES = 64 * 1024
-SAMPLES_BETWEEN_FLUSHES = 100  # 0.1 s: what a power cut may cost
+BETWEEN_FLUSHES_S = 0.1  # what a power cut may cost
 EPOCH_NS = 1_000_000_000_000_000_000  # for a log that does not know when it was made
 MEDIA_TYPES = {".yaml": "application/yaml", ".json": "application/json", ".csv": "text/csv"}
 
@@ -43,7 +46,7 @@ def write_log(path: str | Path, log: TestLog) -> None:
     Raises UsageError for columns that are no log, HjcampError where a value is not finite or the disk refuses.
     """
     target = Path(path)
-    names = field_order(log.columns, str(target))
+    names = field_order(log.columns, log.table, str(target))
     columns = [np.asarray(log.columns[name], dtype=np.float64) for name in names]
     if any(values.shape != columns[0].shape or values.ndim != 1 for values in columns) or not len(columns[0]):
         shapes = ", ".join(f"{name} {values.shape}" for name, values in zip(names, columns, strict=True))
@@ -61,14 +64,13 @@ def write_log(path: str | Path, log: TestLog) -> None:
         raise
 
 
-def field_order(names: Iterable[str], where: str) -> tuple[str, ...]:
+def field_order(names: Iterable[str], table: FieldTable, where: str) -> tuple[str, ...]:
     """Return the fields in the order of the field table; raises UsageError for unknown or missing ones."""
     given = list(names)
     for name in given:
-        if name not in FIELD_NAMES:
-            raise unknown("field", name, FIELD_NAMES, where)
-    check_names(given, where)
-    return tuple(name for name in FIELD_NAMES if name in given)
+        table.field(name, where)
+    check_names(given, table, where)
+    return tuple(name for name in table.names if name in given)
 
 
 class LogWriter:
@@ -84,15 +86,17 @@ class LogWriter:
         names: Sequence[str],
         metadata: Mapping[str, str],
         attachments: Mapping[str, bytes] | None = None,
-        samples_between_flushes: int = SAMPLES_BETWEEN_FLUSHES,
+        samples_between_flushes: int | None = None,
         replace: bool = False,
     ) -> None:
         self.path = Path(path)
         self.part = self.path.with_name(self.path.name + ".part")
-        self.names = field_order(names, str(self.path))
+        table = table_of(metadata, str(self.path))
+        self.names = field_order(names, table, str(self.path))
         self.samples = 0
-        self._numbers = tuple(field_number(name) for name in self.names)
-        self._samples_between_flushes = samples_between_flushes
+        self._numbers = tuple(map(table.number, self.names))
+        usual = max(1, round(BETWEEN_FLUSHES_S / period_of(metadata, str(self.path))))
+        self._samples_between_flushes = samples_between_flushes or usual
         self._start_ns = start_time_ns(metadata)
         self._first_time: float | None = None
         self._rows: list[list[float]] = []
@@ -106,7 +110,7 @@ class LogWriter:
             for name, content in sorted((attachments or {}).items()):
                 media_type = MEDIA_TYPES.get(Path(name).suffix, "application/octet-stream")
                 self._container.add_attachment(name, media_type, content, self._start_ns)
-            self._container.add_channel(TOPIC, descriptor_set(self.names))
+            self._container.add_channel(TOPIC, descriptor_set(tuple(zip(self.names, self._numbers, strict=True))))
 
     def append(self, sample: Mapping[str, float]) -> None:
         """Add one sample (field name to value); every field given at the start must be there."""

@@ -11,8 +11,11 @@ from typing import Any
 import numpy as np
 from mcap.writer import CompressionType, Writer
 
+from hjcamp.model.field_table import fields_of
+from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.records.log import TestLog
 
+FIELD_NAMES = fields_of(PumpJoint).names
 METADATA = {"campaign": "bench", "condition": "ramp", "repetition": "1", "started_at": "2026-11-21T05:00:00+00:00"}
 ATTACHMENTS = {"config.yaml": b"pump: pump2\n"}
 

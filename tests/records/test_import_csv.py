@@ -15,7 +15,7 @@ import yaml
 
 from hjcamp import cli
 from hjcamp.errors import UsageError
-from hjcamp.records.importing import import_csv
+from hjcamp.records.importing import import_file
 from hjcamp.records.read import read_log
 
 MAPPING = {
@@ -49,7 +49,7 @@ def write_case(
 
 @pytest.mark.parametrize("rate", [200, 1000, 1024, 5000])
 def test_units_signs_and_rate(tmp_path: Path, rate: float) -> None:
-    import_csv(*write_case(tmp_path, table(rate)), tmp_path / "out.mcap")
+    import_file(*write_case(tmp_path, table(rate)), tmp_path / "out.mcap")
     log = read_log(tmp_path / "out.mcap")
     time = log.columns["time_s"]
     assert time[0] == 0 and abs(time[-1] - (0.5 - 1 / rate)) < 1e-3
@@ -66,7 +66,7 @@ def test_rate_instead_of_time_and_decimal_commas(tmp_path: Path) -> None:
     mapping = MAPPING | {"fields": fields, "sampling_hz": 2000, "decimal_comma": True, "skip_lines": 1, "comment": "#"}
     source, rules = write_case(tmp_path, table(2000), mapping)
     source.write_text("made by a bench\n" + source.read_text().replace(".", ",") + "# end\n")
-    log = import_csv(source, rules, tmp_path / "out.mcap")
+    log = import_file(source, rules, tmp_path / "out.mcap")
     assert log.samples == 500
     np.testing.assert_allclose(log.columns["pump_deg"], 720 * log.columns["time_s"], atol=1e-6)
 
@@ -74,7 +74,7 @@ def test_rate_instead_of_time_and_decimal_commas(tmp_path: Path) -> None:
 def test_phase_is_held_and_sets_the_time(tmp_path: Path) -> None:
     rows = np.column_stack([table(500), np.where(np.arange(250) < 100, 2, 3)])
     mapping = MAPPING | {"fields": MAPPING["fields"] | {"phase": "phase"}}  # type: ignore[operator]
-    import_csv(*write_case(tmp_path, rows, mapping, "t;theta;P1;P2;piston;phase"), tmp_path / "out.mcap")
+    import_file(*write_case(tmp_path, rows, mapping, "t;theta;P1;P2;piston;phase"), tmp_path / "out.mcap")
     log = read_log(tmp_path / "out.mcap")
     assert log.columns["time_s"][0] == pytest.approx(-0.2)
     np.testing.assert_array_equal(log.columns["phase"], np.where(log.columns["time_s"] < -1e-9, 2.0, 3.0))
@@ -127,7 +127,7 @@ def edit(change: Callable[[dict], object]) -> dict:
         (lambda m: m["fields"]["arm_deg"].update(scale=0), "a scale of 0"),
         (lambda m: m["fields"].pop("arm_deg"), "required field 'arm_deg' is missing"),
         (lambda m: m["fields"].pop("pump_deg"), "neither 'pump_deg' nor 'command_deg'"),
-        (lambda m: m["fields"].pop("time_s"), "give sampling_hz"),
+        (lambda m: m["fields"].pop("time_s"), "give period_s or sampling_hz"),
         (lambda m: m.update(sampling_hz=100), "below 200 Hz"),
         (lambda m: m.update(sampling_hz=500), "1000 rows a second, sampling_hz is 500"),
         (lambda m: m["fields"]["time_s"].update(unit="s"), "is the unit of time_s right"),
@@ -141,7 +141,7 @@ def edit(change: Callable[[dict], object]) -> dict:
 def test_a_bad_mapping_has_one_clear_message(tmp_path: Path, change: Callable[[dict], object], message: str) -> None:
     source, rules = write_case(tmp_path, table(1000), edit(change))
     with pytest.raises(UsageError, match=message) as caught:
-        import_csv(source, rules, tmp_path / "out.mcap")
+        import_file(source, rules, tmp_path / "out.mcap")
     assert "\n" not in str(caught.value) and not (tmp_path / "out.mcap").exists()
 
 
@@ -162,19 +162,19 @@ def test_a_bad_table_has_one_clear_message(tmp_path: Path, pattern: str, replace
     source, rules = write_case(tmp_path, table(1000))
     source.write_text(re.sub(pattern, replacement, source.read_text()))
     with pytest.raises(UsageError, match=message) as caught:
-        import_csv(source, rules, tmp_path / "out.mcap")
+        import_file(source, rules, tmp_path / "out.mcap")
     assert "\n" not in str(caught.value) and not (tmp_path / "out.mcap").exists()
 
 
 def test_files_that_cannot_be_used(tmp_path: Path) -> None:
     source, rules = write_case(tmp_path, table(1000))
     with pytest.raises(UsageError, match="cannot be read"):
-        import_csv(tmp_path / "nothing.csv", rules, tmp_path / "out.mcap")
+        import_file(tmp_path / "nothing.csv", rules, tmp_path / "out.mcap")
     with pytest.raises(UsageError, match="the mapping cannot be read"):
-        import_csv(source, tmp_path / "nothing.yaml", tmp_path / "out.mcap")
+        import_file(source, tmp_path / "nothing.yaml", tmp_path / "out.mcap")
     rules.write_text("fields: [")
     with pytest.raises(UsageError, match="the mapping is not YAML in line 1"):
-        import_csv(source, rules, tmp_path / "out.mcap")
+        import_file(source, rules, tmp_path / "out.mcap")
     (tmp_path / "out.mcap").write_bytes(b"")
     with pytest.raises(UsageError, match="exists already"):
-        import_csv(source, rules, tmp_path / "out.mcap")
+        import_file(source, rules, tmp_path / "out.mcap")

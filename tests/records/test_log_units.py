@@ -7,16 +7,42 @@ import pint
 import pytest
 
 from hjcamp.errors import UsageError
-from hjcamp.records.log import FIELDS
-from hjcamp.records.units import TRAVEL, deg_from_rad, factor_to_field, mpa_from_pa, pa_from_mpa, rad_from_deg, units_of
+from hjcamp.model.field_table import Field, fields_of
+from hjcamp.model.field_unit import FIELD_UNITS
+from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.records.units import conversion_to_field, deg_from_rad, mpa_from_pa, pa_from_mpa, rad_from_deg, units_of
 
 
-@pytest.mark.parametrize("field", FIELDS, ids=lambda field: field.name)
-def test_every_factor_agrees_with_pint(field) -> None:  # type: ignore[no-untyped-def]
-    registry = pint.UnitRegistry()
-    for unit in set(units_of(field.name)) - set(TRAVEL) - {"1"}:
-        expected = registry.Quantity(1.0, unit).to(field.unit).magnitude
-        assert factor_to_field(field.name, unit, "here") == pytest.approx(expected, rel=1e-12)
+@pytest.mark.parametrize("shown", [unit.shown for unit in FIELD_UNITS.values()])
+def test_every_conversion_agrees_with_pint(shown: str) -> None:
+    registry = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+    def measured(value: float, unit: str) -> pint.Quantity:
+        named = {"%": "percent", "1": "dimensionless", "degC": "degC", "degF": "degF", "L": "liter"}.get(unit)
+        return registry.Quantity(value, named or unit.replace("N m", "N*m").replace("mN m", "mN*m"))
+
+    field = Field("x", shown, True, "")
+    for unit, conversion in units_of(field).items():
+        expected = measured(40.0, unit.replace("N mm", "N*mm")).to(measured(1.0, shown).units).magnitude
+        assert (40.0 + conversion.shift) * conversion.factor == pytest.approx(expected, rel=1e-12), unit
+        assert conversion_to_field(field, unit, "here") == conversion
+
+
+@pytest.mark.parametrize(
+    ("shown", "written"),
+    [
+        ("L/min", "L / min"),
+        ("N m", "N*m"),
+        ("K", "°C"),
+        ("m^3", "mm³"),
+        ("m", "µm"),
+        ("m/s^2", "m/s²"),
+        ("%", "percent"),
+        ("m^3", "l"),
+    ],
+)
+def test_a_unit_may_be_written_in_more_than_one_way(shown: str, written: str) -> None:
+    conversion_to_field(Field("x", shown, True, ""), written, "here")
 
 
 def test_to_si_and_back() -> None:
@@ -24,6 +50,9 @@ def test_to_si_and_back() -> None:
     np.testing.assert_allclose(rad_from_deg(values), np.deg2rad(values))
     np.testing.assert_allclose(deg_from_rad(rad_from_deg(values)), values)
     assert pa_from_mpa(0.26) == pytest.approx(260_000.0) and mpa_from_pa(260_000.0) == pytest.approx(0.26)
-    assert factor_to_field("pump_deg", "mm", "here") == 360.0
+    table = fields_of(PumpJoint)
+    assert conversion_to_field(table.field("pump_deg"), "mm", "here").factor == 360.0
+    with pytest.raises(UsageError, match="'mm' is a unit of a length, and 'arm_deg' is an angle"):
+        conversion_to_field(table.field("arm_deg"), "mm", "here")
     with pytest.raises(UsageError, match="unknown field"):
-        units_of("arm")
+        table.field("arm")

@@ -15,7 +15,7 @@ from hjcamp import cli
 from hjcamp.commands._session import evidence_of
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.records.importing import import_csv
+from hjcamp.records.importing import import_file
 from hjcamp.records.log import TestLog
 from hjcamp.records.plausible import findings, refuse_implausible
 from hjcamp.records.recover import verify_log
@@ -60,7 +60,12 @@ def test_a_sound_log_has_no_findings() -> None:
         (scaled("pump_deg", np.pi / 180), "pump_deg", False, "looks like rad: 57.3 times too small"),
         (scaled("pump_deg", 1 / 360), "pump_deg", False, "360 times too small"),
         (lambda c: c["pressure1_mpa"].__setitem__(700, 1e300), "pressure1_mpa", True, "1 single sample is off, 1e+300"),
-        (lambda c: c["arm_deg"].__setitem__([5, 6], -1e4), "arm_deg", True, "2 samples are off, -1e+04 deg at sample 5"),
+        (
+            lambda c: c["arm_deg"].__setitem__([5, 6], -1e4),
+            "arm_deg",
+            True,
+            "2 samples are off, -1e+04 deg at sample 5",
+        ),
         (still("pressure1_mpa", 0.0), "pressure1_mpa", True, "in all 1200 samples; a sensor has noise"),
         (still("arm_deg", 12.0), "arm_deg", False, "never changes although 'pump_deg' moves"),
     ],
@@ -168,21 +173,26 @@ FIELDS = {"time_s": "t", "arm_deg": "a", "pressure1_mpa": "p", "pressure2_mpa": 
         ({"pressure1_mpa": {"column": "p", "scale": 1e6}}, "looks like Pa: 1e\\+06 times too large"),
         ({"time_s": {"column": "t", "unit": "ms"}}, "1e\\+06 rows a second, .* s read as ms are 1000 times too short"),
         ({"arm_deg": {"column": "a", "unit": "m"}}, "'m' is a unit of a length, and 'arm_deg' is an angle"),
-        ({"pressure1_mpa": {"column": "p", "unit": "N"}}, "'N' is a unit of a force, and 'pressure1_mpa' is a pressure"),
+        (
+            {"pressure1_mpa": {"column": "p", "unit": "N"}},
+            "'N' is a unit of a force, and 'pressure1_mpa' is a pressure",
+        ),
         ({"position_m": "mm"}, "unknown field 'position_m' in .*plant pump_joint"),
     ],
 )
-def test_an_import_refuses_what_is_of_another_plant_or_unit(tmp_path: Path, change: dict[str, object], told: str) -> None:
+def test_an_import_refuses_what_is_of_another_plant_or_unit(
+    tmp_path: Path, change: dict[str, object], told: str
+) -> None:
     columns = make_columns(1200)
     table = {short: columns[name] for name, short in FIELDS.items()} | {"mm": np.linspace(0.0, 200.0, 1200)}
     rows = np.column_stack(list(table.values()))
     (tmp_path / "t.csv").write_text("\n".join([",".join(table), *(",".join(map(repr, row.tolist())) for row in rows)]))
     (tmp_path / "m.yaml").write_text(yaml.safe_dump({"fields": FIELDS | change}))
     with pytest.raises(UsageError, match=told) as caught:
-        import_csv(tmp_path / "t.csv", tmp_path / "m.yaml", tmp_path / "out.mcap")
+        import_file(tmp_path / "t.csv", tmp_path / "m.yaml", tmp_path / "out.mcap")
     assert "\n" not in str(caught.value) and not (tmp_path / "out.mcap").exists()
     (tmp_path / "m.yaml").write_text(yaml.safe_dump({"fields": FIELDS}))
-    import_csv(tmp_path / "t.csv", tmp_path / "m.yaml", tmp_path / "out.mcap")
+    import_file(tmp_path / "t.csv", tmp_path / "m.yaml", tmp_path / "out.mcap")
 
 
 def test_an_import_refuses_hardware_that_nobody_describes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

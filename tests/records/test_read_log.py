@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from log_makers import json_file, make_columns, make_log, rows, write_json
+from log_makers import FIELD_NAMES, json_file, make_columns, make_log, rows, write_json
 from mcap.writer import CompressionType, Writer
 
 from hjcamp.errors import UsageError
 from hjcamp.records import layout
-from hjcamp.records.log import FIELD_NAMES, TestLog
+from hjcamp.records.log import TestLog
 from hjcamp.records.read import read_log
 from hjcamp.records.write import write_log
 

@@ -1,0 +1,53 @@
+"""What a log's metadata say of its plant and of the time between its samples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from hjcamp.errors import UsageError
+from hjcamp.model.field_table import FieldTable, fields_of
+from hjcamp.model.field_unit import FIELD_UNITS
+from hjcamp.model.plant import Plant
+from hjcamp.plants import DEFAULT, find_plant
+from hjcamp.plants.pump_joint import PumpJoint
+
+PLANT_KEY, PERIOD_KEY = "plant", "period_s"
+USUAL_PERIOD_S = 1e-3
+LONGEST_PERIOD_S = 86400.0
+
+
+def plant_of(metadata: Mapping[str, str], where: str) -> type[Plant]:
+    """Return the plant of a log: that of its metadata, else ``pump_joint``. Raises ``UsageError`` with the nearest match."""
+    name = metadata.get(PLANT_KEY) or DEFAULT
+    return PumpJoint if name == PumpJoint.name else find_plant(name, where)
+
+
+def table_of(metadata: Mapping[str, str], where: str) -> FieldTable:
+    """Return the field table of a log by its metadata; raises ``UsageError`` for a plant that is not known."""
+    return fields_of(plant_of(metadata, where))
+
+
+def period_of(metadata: Mapping[str, str], where: str) -> float:
+    """Return the time between samples, s, by a log's metadata, 1 ms where they do not say; raises ``UsageError``."""
+    text = metadata.get(PERIOD_KEY)
+    if text is None:
+        return USUAL_PERIOD_S
+    try:
+        period = float(text)
+    except ValueError:
+        period = 0.0
+    if not 0.0 < period <= LONGEST_PERIOD_S:
+        raise UsageError(
+            f"{where}: {PERIOD_KEY} of its metadata is {text!r:.40}; a number above 0 and up to {LONGEST_PERIOD_S:g} is needed"
+        )
+    return period
+
+
+def span(seconds: float) -> str:
+    """Return a short time in words: in ms below a second."""
+    return f"{seconds * 1e3:.4g} ms" if seconds < 1.0 else f"{seconds:.4g} s"
+
+
+def si_scale(unit: str) -> float:
+    """Return the number, in the unit of a field as logs show it, of one SI unit."""
+    return next(known.scale for known in FIELD_UNITS.values() if known.shown == unit)
