@@ -117,7 +117,7 @@ def make_twin(views: Views, candidate: Candidate, scatter: RepetitionScatter, se
     evidence = views.evidence
     generator = np.random.default_rng([20260721, seed])
     candidate = imperfect(candidate, generator)
-    joint, _ = views.readings(candidate, windows=False, scatter=twin_scatter(evidence, scatter, generator))
+    joint = views.joint_readings(candidate, windows=False, scatter=twin_scatter(evidence, scatter, generator))
     shown = views.shown_at_zero(candidate)
     tests: list[TestEvidence] = []
     for index, test in enumerate(evidence.tests):
