@@ -38,7 +38,11 @@ Report = Callable[[str, float], None]
 
 @dataclass
 class Diagnosis:
-    """The answer and all that stands behind it; ``null`` are twins of the final model."""
+    """The answer and all that stands behind it; ``null`` are twins of the final model.
+
+    ``reference`` is the published model as `scale_of` calibrates it; None where the diagnosis began from another.
+    ``screenings`` are those about the baseline and about the final model.
+    """
 
     verdict: str
     effects: list[str]
@@ -60,6 +64,8 @@ class Diagnosis:
     exploratory: bool = False
     undecided: tuple[str, ...] = ()
     lacking: tuple[str, ...] = ()
+    reference: Candidate | None = None
+    screenings: Sequence[Screening] = ()
 
 
 def diagnose(
@@ -100,7 +106,9 @@ class _Search:
 
     def run(self, start: Candidate | None, began: float) -> Diagnosis:
         self.report("calibrating the base parameters", 0.02)
-        base, self.fitter = calibrate(self.views, self.features, start=start, sweeps=self.work.sweeps)
+        calibrated, self.fitter = calibrate(self.views, self.features, start=start)
+        known = unknowns_of(calibrated.candidate, self.effects)
+        base = settle(self.fitter, calibrated, known, self.work.sweeps)
         fitting = StepFitter(self.fitter, self.effects, self.work, self.least_gain, self.report)
         # Where no verdict can be given nothing is asked of twins, which take most of the time.
         self.lacking = tuple(lacks(self.evidence))
@@ -134,7 +142,7 @@ class _Search:
         kept, taken = self._backward(current, taken, null)
         if kept is not current:
             current = kept
-            _, null = self._look(current, self.work.forward + 1, False)
+            screening, null = self._look(current, self.work.forward + 1, False)
         self.report("weighing the answer", 0.95)
         floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
         found = judge(self.views, self.features, null, base, current, self.steps, taken, self.effects)
@@ -163,6 +171,8 @@ class _Search:
             not self.evidence.repeated,
             found.undecided,
             self.lacking,
+            calibrated.candidate if start is None else None,
+            (first, screening),
         )
 
     def _look(self, current: Fit, number: int, whole: bool) -> tuple[Screening, Null]:

@@ -80,7 +80,7 @@ def simulate_twins(
 ) -> list[Array]:
     """Return what the fitted model leaves (blocks, channels) of twins of itself, one for each seed."""
     residuals = []
-    for residual in fitter.crew.each(_one_twin, (fitter.views, fit, scatter), seeds):
+    for residual in fitter.crew.each(_one_twin, (fitter.views, fitter.features, fit, scatter), seeds):
         residuals.append(residual)
         tick()
     return residuals
@@ -109,12 +109,12 @@ def of_those_that_tell(logarithms: Array, tells: NDArray[np.bool_]) -> Array:
     return np.where(tells, logarithms, np.where(tells, logarithms, 0.0).sum(axis=0) / number)
 
 
-def _one_twin(context: tuple[Views, Fit, RepetitionScatter], seed: int) -> Array:
-    views, fit, scatter = context
+def _one_twin(context: tuple[Views, Features, Fit, RepetitionScatter], seed: int) -> Array:
+    views, features, fit, scatter = context
     twin = make_twin(views, fit.candidate, scatter, seed)
     own = Features(twin)
     found = own.of(Views(twin, views.effects, views.crew).residuals(fit.candidate))
-    return Features(views.evidence).shared(own, found)
+    return features.shared(own, found)
 
 
 def _found_in(screening: Screening, residuals: Array) -> tuple[Array, Array]:

@@ -84,6 +84,6 @@ def test_what_gained_only_what_a_stuck_base_had_left_is_not_taken(search: Any, m
     monkeypatch.setattr(diagnose, "confounded", lambda screening: [])
     monkeypatch.setattr(diagnose, "judge", lambda *given: Verdict("nothing_missing", [], "it is so"))
     found = search.run(None, 0.0)
-    assert looked == [502.0, 469.0]
+    assert looked == [501.0, 469.0]
     assert found.baseline.loss == found.final.loss == 469.0
     assert not found.taken and len(found.steps) == 1
