@@ -53,8 +53,9 @@ def _pump_filter(gain: float, a2: float, a1: float, a0: float) -> tuple[Array, A
     rates[0] = -a2, -a1, -a0, 1.0
     rates[1, 0] = rates[2, 1] = 1.0
     step = expm(rates * 1e-3)
-    denominator = np.poly(step[:3, :3])
-    return np.poly(step[:3, :3] - np.outer(step[:3, 3], [0.0, 0.0, gain])) - denominator, denominator
+    denominator: Array = np.poly(step[:3, :3]).astype(np.float64)
+    numerator = np.poly(step[:3, :3] - np.outer(step[:3, 3], [0.0, 0.0, gain])) - denominator
+    return np.asarray(numerator, dtype=np.float64), denominator
 
 
 def hardware_of(log: TestLog) -> Hardware:
