@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,10 +59,18 @@ class Null:
 
     def limit(self) -> Array:
         """Return the error over that of the twins (channels,) that 95 % of them stay below, with a margin for model form."""
+        return np.asarray(np.quantile(self._own, 0.95, axis=0) * MARGIN)
+
+    def spread(self) -> Array:
+        """Return the standard deviation (channels,) of the logarithm of the twins' errors over that of the others."""
+        return np.asarray(np.std(np.log(self._own), axis=0, ddof=1))
+
+    @cached_property
+    def _own(self) -> Array:
+        """The error of each twin over that of the others (twins, channels)."""
         count = len(self.logarithms)
         others = (self.logarithms.sum(axis=0) - self.logarithms) / max(count - 1, 1)
-        own = np.array([self._mean(one - rest) for one, rest in zip(self.logarithms, others, strict=True)])
-        return np.asarray(np.quantile(own, 0.95, axis=0) * MARGIN)
+        return np.array([self._mean(one - rest) for one, rest in zip(self.logarithms, others, strict=True)])
 
     def excess(self, before: Array, after: Array, law: float = LAW) -> Array:
         """Return the error (channels,) over what may be left: 1 and less is as good as the twins.
