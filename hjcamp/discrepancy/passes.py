@@ -6,10 +6,7 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Places = NDArray[np.int64]
 # The push of the 16 ms before the arm moves; a difference beyond a tenth of the static friction counts little more.
 LOOK_BACK = 4
 SURPRISE = 0.1
