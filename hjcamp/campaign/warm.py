@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,11 +11,11 @@ import numpy as np
 from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
 from hjcamp.discrepancy.candidate import Candidate
-from hjcamp.discrepancy.gram import Gram, Group, Known, all_gains
 from hjcamp.discrepancy.hardware import simulator
 from hjcamp.discrepancy.kernel_choice import first_needed
 from hjcamp.discrepancy.next_menu import Choice, menu
 from hjcamp.discrepancy.next_trials import Bench
+from hjcamp.discrepancy.passes import compile_passes
 from hjcamp.effects import load_effects
 from hjcamp.model.effect import Effect
 from hjcamp.model.kernel import LEVELS, shared_source
@@ -63,7 +62,7 @@ def tasks() -> list[Task]:
         for controller, choice in menu_tests().items()
     ]
     found += [task for task, _ in _of_a_diagnosis(library)]
-    found += [("diagnose, weighing responses", weigh_nothing, ())]
+    found += [("diagnose, residuals of the views", compile_passes, ())]
     return found + [("run " + " ".join(overrides), run_once, (overrides,)) for overrides in CONDITIONS]
 
 
@@ -139,14 +138,4 @@ def ready_to_diagnose(effects: Sequence[str]) -> None:
     library = load_effects()
     for (_, call, given), _ in _of_a_diagnosis(tuple(library[name] for name in effects)):
         call(*given)
-    weigh_nothing()
-
-
-def weigh_nothing() -> None:
-    """Weigh one response that fits nothing: that compiles what a screening projects with."""
-    features: Any = SimpleNamespace(
-        counts=np.ones((1, 1)), edges=np.array([0, 2]), mean_square=lambda residual: np.mean(residual**2, axis=0)[None]
-    )
-    gram = Gram.of(np.ones((2, 2, 1)), features, np.ones(1))
-    group = Group((1,), (True,), np.zeros((1, 1)))
-    all_gains(gram, np.zeros((2, 1)), Known(np.ones(1), np.zeros(1)), [group])
+    compile_passes()

@@ -32,7 +32,7 @@ class Judging:
         self.found, self.effects = found, tuple(effects)
         views = found.fitter.views
         self.parts = folds(views.evidence, FOLDS[effort])
-        self.scale = scale_of(views)
+        self.scale = scale_of(views, found.reference)
         self._judge = Judge(views, self.parts, self.scale)
 
     def of(self, local: Local) -> Judged:
@@ -66,7 +66,8 @@ class Judging:
 
     def local(self, fit: Fit) -> Local:
         """Return a fit with what its errors and intervals need."""
-        return Local(self.found.fitter, fit, unknowns_of(fit.candidate, self.effects))
+        known = [one.jacobian for one in self.found.screenings if one.about is fit]
+        return Local(self.found.fitter, fit, unknowns_of(fit.candidate, self.effects), known[0] if known else None)
 
     def places(self, fit: Fit) -> list[Place]:
         """Return where the error of one fit is; its views follow the measured pump, so the pump's own model has no share."""

@@ -9,7 +9,6 @@ from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.settle import settle
 from hjcamp.discrepancy.unknowns import base_unknowns, effect_unknowns
 from hjcamp.discrepancy.views import HOME, Views
 from hjcamp.plants.pump_joint import PumpJoint
@@ -59,11 +58,10 @@ def calibrate(
     features: Features,
     least: Array | None = None,
     start: Candidate | None = None,
-    sweeps: int = 0,
 ) -> tuple[Fit, Fitter]:
     """Return the base parameters fitted from several shapes of friction, and the fitter that weighs by their floor.
 
-    The effects that the model ``start`` has already are fitted with them. ``sweeps`` of a pattern search settle the fit.
+    The effects that the model ``start`` has already are fitted with them.
     """
     known = start or Candidate({})
     own = [unknown for effect in views.effects if effect.name in known.effects for unknown in effect_unknowns(effect)]
@@ -84,4 +82,4 @@ def calibrate(
     least = np.maximum(0.5 * features.floor(best.features), 0.3 * NOISE)
     least[HOME] = views.evidence.home_scatter
     fitter = Fitter(views, features, least)
-    return settle(fitter, fitter.fit(best.candidate, unknowns, steps=8), unknowns, sweeps), fitter
+    return fitter.fit(best.candidate, unknowns, steps=8), fitter

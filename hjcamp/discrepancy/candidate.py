@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Hashable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 
 @dataclass(frozen=True)
@@ -12,6 +13,12 @@ class Candidate:
 
     base: Mapping[str, float]
     effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    @cached_property
+    def key(self) -> tuple[Hashable, ...]:
+        """What tells this model from others, as something that a dictionary can be asked for."""
+        effects = ((name, *sorted(values.items())) for name, values in sorted(self.effects.items()))
+        return (*sorted(self.base.items()), *effects)
 
     def with_effect(self, name: str, parameters: Mapping[str, float]) -> Candidate:
         """Return this model with one effect added or replaced."""

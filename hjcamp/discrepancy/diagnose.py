@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,12 @@ from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.detectable import confounded, detectable_amplitudes
 from hjcamp.discrepancy.drivers import rank_drivers, top_drivers
+from hjcamp.discrepancy.early import FIRST, is_clear, is_far
 from hjcamp.discrepancy.effort import EFFORTS, Effort
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.null import Null, null_of, simulate_twins
+from hjcamp.discrepancy.null import JUDGED, Null, null_of, simulate_twins
 from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
 from hjcamp.discrepancy.search import WORTH, Screening, Step, refit_without, screen, unknowns_of
 from hjcamp.discrepancy.settle import settle
@@ -38,7 +39,11 @@ Report = Callable[[str, float], None]
 
 @dataclass
 class Diagnosis:
-    """The answer and all that stands behind it; ``null`` are twins of the final model."""
+    """The answer and all that stands behind it; ``null`` are twins of the final model.
+
+    ``reference`` is the published model as `scale_of` calibrates it; None where the diagnosis began from another.
+    ``screenings`` are those about the baseline and about the final model.
+    """
 
     verdict: str
     effects: list[str]
@@ -60,6 +65,8 @@ class Diagnosis:
     exploratory: bool = False
     undecided: tuple[str, ...] = ()
     lacking: tuple[str, ...] = ()
+    reference: Candidate | None = None
+    screenings: Sequence[Screening] = ()
 
 
 def diagnose(
@@ -100,7 +107,9 @@ class _Search:
 
     def run(self, start: Candidate | None, began: float) -> Diagnosis:
         self.report("calibrating the base parameters", 0.02)
-        base, self.fitter = calibrate(self.views, self.features, start=start, sweeps=self.work.sweeps)
+        calibrated, self.fitter = calibrate(self.views, self.features, start=start)
+        known = unknowns_of(calibrated.candidate, self.effects)
+        base = settle(self.fitter, calibrated, known, self.work.sweeps)
         fitting = StepFitter(self.fitter, self.effects, self.work, self.least_gain, self.report)
         # Where no verdict can be given nothing is asked of twins, which take most of the time.
         self.lacking = tuple(lacks(self.evidence))
@@ -113,15 +122,15 @@ class _Search:
                 excess = null.excess(base.mean_square, current.mean_square, law)
                 if np.all(excess <= 1.0) and not self._others(taken, current):
                     break
-                screening, null = self._look(current, number, True)
-            step = fitting.step(screening, null, number)
+                screening, null = self._look(current, number, True, taken)
+            step, null = self._certain(fitting.step(screening, null, number), null)
             begun = self._begun_anew(step) if step is not None and self._counts(step) else None
             if begun is not None:
                 current = begun
-                screening, null = self._look(current, number, True)
+                screening, null = self._look(current, number, True, taken)
                 if not taken:
                     base, first, first_null = current, screening, null
-                step = fitting.step(screening, null, number)
+                step, null = self._certain(fitting.step(screening, null, number), null)
             if step is None:
                 break
             self.steps.append(step)
@@ -130,11 +139,13 @@ class _Search:
             current = step.fits[step.best]
             taken.append(step)
             last = number + 1 == self.work.forward
-            screening, null = self._look(current, number + 1, not last and not self.work.hasty)
+            screening, null = self._look(current, number + 1, not last and not self.work.hasty, taken)
+        if not taken and len(null.gains) < self.work.twins:
+            null = first_null = self._null(screening, self.work.twins)
         kept, taken = self._backward(current, taken, null)
         if kept is not current:
             current = kept
-            _, null = self._look(current, self.work.forward + 1, False)
+            screening, null = self._look(current, self.work.forward + 1, False)
         self.report("weighing the answer", 0.95)
         floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
         found = judge(self.views, self.features, null, base, current, self.steps, taken, self.effects)
@@ -163,32 +174,70 @@ class _Search:
             not self.evidence.repeated,
             found.undecided,
             self.lacking,
+            calibrated.candidate if start is None else None,
+            (first, screening),
         )
 
-    def _look(self, current: Fit, number: int, whole: bool) -> tuple[Screening, Null]:
-        """Return the screening about a model (of nothing unless ``whole``) and what it finds in the twins of that model."""
+    def _look(self, current: Fit, number: int, whole: bool, taken: Sequence[Step] = ()) -> tuple[Screening, Null]:
+        """Return the screening about a model (of nothing unless ``whole``) and what it finds in the twins of that model:
+        in the first of them where these say enough of it after the steps ``taken``."""
         share = 0.1 + 0.8 * number / (self.work.forward + 1)
         if whole:
             self.report(f"screening {len(self.effects)} effects", share)
         screening = screen(self.fitter, current, self.effects, None if whole else ())
         if current is not self.twins_of:
-            self.twins_of, self.twins = current, self._twins(current, number, share)
-        return screening, null_of(self.fitter, screening, self.twins)
+            self.twins_of, self.twins, self.number = current, [], number
+            self._match(current)
+        null = self._few(screening, taken) if self.work.twins > FIRST and not self.lacking else None
+        return screening, null or self._null(screening, self.work.twins)
 
-    def _twins(self, current: Fit, number: int, share: float) -> list[Array]:
-        """Return what a model leaves of its own twins."""
-        done = [0]
+    def _few(self, screening: Screening, taken: Sequence[Step]) -> Null | None:
+        """Return the first twins of a model where all that is asked of them is clear from these.
 
-        def tick() -> None:
-            done[0] += 1
-            self.report(f"twin {done[0]} of {self.work.twins}", share + 0.1 * done[0] / self.work.twins)
+        Before anything is taken that is whether an effect gains more than they do; after the first step, where nothing
+        promises enough for another, whether the model leaves what they leave.
+        """
+        if not taken:
+            promised = max((screening.gains[name] for name in screening.ranked), default=0.0)
+            null = self._null(screening, FIRST) if promised >= self.least_gain else None
+            return null if null is not None and is_clear(promised, null.gains) else None
+        if len(taken) > 1 or any(at_most(screening, name) >= self.least_gain for name in screening.ranked):
+            return None
+        null = self._null(screening, FIRST)
+        law = law_of(named_by(taken, self.effects))
+        excess = null.excess(taken[0].screening.about.mean_square, screening.about.mean_square, law)
+        return null if is_far(excess, null.spread()[:JUDGED]) else None
 
+    def _null(self, screening: Screening, count: int) -> Null:
+        """Return what a screening finds in the first ``count`` twins of its model, or in more where there are more."""
+        wanted = range(len(self.twins), min(count, self.work.twins))
+        if wanted and not self.lacking:
+            share = 0.1 + 0.8 * self.number / (self.work.forward + 1)
+            done = [len(self.twins)]
+
+            def tick() -> None:
+                done[0] += 1
+                self.report(f"twin {done[0]} of {self.work.twins}", share + 0.1 * done[0] / self.work.twins)
+
+            seeds = [self.seed * 100_000 + self.number * 1000 + index for index in wanted]
+            self.twins += simulate_twins(self.fitter, screening.about, self.scatter, seeds, tick)
+        return null_of(self.fitter, screening, self.twins)
+
+    def _match(self, current: Fit) -> None:
+        """Match the scatter of twins to that of the tests about a model."""
         self.scatter = scatter_of(self.evidence, dict(current.candidate.base))
-        if self.lacking:
-            return []
-        self.scatter = match_scatter(self.views, current, self.scatter)
-        seeds = [self.seed * 100_000 + number * 1000 + index for index in range(self.work.twins)]
-        return simulate_twins(self.fitter, current, self.scatter, seeds, tick)
+        if not self.lacking:
+            self.scatter = match_scatter(self.views, current, self.scatter)
+
+    def _certain(self, step: Step | None, null: Null) -> tuple[Step | None, Null]:
+        """Return a step and its null with all twins, unless what it gains is as clear in few as its promise was."""
+        if step is None or len(null.gains) >= self.work.twins:
+            return step, null
+        gain = min(step.gain, at_most(step.screening, step.best))
+        if is_clear(gain, null.gains):
+            return step, null
+        null = self._null(step.screening, self.work.twins)
+        return replace(step, p_value=null.p_value(gain), null_gains=null.gains), null
 
     def _counts(self, step: Step) -> bool:
         """Whether a step gains more than chance does, enough, and where it matters."""

@@ -10,8 +10,7 @@ class Effort:
     """How much work a diagnosis may do: twins, fitted survivors of a screening, Gauss-Newton steps, further effects, and
     sweeps of a pattern search that settles each fit.
 
-    A ``hasty`` one looks for a further effect only where the model found so far leaves an error or another promised much,
-    and fits nothing where no effect is predicted to gain enough.
+    A ``hasty`` one looks for a further effect only where the model found so far leaves an error or another promised much.
     """
 
     twins: int

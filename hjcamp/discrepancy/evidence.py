@@ -12,15 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.hardware import Hardware, hardware_of
+from hjcamp.discrepancy.passes import gives_way
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]
 DEGREE = math.pi / 180
-# Up to 240 ms after the arm first moves its contact may only give way; as it begins to slide the push falls within 48 ms.
-ONSET, FALLS_WITHIN, FALLS_TO = 60, 12, 0.85
-# Until then it is slow, and no seal gives way over a millimetre; a place that holds a moving arm is none of that.
-CREEPS, MOST_TRAVEL = 0.6, 1e-3
 STRIDE = 4
 PERIOD = STRIDE * 1e-3
 WINDOW = 0.3
@@ -74,18 +71,20 @@ def _smooth(values: Array, half: int) -> Array:
     return (total[width:] - total[:-width]) / width
 
 
-def slider_motion(arm: Array, pulley_radius: float) -> tuple[Array, Array, Array]:
-    """Return the sliders' travel, velocity and acceleration (n,), SI, from the counted arm angle at 1 kHz (rad).
+def slider_motion(arm: Array, pulley_radius: float, stride: int = 1) -> tuple[Array, Array, Array]:
+    """Return the sliders' travel, velocity and acceleration, SI, of every ``stride``-th sample of the counted arm angle at
+    1 kHz (n,), rad.
 
     A parabola over 41 samples (Savitzky & Golay 1964, doi:10.1021/ac60214a047); velocity is 0 where the count rests.
     """
-    from scipy.ndimage import convolve1d
-
-    kernels = _parabola_kernels()
-    travel, velocity, acceleration = (convolve1d(arm * pulley_radius, kernel, mode="nearest") for kernel in kernels)
-    ahead, behind = np.roll(arm, -15), np.roll(arm, 15)
-    ahead[-15:], behind[:15] = arm[-1], arm[0]
-    resting = (np.abs(ahead - arm) < 1e-9) & (np.abs(arm - behind) < 1e-9) | (np.abs(velocity) < REST_SPEED)
+    kernels = np.array(_parabola_kernels())[:, ::-1]
+    half = kernels.shape[1] // 2
+    padded = np.pad(arm * pulley_radius, half, mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, kernels.shape[1])[::stride]
+    travel, velocity, acceleration = kernels @ windows.T
+    now = np.arange(0, len(arm), stride)
+    ahead, behind, here = arm[np.minimum(now + 15, len(arm) - 1)], arm[np.maximum(now - 15, 0)], arm[now]
+    resting = (np.abs(ahead - here) < 1e-9) & (np.abs(here - behind) < 1e-9) | (np.abs(velocity) < REST_SPEED)
     return travel, np.where(resting, 0.0, velocity), acceleration
 
 
@@ -110,19 +109,7 @@ def yielding(velocity: Array, push: Array) -> NDArray[np.bool_]:
 
     ``velocity`` (n,) in m/s and ``push`` (n,) in any unit, positive in the same direction; coarse samples.
     """
-    sign = np.sign(velocity)
-    begins = np.flatnonzero((np.diff(sign, prepend=0.0) != 0.0) & (sign != 0.0))
-    ends = np.append(np.flatnonzero(np.diff(sign) != 0.0) + 1, len(sign))
-    found = np.zeros(len(sign), dtype=bool)
-    for begin, end in zip(begins, ends[np.searchsorted(ends, begins, side="right")], strict=True):
-        ahead, speed = push[begin:end] * sign[begin], np.abs(velocity[begin:end])
-        peak = int(np.argmax(ahead[:ONSET]))
-        after = slice(peak, peak + FALLS_WITHIN)
-        slow = speed[: max(peak - SLIDING_MARGIN, 1)].max() < CREEPS * speed[after].max()
-        creeps = slow and PERIOD * speed[: peak + 1].sum() < MOST_TRAVEL
-        if creeps and ahead[peak] > 0.0 and ahead[after].min() < FALLS_TO * ahead[peak]:
-            found[begin : begin + peak + SLIDING_MARGIN + 1] = True
-    return found
+    return np.asarray(gives_way(velocity, push, PERIOD, SLIDING_MARGIN))
 
 
 @functools.cache
@@ -147,7 +134,7 @@ def prepare_test(log: TestLog) -> TestEvidence:
     )
     pick = slice(0, None, STRIDE)
     half = STRIDE // 2
-    travel, velocity, acceleration = slider_motion(arm, hardware.values["pulley_radius"])
+    travel, velocity, acceleration = slider_motion(arm, hardware.values["pulley_radius"], STRIDE)
     return TestEvidence(
         name=name,
         condition=log.condition_key,
@@ -158,10 +145,10 @@ def prepare_test(log: TestLog) -> TestEvidence:
         pump=_smooth(pump, half)[pick],
         command=columns["command_deg"] * DEGREE if "command_deg" in columns else None,
         dither=_loudest(np.abs(columns.get("dither_v", np.zeros(len(arm))))),
-        velocity=velocity[pick],
-        track=travel[pick],
-        acceleration=acceleration[pick],
-        misfit=misfit_of(arm, travel, hardware.values)[pick],
+        velocity=velocity,
+        track=travel,
+        acceleration=acceleration,
+        misfit=misfit_of(arm[pick], travel, hardware.values),
         breaks=breakaways(arm, hardware.values["encoder_count"]),
         home=home_reading(log),
         hardware=hardware,

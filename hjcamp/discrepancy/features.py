@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.evidence import Evidence
+from hjcamp.discrepancy.passes import block_means
 from hjcamp.discrepancy.views import HOME, WINDOWED
 
 Array = NDArray[np.float64]
@@ -79,7 +80,7 @@ class Features:
 
     def of(self, residuals: Array) -> Array:
         """Return the block means (blocks, channels) of residuals (n, channels); 0 where a feature says nothing."""
-        return np.where(self.valid, self._sums(residuals) / self._members, 0.0)
+        return np.asarray(block_means(residuals, self._starts, BLOCK, self._members, self.valid))
 
     def shared(self, other: Features, values: Array) -> Array:
         """Return features (blocks, channels) of ``other`` evidence of these tests where both say something.

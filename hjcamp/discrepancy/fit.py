@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.features import Features, log_error
+from hjcamp.discrepancy.recent import Recent
 from hjcamp.discrepancy.unknowns import STEP, Unknown, base_unknowns, read, surprise, written
 from hjcamp.discrepancy.views import Views
 
 Array = NDArray[np.float64]
+# A fit begins where the one before has ended, and a screening is about what was fitted last.
+LOOKED, DIFFERED = 2, 4
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,8 @@ class Fitter:
     least: Array
     train: tuple[int, ...] = ()
     windows: bool = True
+    looked: Recent[Array] = field(default_factory=lambda: Recent(LOOKED), compare=False, repr=False)
+    differed: Recent[Array] = field(default_factory=lambda: Recent(DIFFERED), compare=False, repr=False)
 
     @property
     def crew(self) -> Crew:
@@ -55,7 +60,11 @@ class Fitter:
 
     def look(self, candidate: Candidate) -> Fit:
         """Return the loss of a candidate as it is."""
-        features = self._seen(candidate)
+        key = (self.windows, candidate.key)
+        return self.weighed(candidate, self.looked.get(key, lambda: self._seen(candidate)))
+
+    def weighed(self, candidate: Candidate, features: Array) -> Fit:
+        """Return the loss of a candidate with these features."""
         mean_square = self.features.mean_square(features)
         if not np.all(np.isfinite(mean_square)):
             mean_square = np.full_like(mean_square, 1e30)
@@ -68,6 +77,10 @@ class Fitter:
 
     def jacobian(self, at: Fit, unknowns: Sequence[Unknown]) -> Array:
         """Return forward differences (unknowns, blocks, channels); a place at its bound is moved inwards."""
+        key = (self.windows, at.candidate.key, tuple((unknown.effect, unknown.name) for unknown in unknowns))
+        return self.differed.get(key, lambda: self._differences(at, unknowns))
+
+    def _differences(self, at: Fit, unknowns: Sequence[Unknown]) -> Array:
         places = read(at.candidate, unknowns)
 
         def column(index: int) -> Array:

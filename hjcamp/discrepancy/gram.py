@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import pairwise
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.features import Features
@@ -38,107 +37,89 @@ class Gram:
 
     def with_residual(self, residual: Array) -> tuple[Array, Array]:
         """Return the products (tests, channels, columns) of a residual (blocks, channels) with the columns, and its square."""
-        weighted = self.columns * residual[None]
-        sums = np.add.reduceat(weighted, self.features.edges[:-1], axis=1) / self.features.counts[None]
-        return np.ascontiguousarray(np.moveaxis(sums, 0, 2)), self.features.mean_square(residual)
+        cross, square = self.with_residuals(residual[None])
+        return cross[0], square[0]
+
+    def with_residuals(self, residuals: Array) -> tuple[Array, Array]:
+        """Return the products (residuals, tests, channels, columns) of residuals (residuals, blocks, channels) with the
+        columns, and their squares (residuals, tests, channels)."""
+        counts, edges = self.features.counts, self.features.edges
+        cross = np.empty((len(residuals), *counts.shape, len(self.columns)))
+        for test, (begin, end) in enumerate(pairwise(edges)):
+            part = residuals[:, begin:end].transpose(2, 0, 1) @ self.columns[:, begin:end].transpose(2, 1, 0)
+            cross[:, test] = part.swapaxes(0, 1) / counts[test][:, None]
+        return cross, np.array([self.features.mean_square(residual) for residual in residuals])
 
 
-@njit(cache=True)
 def project(
-    products: Any,
-    cross: Any,
-    square: Any,
-    least: Any,
-    columns: Any,
-    positive: Any,
-    stiff: Any,
-    pull: Any,
-    train: Any,
+    products: Array,
+    cross: Array,
+    square: Array,
+    least: Array,
+    columns: NDArray[np.int64],
+    positive: NDArray[np.bool_],
+    stiff: Array,
+    pull: Array,
+    train: Array,
     rounds: int,
-) -> Any:
-    """Return loss (tests,), coefficients (k,) and error (tests, channels) after a fit on the tests in ``train``.
+) -> tuple[Array, Array, Array]:
+    """Return losses (residuals, tests), coefficients (residuals, k) and errors (residuals, tests, channels) after a fit of
+    each residual, on its own, on the tests in ``train``.
 
     Iteratively reweighted least squares on the logarithm of each test's error; a coefficient that must be positive and
-    is not is left at zero. What is known beforehand of the coefficients x adds x' ``stiff`` x + 2 x' ``pull`` (k, k and k).
-    ``rounds`` reweightings.
+    is not is left at zero. What is known beforehand of the coefficients x adds x' ``stiff`` x + 2 x' ``pull`` (k, k and
+    residuals, k). ``rounds`` reweightings.
     """
-    tests, channels = square.shape
+    number, tests, channels = square.shape
     k = len(columns)
-    weight = np.empty((tests, channels))
-    error = square.copy()
-    move: Any = np.zeros(k)
-    active = np.ones(k, dtype=np.bool_)
+    # One row for each test and channel: all residuals together are then three matrix products.
+    own = products[:, :, columns[:, None], columns].reshape(-1, k * k)
+    across = cross[..., columns].reshape(number, -1, k)
+    squares = square.reshape(number, -1)
+    floor, counted = np.tile(least**2, tests), np.repeat(train, channels)
+    diagonal = np.arange(k)
+    error, move = squares, np.zeros((number, k))
     for _ in range(rounds):
-        for t in range(tests):
-            for c in range(channels):
-                weight[t, c] = train[t] / (error[t, c] + least[c] ** 2)
-        a = np.zeros((k, k))
-        b = -pull
-        for t in range(tests):
-            if train[t] == 0.0:
-                continue
-            for c in range(channels):
-                w = weight[t, c]
-                for i in range(k):
-                    b[i] -= w * cross[t, c, columns[i]]
-                    for j in range(i + 1):
-                        a[i, j] += w * products[t, c, columns[i], columns[j]]
-        for i in range(k):
-            for j in range(i):
-                a[j, i] = a[i, j]
-        for i in range(k):
-            a[i, i] *= 1.0 + 1e-6
-            a[i, i] += 1e-12
-        a += stiff
-        for i in range(k):
-            active[i] = True
-        for _again in range(3):
-            m = a.copy()
-            v = b.copy()
-            for i in range(k):
-                if not active[i]:
-                    for j in range(k):
-                        m[i, j] = 0.0
-                        m[j, i] = 0.0
-                    m[i, i] = 1.0
-                    v[i] = 0.0
-            move = np.linalg.solve(m, v)
-            changed = False
-            for i in range(k):
-                if positive[i] and active[i] and move[i] < 0.0:
-                    active[i] = False
-                    changed = True
-            if not changed:
-                break
-        for t in range(tests):
-            for c in range(channels):
-                value = square[t, c]
-                for i in range(k):
-                    value += 2.0 * move[i] * cross[t, c, columns[i]]
-                    for j in range(k):
-                        value += move[i] * move[j] * products[t, c, columns[i], columns[j]]
-                error[t, c] = max(value, 0.0)
-    loss = np.zeros(tests)
-    for t in range(tests):
-        for c in range(channels):
-            loss[t] += np.log(error[t, c] + least[c] ** 2)
-    return loss, move, error
+        weight = counted / (error + floor)
+        matrix = (weight @ own).reshape(number, k, k)
+        matrix[:, diagonal, diagonal] = matrix[:, diagonal, diagonal] * (1.0 + 1e-6) + 1e-12
+        move = _solved(matrix + stiff, -pull - (weight[:, None] @ across)[:, 0], positive)
+        change = (move[:, :, None] * move[:, None]).reshape(number, -1) @ own.T
+        error = np.maximum(squares + 2.0 * (across @ move[:, :, None])[:, :, 0] + change, 0.0)
+    loss = np.log(error + floor).reshape(number, tests, channels).sum(axis=2)
+    return loss, move, error.reshape(square.shape)
+
+
+def _solved(matrix: Array, right: Array, positive: NDArray[np.bool_]) -> Array:
+    """Return the solutions (residuals, k), without the unknowns that must be positive and are not."""
+    active = np.ones(right.shape, dtype=np.bool_)
+    one = np.eye(len(positive))
+    move = right
+    for _ in range(3):
+        both = active[:, :, None] & active[:, None]
+        held = np.where(both, matrix, np.where(active[:, :, None], 0.0, one))
+        move = np.linalg.solve(held, np.where(active, right, 0.0)[:, :, None])[:, :, 0]
+        lost = positive & active & (move < 0.0)
+        if not lost.any():
+            break
+        active &= ~lost
+    return move
 
 
 @dataclass(frozen=True)
 class Known:
-    """What is known beforehand of unknowns (n,): one over the squared spread, and how far they are from that already."""
+    """What is known beforehand of unknowns: one over the squared spread (n,), and how far they are from that already (..., n)."""
 
     stiff: Array
     away: Array
 
     def surplus(self, moves: Array) -> tuple[Array, Array]:
-        """Return the matrix (k, k) and the pull (k,) of coefficients that move the unknowns by ``moves`` (k, n) each."""
-        return (moves * self.stiff) @ moves.T, moves @ (self.stiff * self.away)
+        """Return the matrix (k, k) and the pull (..., k) of coefficients that move the unknowns by ``moves`` (k, n) each."""
+        return (moves * self.stiff) @ moves.T, (self.stiff * self.away) @ moves.T
 
-    def squared(self, move: Array) -> float:
-        """Return the squared standard deviations from what is known after a move (n,)."""
-        return float(self.stiff @ (self.away + move) ** 2)
+    def squared(self, move: Array) -> Array:
+        """Return the squared standard deviations (...) from what is known after a move (..., n)."""
+        return np.asarray((self.away + move) ** 2 @ self.stiff)
 
 
 @dataclass(frozen=True)
@@ -158,23 +139,34 @@ def all_gains(
     The first columns are the base parameters. What lets a parameter go back to where it was known to be gains by that, too.
     """
     cross, square = gram.with_residual(residual)
-    train, count = np.ones(len(square)), len(known.stiff)
+    gains, coefficients = gains_of_each(
+        gram, cross[None], square[None], Known(known.stiff, known.away[None]), groups, rounds
+    )
+    return gains[0], [found[0] for found in coefficients]
+
+
+def gains_of_each(
+    gram: Gram, cross: Array, square: Array, known: Known, groups: Sequence[Group], rounds: int = 3
+) -> tuple[Array, list[Array]]:
+    """Return what `all_gains` does for each of several residuals, given by their products and squares (`with_residuals`):
+    the gains (residuals, groups), and the coefficients (residuals, k) of each group."""
+    train, count = np.ones(square.shape[1]), len(known.stiff)
     own = np.eye(count)
 
-    def fitted(columns: NDArray[np.int64], positive: NDArray[np.bool_], moves: Array) -> tuple[float, Array]:
+    def fitted(columns: NDArray[np.int64], positive: NDArray[np.bool_], moves: Array) -> tuple[Array, Array]:
         stiff, pull = known.surplus(moves)
         loss, found, _ = project(
             gram.products, cross, square, gram.least, columns, positive, stiff, pull, train, rounds
         )
-        return float(loss.sum()) + known.squared(found @ moves), found
+        return loss.sum(axis=1) + known.squared(found @ moves), found
 
     free = np.zeros(count, dtype=np.bool_)
     alone, _ = fitted(np.arange(count), free, own)
-    gains, coefficients = np.empty(len(groups)), []
+    gains, coefficients = np.empty((len(square), len(groups))), []
     for index, group in enumerate(groups):
         columns = np.concatenate([np.arange(count), np.array(group.columns, dtype=np.int64)])
         positive = np.concatenate([free, ~np.array(group.signed, dtype=np.bool_)])
         after, found = fitted(columns, positive, np.concatenate([own, group.shifts]))
-        gains[index] = alone - after
+        gains[:, index] = alone - after
         coefficients.append(found)
     return gains, coefficients

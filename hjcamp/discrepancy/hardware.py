@@ -30,15 +30,32 @@ class Hardware:
 
     def pump_motion(self, command: Array) -> Array:
         """Return the angle of the pump motor (n,), rad, for its command (n,) at 1 kHz."""
-        from scipy.signal import cont2discrete, lfilter
+        # scipy.signal.lfilter as a triangular system, without the second that its import takes
+        from scipy.linalg.lapack import dtbtrs
 
-        system = ([self.values["pump_gain"]], [1.0, *(self.values[name] for name in ("pump_a2", "pump_a1", "pump_a0"))])
-        numerator, denominator, _ = cont2discrete(system, 1e-3, method="zoh")
+        names = ("pump_gain", "pump_a2", "pump_a1", "pump_a0")
+        numerator, denominator = _pump_filter(*(self.values[name] for name in names))
         late = np.interp(
             np.arange(len(command)) * 1e-3 - self.values["pump_delay"], np.arange(len(command)) * 1e-3, command
         )
-        moved = lfilter(numerator.ravel(), denominator, late - command[0])
+        pushed = np.convolve(late - command[0], numerator)[: len(command)]
+        bands = np.asfortranarray(np.repeat(denominator[:, None], len(command), axis=1))
+        moved = dtbtrs(bands, pushed, uplo="L", diag="U")[0]
         return np.asarray(moved) / self.values["pump_lead"] + command[0]
+
+
+@functools.lru_cache(maxsize=64)
+def _pump_filter(gain: float, a2: float, a1: float, a0: float) -> tuple[Array, Array]:
+    """Return numerator and denominator of gain / (s^3 + a2 s^2 + a1 s + a0) behind a zero-order hold at 1 kHz."""
+    from scipy.linalg import expm
+
+    rates = np.zeros((4, 4))
+    rates[0] = -a2, -a1, -a0, 1.0
+    rates[1, 0] = rates[2, 1] = 1.0
+    step = expm(rates * 1e-3)
+    denominator: Array = np.poly(step[:3, :3]).astype(np.float64)
+    numerator = np.poly(step[:3, :3] - np.outer(step[:3, 3], [0.0, 0.0, gain])) - denominator
+    return np.asarray(numerator, dtype=np.float64), denominator
 
 
 def hardware_of(log: TestLog) -> Hardware:

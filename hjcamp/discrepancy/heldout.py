@@ -73,16 +73,20 @@ def judged_error(features: Features, mean_square: Array, floor: Array, tests: Se
 
 @dataclass(frozen=True)
 class Local:
-    """A fit with its Jacobian (unknowns, blocks, channels): what held-out errors and intervals need."""
+    """A fit with its Jacobian (unknowns, blocks, channels): what held-out errors and intervals need.
+
+    ``known`` is the Jacobian where it has been computed already.
+    """
 
     fitter: Fitter
     fit: Fit
     unknowns: Sequence[Unknown]
+    known: Array | None = None
 
     @cached_property
     def jacobian(self) -> Array:
         """Forward differences of the features."""
-        return self.fitter.jacobian(self.fit, self.unknowns)
+        return self.fitter.jacobian(self.fit, self.unknowns) if self.known is None else self.known
 
     def _system(self, fitter: Fitter) -> tuple[Array, Array, Array]:
         """Return weighted Jacobian, Hessian and slope of the loss on the tests of ``fitter``."""
@@ -94,10 +98,19 @@ class Local:
         slope = (weighted * self.fit.features).sum(axis=(1, 2)) + surprise(self.fit.candidate, self.unknowns) / spread
         return weighted, hessian, slope
 
+    @cached_property
+    def _refits(self) -> dict[tuple[int, ...], Fit]:
+        return {}
+
     def refitted(self, train: tuple[int, ...]) -> Fit:
         """Return the fit on some of the tests alone: a Gauss-Newton step from here, halved where it overshoots."""
+        if train not in self._refits:
+            self._refits[train] = self._refit(train)
+        return self._refits[train]
+
+    def _refit(self, train: tuple[int, ...]) -> Fit:
         fitter = replace(self.fitter, train=train)
-        here = fitter.look(self.fit.candidate)
+        here = fitter.weighed(self.fit.candidate, self.fit.features)
         _, hessian, slope = self._system(fitter)
         move = -np.linalg.solve(hessian, slope)
         move *= min(1.0, 0.5 / max(float(np.max(np.abs(move))), 1e-12))

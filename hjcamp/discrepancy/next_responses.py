@@ -49,12 +49,10 @@ class Products:
         """Return the loss (tests,) after the refit on all these tests, each counted ``weight`` (tests,) times."""
         own = np.arange(len(self.stiff))
         free = np.zeros(len(own), dtype=np.bool_)
-        products, cross = np.ascontiguousarray(self.products), np.ascontiguousarray(self.cross)
-        return np.asarray(
-            project(
-                products, cross, self.square, least, own, free, np.diag(self.stiff), 0.0 * self.stiff, weight, ROUNDS
-            )[0]
-        )
+        stiff, pull = np.diag(self.stiff), np.zeros((1, len(own)))
+        return project(
+            self.products, self.cross[None], self.square[None], least, own, free, stiff, pull, weight, ROUNDS
+        )[0][0]
 
 
 @dataclass(frozen=True)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.gram import Known, all_gains, project
+from hjcamp.discrepancy.gram import Known, gains_of_each, project
 from hjcamp.discrepancy.repetition import RepetitionScatter
-from hjcamp.discrepancy.search import Screening, by_gain
+from hjcamp.discrepancy.search import Screening
 from hjcamp.discrepancy.twins import make_twin
 from hjcamp.discrepancy.views import Views
 
@@ -58,10 +59,18 @@ class Null:
 
     def limit(self) -> Array:
         """Return the error over that of the twins (channels,) that 95 % of them stay below, with a margin for model form."""
+        return np.asarray(np.quantile(self._own, 0.95, axis=0) * MARGIN)
+
+    def spread(self) -> Array:
+        """Return the standard deviation (channels,) of the logarithm of the twins' errors over that of the others."""
+        return np.asarray(np.std(np.log(self._own), axis=0, ddof=1))
+
+    @cached_property
+    def _own(self) -> Array:
+        """The error of each twin over that of the others (twins, channels)."""
         count = len(self.logarithms)
         others = (self.logarithms.sum(axis=0) - self.logarithms) / max(count - 1, 1)
-        own = np.array([self._mean(one - rest) for one, rest in zip(self.logarithms, others, strict=True)])
-        return np.asarray(np.quantile(own, 0.95, axis=0) * MARGIN)
+        return np.array([self._mean(one - rest) for one, rest in zip(self.logarithms, others, strict=True)])
 
     def excess(self, before: Array, after: Array, law: float = LAW) -> Array:
         """Return the error (channels,) over what may be left: 1 and less is as good as the twins.
@@ -80,7 +89,7 @@ def simulate_twins(
 ) -> list[Array]:
     """Return what the fitted model leaves (blocks, channels) of twins of itself, one for each seed."""
     residuals = []
-    for residual in fitter.crew.each(_one_twin, (fitter.views, fit, scatter), seeds):
+    for residual in fitter.crew.each(_one_twin, (fitter.views, fitter.features, fit, scatter), seeds):
         residuals.append(residual)
         tick()
     return residuals
@@ -95,12 +104,11 @@ def null_of(fitter: Fitter, screening: Screening, residuals: list[Array]) -> Nul
     if not residuals:
         shape = len(fitter.views.evidence.tests), len(fitter.least)
         return Null(np.zeros(0), np.zeros((0, *shape)), np.zeros(shape, dtype=np.bool_), fitter.least)
-    found = list(fitter.crew.each(_look_at, screening, list(enumerate(residuals))))
+    gains, errors = _found_in(screening, np.array(residuals))
     features = fitter.features
     says = np.add.reduceat(features.valid, features.edges[:-1], axis=0) > 0
-    logarithms = np.array([np.log(errors + fitter.least**2) for _, errors in found])
+    logarithms = np.log(errors + fitter.least**2)
     tells = np.array([features.mean_square(residual) > 0.0 for residual in residuals])
-    gains = np.array([gain for gain, _ in found])
     return Null(gains, of_those_that_tell(logarithms, tells), says & tells.any(axis=0), fitter.least, residuals)
 
 
@@ -110,33 +118,31 @@ def of_those_that_tell(logarithms: Array, tells: NDArray[np.bool_]) -> Array:
     return np.where(tells, logarithms, np.where(tells, logarithms, 0.0).sum(axis=0) / number)
 
 
-def _one_twin(context: tuple[Views, Fit, RepetitionScatter], seed: int) -> Array:
-    views, fit, scatter = context
+def _one_twin(context: tuple[Views, Features, Fit, RepetitionScatter], seed: int) -> Array:
+    views, features, fit, scatter = context
     twin = make_twin(views, fit.candidate, scatter, seed)
     own = Features(twin)
     found = own.of(Views(twin, views.effects, views.crew).residuals(fit.candidate))
-    return Features(views.evidence).shared(own, found)
+    return features.shared(own, found)
 
 
-def _look_at(screening: Screening, twin: tuple[int, Array]) -> tuple[float, Array]:
-    """Return the largest gain in one twin, and its mean square error (tests, channels) beside what is fitted already."""
-    gain = 0.0
-    number, residual = twin
+def _found_in(screening: Screening, residuals: Array) -> tuple[Array, Array]:
+    """Return the largest gain (twins,) in each twin, and the mean squares (twins, tests, channels) that the unknowns already
+    in the model leave of ``residuals`` (twins, blocks, channels)."""
+    gram, stiff = screening.gram, screening.known.stiff
+    cross, square = gram.with_residuals(residuals)
+    gains = np.zeros(len(residuals))
     if screening.probes:
-        stiff = screening.known.stiff
         spread = np.divide(1.0, np.sqrt(stiff), out=np.zeros_like(stiff), where=stiff > 0.0)
-        known = Known(stiff, spread * np.random.default_rng(number).standard_normal(len(stiff)))
-        found, coefficients = all_gains(screening.gram, residual, known, screening.groups)
-        gain = max(rows[0][2] for rows in by_gain(screening.probes, found, coefficients).values())
-    return gain, error_beside_known(screening, residual)
+        away = [np.random.default_rng(number).standard_normal(len(stiff)) for number in range(len(residuals))]
+        known = Known(stiff, spread * np.array(away))
+        gains = gains_of_each(gram, cross, square, known, screening.groups)[0].max(axis=1)
+    return gains, errors_beside_known(screening, cross, square)
 
 
-def error_beside_known(screening: Screening, residual: Array) -> Array:
-    """Return the mean square (tests, channels) that the unknowns already in the model cannot take up."""
+def errors_beside_known(screening: Screening, cross: Array, square: Array) -> Array:
+    """Return the mean squares (twins, tests, channels) that the unknowns already in the model cannot take up."""
     gram, count = screening.gram, len(screening.unknowns)
-    cross, square = gram.with_residual(residual)
-    free, every = np.zeros(count, dtype=np.bool_), np.ones(len(square))
-    stiff, pull = np.diag(screening.known.stiff), np.zeros(count)
-    return np.asarray(
-        project(gram.products, cross, square, gram.least, np.arange(count), free, stiff, pull, every, 3)[2]
-    )
+    free, every = np.zeros(count, dtype=np.bool_), np.ones(square.shape[1])
+    stiff, pull = np.diag(screening.known.stiff), np.zeros((len(square), count))
+    return project(gram.products, cross, square, gram.least, np.arange(count), free, stiff, pull, every, 3)[2]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from threading import Lock
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 Result = TypeVar("Result")
 
@@ -17,6 +17,9 @@ class Recent(Generic[Result]):
         self._size = size
         self._kept: OrderedDict[Hashable, Result] = OrderedDict()
         self._lock = Lock()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Recent, (self._size,)
 
     def get(self, key: Hashable, compute: Callable[[], Result]) -> Result:
         """Return the result of ``key``, computed where it is not known any more."""

@@ -111,7 +111,7 @@ def channel_error(residual: Sequence[Array], measured: Sequence[Array], floor: f
 def replay(views: Views, name: str, candidate: Candidate, floors: Mapping[str, float | None] | None = None) -> Replay:
     """Return the replay of one model over whole tests; raises HjcampError where the model runs away."""
     evidence = views.evidence
-    joint, _ = views.readings(candidate, windows=False)
+    joint = views.joint_readings(candidate, windows=False)
     if not np.isfinite(joint).all():
         place = int(evidence.of_test[int(np.flatnonzero(~np.isfinite(joint).all(axis=1))[0])])
         raise HjcampError(f"model {name} runs away on {evidence.tests[place].name}: its parameters make it unstable")

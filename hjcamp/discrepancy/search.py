@@ -53,6 +53,11 @@ class Screening:
     instead: dict[str, Screening] = field(default_factory=dict)
 
     @property
+    def jacobian(self) -> Array:
+        """The responses (unknowns, blocks, channels) of the unknowns in the model."""
+        return self.gram.columns[: len(self.unknowns)]
+
+    @property
     def best(self) -> dict[str, tuple[Probe, Array]]:
         """The probe of each effect that gains most, and its coefficients."""
         return {name: found[0] for name, found in self.ranked.items()}
@@ -223,11 +228,12 @@ def fit_from(
     ranks: Sequence[int],
 ) -> Fit:
     """Return the joint fit of one more effect, from the best start that the screening's probes of these ranks give."""
-    start = best_start(fitter, screening, effect, ranks).candidate
+    begun = best_start(fitter, screening, effect, ranks)
+    start = begun.candidate
     here = unknowns_of(start, effects)
     calm = fitter.smooth()
     smooth = calm.fit(start, here, steps=3 * steps, enough=0.1)
-    first, second = sorted((fitter.look(start), fitter.look(smooth.candidate)), key=lambda fit: fit.loss)
+    first, second = sorted((begun, fitter.look(smooth.candidate)), key=lambda fit: fit.loss)
     found = fitter.fit(first.candidate, here, steps=steps, enough=0.05)
     # Slips answer too wildly to lead there from a start where lines and forces are far better.
     if second.candidate is smooth.candidate and calm.look(found.candidate).loss > smooth.loss + WORTH:

@@ -48,11 +48,11 @@ class StepFitter:
             for name in sorted(screening.gains, key=lambda name: -screening.gains[name])
             if name in screening.ranked
         ]
-        # The first step shows what comes nearest, even where none of it can count.
+        # The first step shows what comes nearest, where none of it can count as it is predicted.
         enough = max(null.needed(), self.least_gain if number or self.work.hasty else 0.0)
         if not ranked or (number and not any(at_most(screening, name) >= enough for name in ranked)):
             return None
-        if self.work.hasty and not any(at_most(screening, name) >= self.least_gain for name in ranked):
+        if not any(at_most(screening, name) >= self.least_gain for name in ranked):
             return self._hopeless(screening, null, ranked[:PAIR])
         share = 0.25 + 0.8 * number / (self.work.forward + 1)
         fits = self._survivors(screening, ranked[: self.work.survivors], share, enough)

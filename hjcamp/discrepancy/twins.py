@@ -117,7 +117,7 @@ def make_twin(views: Views, candidate: Candidate, scatter: RepetitionScatter, se
     evidence = views.evidence
     generator = np.random.default_rng([20260721, seed])
     candidate = imperfect(candidate, generator)
-    joint, _ = views.readings(candidate, windows=False, scatter=twin_scatter(evidence, scatter, generator))
+    joint = views.joint_readings(candidate, windows=False, scatter=twin_scatter(evidence, scatter, generator))
     shown = views.shown_at_zero(candidate)
     tests: list[TestEvidence] = []
     for index, test in enumerate(evidence.tests):
@@ -132,7 +132,7 @@ def make_twin(views: Views, candidate: Candidate, scatter: RepetitionScatter, se
             clean = np.interp(fine, coarse, part[:, channel])
             drift = scatter.pressure_drift * coloured(generator, len(fine), DRIFT_TIME * 1e3)
             noisy.append(clean + drift + scatter.pressure_noise * generator.standard_normal(len(fine)))
-        travel, velocity, acceleration = slider_motion(arm, test.hardware.values["pulley_radius"])
+        travel, velocity, acceleration = slider_motion(arm, test.hardware.values["pulley_radius"], STRIDE)
         half, pick = STRIDE // 2, slice(0, None, STRIDE)
         tests.append(
             replace(
@@ -140,10 +140,10 @@ def make_twin(views: Views, candidate: Candidate, scatter: RepetitionScatter, se
                 arm=_smooth(arm, half)[pick],
                 pressure1=_smooth(noisy[0], half)[pick],
                 pressure2=_smooth(noisy[1], half)[pick],
-                velocity=velocity[pick],
-                track=travel[pick],
-                acceleration=acceleration[pick],
-                misfit=misfit_of(arm, travel, test.hardware.values)[pick],
+                velocity=velocity,
+                track=travel,
+                acceleration=acceleration,
+                misfit=misfit_of(arm[pick], travel, test.hardware.values),
                 breaks=breakaways(arm, count),
                 home=test.home if np.isnan(test.home) else shown + evidence.home_scatter * generator.standard_normal(),
             )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -19,6 +18,7 @@ from hjcamp.discrepancy.following import follow
 from hjcamp.discrepancy.hardware import composition, simulator
 from hjcamp.discrepancy.kernel_choice import chosen_for
 from hjcamp.discrepancy.own_starts import OwnStarts
+from hjcamp.discrepancy.passes import force_errors, joint_errors, line_errors
 from hjcamp.discrepancy.recent import Recent
 from hjcamp.model.simulator import Course, Simulator
 from hjcamp.model.structure import influences, reaching
@@ -28,12 +28,11 @@ Array = NDArray[np.float64]
 CHANNELS = ("arm", "difference", "line_sum", "line_difference", "sliding", "breakaway", "home")
 HOME = CHANNELS.index("home")
 WINDOWED = 4
-LOOK_BACK = 4
-SURPRISE = 0.1
 TOLERANCE = 10.0
 KEPT = 24
 SEEN = tuple(channel.signal for channel in PumpJoint.channels)
 LINES = slice(CHANNELS.index("line_sum"), CHANNELS.index("line_difference") + 1)
+FORCES = CHANNELS.index("sliding")
 
 
 @functools.lru_cache(maxsize=512)
@@ -99,7 +98,8 @@ class Views:
         self.effects = effects
         self.crew = crew or Crew()
         self.names = tuple(effect.name for effect in effects)
-        self._recent_lines: Recent[tuple[Array, Array, Array]] = Recent(KEPT)
+        self._recent_states: Recent[tuple[Array, Array]] = Recent(KEPT)
+        self._recent_lines: Recent[Array] = Recent(KEPT)
         self._recent_balance: Recent[Array] = Recent(KEPT)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -163,18 +163,33 @@ class Views:
     def _measured(self) -> Array:
         return np.column_stack([self._columns["arm"], self._columns["pressure1"], self._columns["pressure2"]])
 
-    def _course(self, part: slice, driven: Array, observed: Array, windows: bool, scatter: Array | None) -> Course:
-        columns = self._columns
-        restart = self.evidence.restart[part]
+    @cached_property
+    def _marks(self) -> dict[str, Any]:
+        """Restarts of a course with windows and of one without, and what a course has where nothing differs (n,)."""
+        whole = self.evidence.restart
+        tests, n = np.where(whole == 2, 2, 0), len(whole)
+        return {
+            "windows": whole,
+            "tests": tests,
+            "samples": np.maximum(whole, 1),
+            "zeros": np.zeros(n),
+            "ones": np.ones(n),
+        }
+
+    def _course(
+        self, part: slice, driven: Array, observed: Array, restarts: str, scatter: Array | None = None
+    ) -> Course:
+        """Return a part of all tests as a course that restarts in each of its "windows", "samples" or "tests" alone."""
+        columns, marks = self._columns, self._marks
         return Course(
             period=PERIOD,
-            restart=restart if windows else np.where(restart == 2, 2, 0),
+            restart=marks[restarts][part],
             time=columns["time"][part],
             driven=np.ascontiguousarray(driven),
             observed=np.ascontiguousarray(observed),
-            velocity=columns["velocity"][part] if windows else np.zeros(len(observed)),
+            velocity=marks["zeros"][part] if restarts == "tests" else columns["velocity"][part],
             dither=columns["dither"][part],
-            scatter=np.ones(len(observed)) if scatter is None else scatter[part],
+            scatter=(marks["ones"] if scatter is None else scatter)[part],
         )
 
     def _key(self, model: Simulator, p: Array, outputs: Sequence[str]) -> tuple[frozenset[str], bytes]:
@@ -183,48 +198,68 @@ class Views:
         present = frozenset(effect.name for effect in effects if p[_gates(effects)[effect.name]] != 0.0)
         return present, p[_reaching(effects, cut, present, tuple(outputs))].tobytes()
 
-    def _line_view(self, candidate: Candidate, index: int) -> tuple[Any, Array, Array, Array]:
-        """Return of one group of tests: a key, the observed states (n, 4) and the sliders' smooth travel (n, 1) with the
-        sensors' errors taken out, and the readings (n, 4) of the lines driven by pump and arm."""
-        part, hardware = self._groups[index]
+    def _line_key(self, candidate: Candidate, index: int) -> tuple[Any, Simulator, Array]:
+        """Return of one group of tests what its lines depend on, their model without what cannot change them, its parameters."""
+        hardware = self._groups[index][1]
         present = self._that_reach(candidate, "lines", SEEN)
         model = self.lines(present, hardware)
         p = self.vector(model, present, hardware)
         key: tuple[Any, ...] = (index, *self._key(model, p, SEEN))
         if self._hung(candidate):
             key = (*key, self.vector(self.joint(candidate, hardware), candidate, hardware).tobytes())
-        return key, *self._recent_lines.get(key, lambda: self._follow_lines(model, p, candidate, part, hardware))
+        return key, model, p
+
+    def _states(self, candidate: Candidate, index: int) -> tuple[Array, Array]:
+        """Return of one group of tests the observed states (n, 4) and the sliders' smooth travel (n, 1) with the sensors'
+        errors taken out."""
+        if not self._shown_otherwise(candidate):
+            return self._plain_states[index]
+        key, model, p = self._line_key(candidate, index)
+        return self._recent_states.get(key, lambda: self._true_states(model, p, candidate, index))
+
+    def _line_readings(self, candidate: Candidate, index: int) -> Array:
+        """Return of one group of tests the readings (n, 4) of the lines driven by pump and arm."""
+        key, model, p = self._line_key(candidate, index)
+
+        def compute() -> Array:
+            observed, _ = self._states(candidate, index)
+            course = self._course(self._groups[index][0], observed[:, [0, 3]], observed, "tests")
+            return follow(model, p, course, self.crew, TOLERANCE).readings
+
+        return self._recent_lines.get(key, compute)
 
     def _that_reach(self, candidate: Candidate, cut: str, outputs: Sequence[str]) -> Candidate:
         """Return the candidate without the effects that cannot change the outputs: a kernel without any is far faster."""
         present = tuple(effect for effect in self.effects if effect.name in candidate.effects)
         return candidate.without(_idle(present, cut, tuple(outputs)))
 
-    def _follow_lines(
-        self, model: Simulator, p: Array, candidate: Candidate, part: slice, hardware: Any
-    ) -> tuple[Array, Array, Array]:
-        columns = self._columns
-        lead, radius = hardware.values["pump_lead"], hardware.values["pulley_radius"]
-        pump, arm = columns["pump"][part, None] * lead, columns["arm"][part, None] * radius
-        observed = np.column_stack([pump, columns["pressure1"][part], columns["pressure2"][part], arm])
-        track = columns["track"][part, None]
-        if self._shown_otherwise(candidate):
-            if self._hung(candidate):
-                # What hangs between sliders and arm moves while the arm stands: only the joint's own motion tells.
-                course = self._course(part, pump, observed, True, None)
-                joint = self.joint(candidate, hardware)
-                seen = follow(joint, self.vector(joint, candidate, hardware), course, self.crew, TOLERANCE)
-            else:
-                course = self._course(part, np.hstack([pump, arm]), observed, False, None)
-                seen = follow(model, p, course, self.crew, TOLERANCE)
-            shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
-            ideal = seen.ideal[:, 1:]
-            # A sensor with a scale is inverted where it was read, not where the model would have it.
-            stretch = np.array([_slope(shown[:, 0], ideal[:, 0]), _slope(shown[:, 1], ideal[:, 1]), 1.0])
-            track = track - (shown - ideal)[:, 2:]
-            observed = np.hstack([observed[:, :1], ideal + (observed[:, 1:] - shown) / stretch])
-        course = self._course(part, observed[:, [0, 3]], observed, False, None)
-        return observed, track, follow(model, p, course, self.crew, TOLERANCE).readings
+    @cached_property
+    def _plain_states(self) -> list[tuple[Array, Array]]:
+        """Observed states (n, 4) and travel (n, 1) of each group of tests as they were read."""
+        columns, found = self._columns, []
+        for part, hardware in self._groups:
+            lead, radius = hardware.values["pump_lead"], hardware.values["pulley_radius"]
+            pump, arm = columns["pump"][part] * lead, columns["arm"][part] * radius
+            observed = np.column_stack([pump, columns["pressure1"][part], columns["pressure2"][part], arm])
+            found.append((observed, columns["track"][part, None]))
+        return found
+
+    def _true_states(self, model: Simulator, p: Array, candidate: Candidate, index: int) -> tuple[Array, Array]:
+        (part, hardware), (observed, track) = self._groups[index], self._plain_states[index]
+        radius = hardware.values["pulley_radius"]
+        if self._hung(candidate):
+            # What hangs between sliders and arm moves while the arm stands: only the joint's own motion tells.
+            course = self._course(part, observed[:, :1], observed, "windows")
+            joint = self.joint(candidate, hardware)
+            seen = follow(joint, self.vector(joint, candidate, hardware), course, self.crew, TOLERANCE)
+        else:
+            seen = follow(model, p, self._course(part, observed[:, [0, 3]], observed, "tests"), self.crew, TOLERANCE)
+        shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
+        ideal = seen.ideal[:, 1:]
+        # A sensor with a scale is inverted where it was read, not where the model would have it.
+        stretch = np.array([_slope(shown[:, 0], ideal[:, 0]), _slope(shown[:, 1], ideal[:, 1]), 1.0])
+        true = np.hstack([observed[:, :1], ideal + (observed[:, 1:] - shown) / stretch])
+        return true, track - (shown - ideal)[:, 2:]
 
     def _shown_otherwise(self, candidate: Candidate) -> bool:
         return not self._misleading.isdisjoint(candidate.effects)
@@ -245,73 +280,44 @@ class Views:
     def _circular(self) -> frozenset[str]:
         return frozenset(effect.name for effect in self.effects if _balances_itself(effect))
 
-    def readings(
-        self, candidate: Candidate, *, windows: bool = True, scatter: Array | None = None
-    ) -> tuple[Array, Array]:
-        """Return predicted readings (n, 4) of the joint view and of the line view, SI: arm, pressure 1 and 2, pump.
+    def joint_readings(self, candidate: Candidate, *, windows: bool = True, scatter: Array | None = None) -> Array:
+        """Return predicted readings (n, 4) of the joint view, SI: arm, pressure 1 and 2, pump.
 
-        With ``windows`` off the joint view runs through every test from its first sample.
+        With ``windows`` off it runs through every test from its first sample.
         """
-        n = len(self._columns["time"])
-        joint, lines = np.empty((n, 4)), np.empty((n, 4))
+        found = []
         for index, (part, hardware) in enumerate(self._groups):
-            _, observed, _, lines[part] = self._line_view(candidate, index)
-            course = self._course(part, observed[:, :1], observed, windows, scatter)
+            observed, _ = self._states(candidate, index)
+            course = self._course(part, observed[:, :1], observed, "windows" if windows else "tests", scatter)
             model = self.joint(candidate, hardware)
             p = self.vector(model, candidate, hardware)
-            joint[part] = follow(model, p, course, self.crew, TOLERANCE).readings
-        return joint, lines
+            found.append(follow(model, p, course, self.crew, TOLERANCE).readings)
+        return found[0] if len(found) == 1 else np.concatenate(found)
 
     def _balance(self, candidate: Candidate, index: int) -> Array:
         """Return push, friction, static friction (N) and mass (kg) of one group of tests (n, 4)."""
         part, hardware = self._groups[index]
-        key, observed, track, _ = self._line_view(candidate, index)
         balanced = self._that_reach(candidate.without(self._circular), "inverse", PumpJoint.balance)
         model = self.inverse(balanced, hardware)
         p = self.vector(model, balanced, hardware)
-        own = (index, *self._key(model, p, PumpJoint.balance))
+        key: tuple[Any, ...] = (index, *self._key(model, p, PumpJoint.balance))
+        if self._shown_otherwise(candidate):
+            key = (key, self._line_key(candidate, index)[0])
 
         def compute() -> Array:
+            observed, track = self._states(candidate, index)
             driven = np.hstack([observed[:, :3], track])
-            course = self._course(part, driven, driven, True, None)
-            course = replace(course, restart=np.where(course.restart == 2, 2, 1))
+            course = self._course(part, driven, driven, "samples")
             return follow(model, p, course, self.crew, TOLERANCE).forces
 
-        return self._recent_balance.get((own, key) if self._shown_otherwise(candidate) else own, compute)
-
-    def forces(self, candidate: Candidate) -> Array:
-        """Return the unexplained force (n, 2), N: while the arm slides, and at each breakaway; 0 elsewhere.
-
-        Sliding: push - friction - mass times acceleration. Breakaway: the largest push of the 16 ms before the arm
-        moves, less the static friction there, positive where the joint holds more than the model says; a difference
-        beyond a tenth of the static friction counts little more, since the contact of a hunting joint is fresh. Forces are
-        read in the sensors' own units: a scale of both sensors, with all forces scaled alike, must explain nothing.
-        """
-        columns, evidence = self._columns, self.evidence
-        out = np.zeros((len(columns["time"]), 2))
-        balance = np.empty((len(columns["time"]), 4))
-        scale = np.ones((len(balance), 1))
-        for index, (part, _) in enumerate(self._groups):
-            balance[part] = self._balance(candidate, index)
-            scale[part] = self._sensor_scale(candidate, index)
-        push, friction, static, mass = balance.T
-        slides = evidence.sliding
-        out[slides, 0] = (push - friction - mass * columns["acceleration"])[slides]
-        events = np.asarray(evidence.breakaways, dtype=np.int64)
-        before = events[:, None] + np.arange(-LOOK_BACK, 1)
-        places = before[np.arange(len(events)), np.argmax(np.abs(push[before]), axis=1)]
-        most = SURPRISE * static[places]
-        out[events, 1] = most * np.tanh((np.abs(push[places]) - static[places]) / most)
-        return scale * out
+        return self._recent_balance.get(key, compute)
 
     def _sensor_scale(self, candidate: Candidate, index: int) -> float:
         """Return the slope of the pressure difference that the sensors of a candidate show over the true one."""
         if not self._shown_otherwise(candidate):
             return 1.0
-        part = self._groups[index][0]
-        observed = self._line_view(candidate, index)[1]
-        shown = self._columns["pressure1"][part] - self._columns["pressure2"][part]
-        return _slope(shown, observed[:, 1] - observed[:, 2])
+        observed, shown = self._states(candidate, index)[0], self._plain_states[index][0]
+        return _slope(shown[:, 1] - shown[:, 2], observed[:, 1] - observed[:, 2])
 
     def residuals(self, candidate: Candidate, windows: bool = True) -> Array:
         """Return the residuals (n, channels): arm (rad), pressure difference, line sum, line difference (Pa), forces (N)
@@ -320,15 +326,35 @@ class Views:
         A constant of each test is taken out of the line view: it is the error of the initial pressures. What a test
         begins with and no rig repeats (`Parameter.each_test`) is set for each test on its own, as the lines tell it.
         Without ``windows`` the joint is not simulated, and arm and pressure difference are 0.
+
+        Forces while the arm slides: push - friction - mass times acceleration. At each breakaway: the largest push of the
+        16 ms before the arm moves, less the static friction there, positive where the joint holds more than the model says;
+        a difference beyond a tenth of the static friction counts little more, since the contact of a hunting joint is
+        fresh. Forces are read in the sensors' own units: a scale of both sensors, with all forces scaled alike, must
+        explain nothing.
         """
+        out = np.zeros((len(self._measured), len(CHANNELS)))
         if windows:
-            followed = self.subtract(*self.readings(candidate))
-        else:
-            followed = np.zeros((len(self._columns["time"]), WINDOWED))
-            followed[:, LINES] = self._line_errors(candidate)
-        out = np.hstack([followed, self.forces(candidate), self.home(candidate)])
+            joint_errors(self.joint_readings(candidate), self._measured, out)
+        acceleration, slides = self._columns["acceleration"], self.evidence.sliding
+        for index, (part, _) in enumerate(self._groups):
+            events, edges = self._places[index]
+            line_errors(self._line_readings(candidate, index), self._measured[part], edges, out[part], LINES.start)
+            balance, scale = self._balance(candidate, index), self._sensor_scale(candidate, index)
+            force_errors(balance, scale, slides[part], acceleration[part], events, out[part], FORCES)
+        homes = self.evidence.homes
+        out[self.evidence.edges[:-1], HOME] = np.where(np.isfinite(homes), self.shown_at_zero(candidate) - homes, 0.0)
         out[:, LINES] += self._own_starts.corrections(candidate, out[:, LINES])
         return out
+
+    @cached_property
+    def _places(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Breakaways, and edges of the tests, of each group, counted from where it begins."""
+        events, edges, found = np.asarray(self.evidence.breakaways, dtype=np.int64), self.evidence.edges, []
+        for part, _ in self._groups:
+            own = events[(events >= part.start) & (events < part.stop)] - part.start
+            found.append((own, edges[(edges >= part.start) & (edges <= part.stop)] - part.start))
+        return found
 
     def centred(self, candidate: Candidate) -> Candidate:
         """Return the candidate with the mean of the tests for what each test begins with."""
@@ -340,16 +366,10 @@ class Views:
 
     def _line_errors(self, candidate: Candidate) -> Array:
         """Return the residuals (n, 2) of the line view alone, Pa: sum and difference."""
-        lines = np.empty((len(self._columns["time"]), 4))
+        out = np.empty((len(self._measured), 2))
         for index, (part, _) in enumerate(self._groups):
-            lines[part] = self._line_view(candidate, index)[3]
-        return self.subtract(lines, lines)[:, LINES]
-
-    def home(self, candidate: Candidate) -> Array:
-        """Return the reading predicted at the arm's zero minus the first reading (n, 1), rad; 0 but where a test begins."""
-        out = np.zeros((len(self._columns["time"]), 1))
-        homes = self.evidence.homes
-        out[self.evidence.edges[:-1], 0] = np.where(np.isfinite(homes), self.shown_at_zero(candidate) - homes, 0.0)
+            lines, edges = self._line_readings(candidate, index), self._places[index][1]
+            line_errors(lines, self._measured[part], edges, out[part], 0)
         return out
 
     def shown_at_zero(self, candidate: Candidate) -> float:
@@ -357,26 +377,10 @@ class Views:
         if not self._shown_otherwise(candidate):
             return 0.0
         part, hardware = slice(int(self.evidence.edges[0]), int(self.evidence.edges[0]) + 2), self._groups[0][1]
-        course = self._course(part, np.zeros((2, 2)), np.zeros((2, 4)), False, None)
+        course = self._course(part, np.zeros((2, 2)), np.zeros((2, 4)), "tests")
         model = self.lines(candidate, hardware)
         p = self.vector(model, candidate, hardware)
         return float(follow(model, p, course, self.crew, TOLERANCE).readings[0, 0])
-
-    def subtract(self, joint: Array, lines: Array, measured: Array | None = None) -> Array:
-        """Return predicted readings minus ``measured`` (n, 3: arm, pressure 1 and 2; the logs' own by default)."""
-        if measured is None:
-            measured = self._measured
-        out = np.empty((len(joint), WINDOWED))
-        out[:, 0] = joint[:, 0] - measured[:, 0]
-        out[:, 1] = (joint[:, 1] - measured[:, 1]) - (joint[:, 2] - measured[:, 2])
-        first, second = self._about_mean(lines[:, 1] - measured[:, 1]), self._about_mean(lines[:, 2] - measured[:, 2])
-        out[:, 2], out[:, 3] = first + second, first - second
-        return out
-
-    def _about_mean(self, error: Array) -> Array:
-        """Return errors (n,) less their mean over each test."""
-        edges = self.evidence.edges
-        return np.asarray(error - np.repeat(np.add.reduceat(error, edges[:-1]) / np.diff(edges), np.diff(edges)))
 
 
 def _views_by_name(evidence: Evidence, names: tuple[str, ...]) -> Views:

@@ -73,7 +73,7 @@ class PlainModel:
         """Return the rate of every state."""
         out = np.zeros(len(self.composition.states))
         time, direction, u = self.at(place)
-        self.functions["rates"](time, direction, self.begin(place) if z is None else z, u, self.p, out)
+        self.functions["rates"](-1, time, direction, self.begin(place) if z is None else z, u, self.p, out)
         return dict(zip(self.composition.states, out.tolist(), strict=True))
 
     def signals(self, place: Mapping[str, float], z: Array | None = None) -> dict[str, float]:
@@ -111,7 +111,7 @@ class PlainModel:
         def rate(share: float, values: Array) -> Array:
             full[: len(names)], full[own] = begin + share * (end - begin), values
             time, u = now["time"] + share * self.plant.period, given + share * (later - given)
-            self.functions["rates"](time, direction, full, u, p, rates)
+            self.functions["rates"](-1, time, direction, full, u, p, rates)
             return rates[own] * self.plant.period
 
         sizes = [1e-3 * abs(self.composition.states[states[index]].typical) or 1e-9 for index in own]

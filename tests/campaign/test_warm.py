@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from hjcamp.backends.simulation import prepare
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.warm import (
@@ -16,13 +14,12 @@ from hjcamp.campaign.warm import (
     tasks,
     timed,
     try_test,
-    weigh_nothing,
 )
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers import find_controller
-from hjcamp.discrepancy.gram import project
 from hjcamp.discrepancy.hardware import simulator
 from hjcamp.discrepancy.next_menu import menu
+from hjcamp.discrepancy.passes import compile_passes
 from hjcamp.effects import load_effects
 from hjcamp.model.kernel_cache import is_compiled
 from hjcamp.plants.pump_joint import PumpJoint
@@ -59,15 +56,8 @@ def test_what_was_made_ready_is_named_with_its_seconds() -> None:
     assert seconds >= 0.0
 
 
-def test_weighing_is_compiled_for_what_a_screening_gives_it() -> None:
-    weigh_nothing()
-    compiled = len(project.signatures)
-    answer = project(
-        np.ones((2, 3, 4, 4)), np.ones((2, 3, 4)), np.ones((2, 3)), np.ones(3), np.arange(4), np.zeros(4, dtype=np.bool_),
-        np.eye(4), np.zeros(4), np.ones(2), 3,
-    )  # fmt: skip
-    assert len(project.signatures) == compiled
-    assert np.all(np.isfinite(answer[0]))
+def test_the_passes_of_a_diagnosis_are_warmed() -> None:
+    assert compile_passes in {call for _, call, _ in tasks()}
 
 
 def test_a_kernel_that_was_run_is_known_as_compiled() -> None:

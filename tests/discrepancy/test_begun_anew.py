@@ -33,7 +33,7 @@ def search(monkeypatch: pytest.MonkeyPatch) -> Any:
     """A search whose fit without the last effect ends at ``refitted``, and which settles to one less."""
     found: Any = _Search.__new__(_Search)
     found.effects, found.least_gain, found.features, found.fitter = EFFECTS, 10.0, None, None
-    found.work = SimpleNamespace(steps=4, sweeps=6, forward=2, hasty=False)
+    found.work = SimpleNamespace(steps=4, sweeps=6, forward=2, hasty=False, twins=24)
     found.refitted = 500.0
     monkeypatch.setattr(diagnose, "unknowns_of", lambda *given: [])
     monkeypatch.setattr(diagnose, "matters", lambda *given: True)
@@ -65,9 +65,9 @@ def test_what_gained_only_what_a_stuck_base_had_left_is_not_taken(search: Any, m
     stuck, looked = fit(502.0), list[float]()
     search.refitted, search.evidence, search.steps = 470.0, None, []
     search.views, search.scatter, search.report = None, None, lambda *given: None
-    null: Any = SimpleNamespace(needed=lambda: 3.0)
+    null: Any = SimpleNamespace(needed=lambda: 3.0, gains=np.zeros(24))
 
-    def look(current: Any, number: int, whole: bool) -> tuple[Any, Any]:
+    def look(current: Any, number: int, whole: bool, taken: Any = ()) -> tuple[Any, Any]:
         looked.append(current.loss)
         return SimpleNamespace(about=current), null
 
@@ -84,6 +84,6 @@ def test_what_gained_only_what_a_stuck_base_had_left_is_not_taken(search: Any, m
     monkeypatch.setattr(diagnose, "confounded", lambda screening: [])
     monkeypatch.setattr(diagnose, "judge", lambda *given: Verdict("nothing_missing", [], "it is so"))
     found = search.run(None, 0.0)
-    assert looked == [502.0, 469.0]
+    assert looked == [501.0, 469.0]
     assert found.baseline.loss == found.final.loss == 469.0
     assert not found.taken and len(found.steps) == 1

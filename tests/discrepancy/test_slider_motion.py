@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import convolve1d
 from scipy.signal import savgol_coeffs
 
 from hjcamp.discrepancy.evidence import _parabola_kernels, slider_motion
@@ -30,3 +31,19 @@ def test_the_velocity_is_zero_where_the_count_rests() -> None:
     assert not velocity[:170].any()
     assert not velocity[-170:].any()
     assert velocity[300] > 0.0
+
+
+def test_every_fourth_sample_alone_is_what_it_is_among_all() -> None:
+    generator = np.random.default_rng(2)
+    arm = np.floor(np.cumsum(generator.standard_normal(1001)) * 3.0) * 1e-3
+    for whole, some in zip(slider_motion(arm, 3.41e-3), slider_motion(arm, 3.41e-3, 4), strict=True):
+        np.testing.assert_allclose(some, whole[::4], rtol=0.0, atol=1e-12 * np.abs(whole).max())
+
+
+def test_the_ends_repeat_the_first_and_last_count() -> None:
+    arm = np.floor(np.cumsum(np.random.default_rng(3).standard_normal(300)) * 3.0) * 1e-3
+    for kernel, found in zip(_parabola_kernels(), slider_motion(arm, 3.41e-3), strict=True):
+        expected = convolve1d(arm * 3.41e-3, kernel, mode="nearest")
+        moving = found != 0.0
+        np.testing.assert_allclose(found[moving], expected[moving], rtol=0.0, atol=1e-12 * np.abs(expected).max())
+        assert moving.any()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hjcamp.discrepancy.evidence import SLIDING_MARGIN, yielding
+from hjcamp.discrepancy.evidence import PERIOD, SLIDING_MARGIN, yielding
+from hjcamp.discrepancy.passes import CREEPS, FALLS_TO, FALLS_WITHIN, MOST_TRAVEL, ONSET
 
 REST, CREEP, SLIDE = 50, 40, 100
 
@@ -45,3 +46,32 @@ def test_each_run_of_motion_is_looked_at_by_itself() -> None:
     length = REST + CREEP + SLIDE
     assert marked[:length].any() and not marked[length : 2 * length].any() and marked[2 * length :].any()
     assert np.array_equal(marked[:length], marked[2 * length :])
+
+
+def plainly(velocity: np.ndarray, push: np.ndarray) -> np.ndarray:
+    """The same, run by run, with numpy."""
+    sign = np.sign(velocity)
+    begins = np.flatnonzero((np.diff(sign, prepend=0.0) != 0.0) & (sign != 0.0))
+    ends = np.append(np.flatnonzero(np.diff(sign) != 0.0) + 1, len(sign))
+    found = np.zeros(len(sign), dtype=bool)
+    for begin, end in zip(begins, ends[np.searchsorted(ends, begins, side="right")], strict=True):
+        ahead, speed = push[begin:end] * sign[begin], np.abs(velocity[begin:end])
+        peak = int(np.argmax(ahead[:ONSET]))
+        after = slice(peak, peak + FALLS_WITHIN)
+        slow = speed[: max(peak - SLIDING_MARGIN, 1)].max() < CREEPS * speed[after].max()
+        creeps = slow and PERIOD * speed[: peak + 1].sum() < MOST_TRAVEL
+        if creeps and ahead[peak] > 0.0 and ahead[after].min() < FALLS_TO * ahead[peak]:
+            found[begin : begin + peak + SLIDING_MARGIN + 1] = True
+    return found
+
+
+def test_it_is_what_the_formula_says_of_any_motion() -> None:
+    generator = np.random.default_rng(4)
+    marked = 0
+    for _ in range(300):
+        velocity = np.repeat(generator.choice([-0.02, -0.005, 0.0, 0.004, 0.02], 60), generator.integers(1, 30, 60))
+        push = np.cumsum(generator.standard_normal(len(velocity))) + 40.0 * np.sign(velocity)
+        found = yielding(velocity, push)
+        assert np.array_equal(found, plainly(velocity, push))
+        marked += int(found.sum())
+    assert marked > 1000
