@@ -14,7 +14,7 @@ import hjcamp.campaign.progress as progress
 from hjcamp import cli
 from hjcamp.campaign.compiling import Doing, Kernels, kernels_of, status
 from hjcamp.configuration.composer import Composer
-from hjcamp.model.kernel import cache_folder, is_compiled, kernel_name
+from hjcamp.model.kernel_cache import cache_folder, is_compiled, kernel_name
 
 
 @pytest.fixture
