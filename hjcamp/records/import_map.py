@@ -13,6 +13,7 @@ from hjcamp.records.check import check_names
 from hjcamp.records.log import FIELD_NAMES, FIELDS
 from hjcamp.records.plausible import PLANT
 from hjcamp.records.units import factor_to_field
+from hjcamp.yaml_file import read_yaml
 
 LOWEST_SAMPLING_HZ = 200.0
 HIGHEST_SAMPLING_HZ = 100e3
@@ -46,18 +47,8 @@ class ImportMap:
 
 def read_import_map(path: Path) -> ImportMap:
     """Return the mapping in a YAML file; raises UsageError for every key, field, unit or number that cannot be."""
-    import yaml
-
     where = str(path)
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UsageError(f"{where}: the mapping cannot be read: {reason}") from error
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        line = f" in line {mark.line + 1}" if mark else ""
-        raise UsageError(f"{where}: the mapping is not YAML{line}") from error
+    content = read_yaml(path)
     _only_known(content, KEYS, "key", where)
     fields = content.get("fields")
     _only_known(fields, FIELD_NAMES, "field", f"{where} (a log of plant {PLANT.name})")

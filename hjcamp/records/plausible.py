@@ -14,6 +14,7 @@ from hjcamp.model.parameter import Channel
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.records.log import FIELDS, TestLog
 from hjcamp.records.units import units_of
+from hjcamp.yaml_file import yaml_values
 
 PLANT = PumpJoint
 CONFIGURATION = "config.yaml"
@@ -147,11 +148,9 @@ def _blocked(log: TestLog) -> bool:
 
 
 def _read(attachments: Mapping[str, bytes]) -> Mapping[str, Any]:
-    import yaml
-
     try:
-        content = yaml.load(attachments.get(CONFIGURATION, b""), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    except (yaml.YAMLError, UnicodeDecodeError, ValueError, RecursionError):
+        content = yaml_values(attachments.get(CONFIGURATION, b""))
+    except UsageError:
         return {}
     return content if isinstance(content, Mapping) else {}
 
