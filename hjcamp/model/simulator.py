@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError, unknown
-from hjcamp.model import driving
+from hjcamp.model import driving, term_checks
 from hjcamp.model.compose import GATES, MATHEMATICS, Composition
 from hjcamp.model.kernel import LEVELS, copied, kernel_source
 from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.law import Law, law_source
-from hjcamp.model.term_checks import check_compiles, compiling
+from hjcamp.model.term_checks import check_compiles, check_law_compiles, limited, users_files
+from hjcamp.model.time_limit import time_limit
 
 Array = NDArray[np.float64]
 PERIOD = 1e-3
@@ -89,7 +90,13 @@ class Simulator:
 
     @cached_property
     def source(self) -> str:
-        """The text of the kernel."""
+        """The text of the kernel, for which its equations are called as Python."""
+        if self.users_files:
+            with time_limit(term_checks.LOOKING_S, self.users_files):
+                return self._text()
+        return self._text()
+
+    def _text(self) -> str:
         composition = self.composition
         inputs = composition.inputs
         fields = [channel.field for channel in composition.plant.channels]
@@ -118,10 +125,17 @@ class Simulator:
 
     @cached_property
     def kernel(self) -> ModuleType:
-        """The imported kernel; raises ``UsageError`` for a user's effect that cannot be compiled."""
+        """The imported kernel; raises ``UsageError`` for a user's effect or controller that cannot be compiled."""
         for effect in self.composition.effects:
             check_compiles(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
+        if self.controller is not None:
+            check_law_compiles(self.controller, tuple(MATHEMATICS))  # type: ignore[arg-type]
         return load_kernel(self.source)
+
+    @cached_property
+    def users_files(self) -> str:
+        """The effects and the controller that are files of the user's, in words; empty where all are ours."""
+        return users_files([*self.composition.effects, *([self.controller] if self.controller else [])])
 
     @property
     def states(self) -> list[str]:
@@ -145,6 +159,7 @@ class Simulator:
         known = self.composition.plant.inputs
         return np.array([known[name].default if name in known else 0.0 for name in self.composition.inputs])
 
+    @limited
     def begin(self, start: Mapping[str, float], p: Array) -> Array:
         """Return the state vector for the given plant states; own states of effects start as they declare."""
         z = np.zeros(len(self.states))
@@ -161,6 +176,7 @@ class Simulator:
             z[self.states.index(name)] = value
         return z
 
+    @limited
     def propagators(self, z: Array, p: Array, period: float = PERIOD) -> Array:
         """Return the exact steps of the linear part, linearised about ``z``: a row for each regime and level, with E, P1, P2."""
         n = len(self.states)
@@ -168,6 +184,7 @@ class Simulator:
         self.kernel.prepare(z, self.inputs(), p, period, out)
         return out.reshape(3 * (LEVELS + 1), 3 * n * n)
 
+    @limited
     def run(
         self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Array | None = None
     ) -> dict[str, Any]:
@@ -180,12 +197,11 @@ class Simulator:
         work = self.scratch()
         procedure_memory = self.procedure.fresh_memory()
         whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
-        with compiling(self.controller):
-            count = self.kernel.closed_loop(
-                z, self.inputs(), p, steps, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
-                procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
-                test.counts, test.phases, test.noise, test.scatter, record, work,
-            )  # fmt: skip
+        count = self.kernel.closed_loop(
+            z, self.inputs(), p, steps, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
+            procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
+            test.counts, test.phases, test.noise, test.scatter, record, work,
+        )  # fmt: skip
         phase = int(procedure_memory[list(self.procedure.memories).index("phase")])
         if count < 0 or phase > 5:
             reached = record[: count if count >= 0 else None, 0]
@@ -203,6 +219,7 @@ class Simulator:
         columns["steps"], columns["events"] = work[2, 1], work[2, 2]
         return columns
 
+    @limited
     def follow(self, p: Array, course: Course, propagators: Array | None = None, tolerance: float = 1.0) -> Followed:
         """Drive the plant along ``course`` with the measured values of the cut's driven states.
 
