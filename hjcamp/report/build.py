@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -57,7 +58,7 @@ def build_report(
     are the logs where they have been read already, ``further`` gives more pictures for the page. `UsageError` where
     there is no log, a log that cannot be read, or an unknown ``against`` or table.
     """
-    from hjcamp.records.find import read_logs
+    from hjcamp.records.find import read_logs, tell
     from hjcamp.records.run_folder import refuse_links_out
 
     if against is not None and against not in AGAINST:
@@ -68,7 +69,13 @@ def build_report(
     origin = read_origin(run_dir)
     if origin.plan and target == run_dir:
         refuse_links_out(target)
-    read = list(logs) if logs is not None else read_logs([run_dir])
+    left_out: list[str] = []
+
+    def leave_out(text: str) -> None:
+        left_out.append(text.replace(f"{run_dir}{os.sep}", ""))
+        tell(text)
+
+    read = list(logs) if logs is not None else read_logs([run_dir], leave_out)
     if not read:
         raise UsageError(f"{run_dir}: there are no test logs to report on")
     read = in_plan_order(read, origin)
@@ -86,7 +93,8 @@ def build_report(
         replace_file(target / "tables" / f"{name}.tex", to_latex(sheet))
     all_sheets = [*sheets, arrange_conditions(conditions)]
     more = further(read) if further else {}
-    html = _page(run_dir, origin, read, all_sheets, verdict(comparison, differs) if against else "", more)
+    said = verdict(comparison, differs) if against else ""
+    html = _page(run_dir, origin, read, all_sheets, said, more, left_out)
     replace_file(target / "report.html", html)
     return Report(run_dir, target / "report.html", indicators, tables, sheets, comparison, differs)
 
@@ -132,6 +140,7 @@ def _page(
     sheets: Sequence[Sheet],
     verdict_text: str,
     more: dict[str, tuple[str, str]],
+    left_out: Sequence[str] = (),
 ) -> str:
     groups: dict[str, list[TestLog]] = {}
     for log in logs:
@@ -144,13 +153,15 @@ def _page(
     unfinished = [f"{count} {state}" for state, count in states.items() if state != "done"]
     campaign = str(origin.plan.get("campaign") or logs[0].metadata.get("campaign") or "Test logs")
     facts = [run_dir.resolve().name, f"{len(logs)} tests", f"{len(groups)} conditions", *unfinished]
+    if left_out:
+        facts.append(f"{len(left_out)} log{'s' if len(left_out) > 1 else ''} left out, see below")
     return build_page(
         title=campaign,
         facts=[*facts, *filter(None, [str(origin.plan.get("description") or "")])],
         verdict=verdict_text,
         sheets=sheets,
         pictures=pictures,
-        origin=origin_facts(origin, logs),
+        origin=[*origin_facts(origin, logs), *(("left out", text) for text in left_out)],
         command=origin.command,
         configuration=origin.config_text,
     )
