@@ -10,7 +10,6 @@ import typer
 from hjcamp.errors import HjcampError, UsageError
 
 RUN_S = 15.0  # a test of the checks takes well under a second
-FORMATS = (".pdf", ".png", ".svg")
 USAGE = "hjcamp effects [NAME [OVERRIDE...]] | effects new NAME | effects test NAME"
 # Fast and slow moves, reversals and rests at a high preload with dither: every effect has its moment. Open loop, for in
 # closed loop one slip that comes earlier changes all that follow. The draws of the rig are left out.
@@ -59,8 +58,10 @@ def effects(
             raise UsageError(f"give one name: {USAGE}")
         case [name, *overrides]:
             config = None if no_figure else configured(overrides)
+            from hjcamp.commands._session import check_picture
+
             path = figure or Path(f"effect_{name}.png")
-            check_suffix(path)
+            check_picture(path)
             show_effect(name)
             if config is not None:
                 draw(name, config, path)
@@ -128,12 +129,6 @@ def configured(overrides: list[str]) -> dict[str, Any]:
     config = Composer().compose([free(line) for line in (*TEST, *overrides)]).config
     check_configuration(config)
     return config
-
-
-def check_suffix(path: Path) -> None:
-    """Refuse a picture format that is not drawn, before anything is computed."""
-    if path.suffix.lower() not in FORMATS:
-        raise UsageError(f"figure {path}: the suffix must be one of {', '.join(FORMATS)}")
 
 
 def draw(name: str, config: dict[str, Any], path: Path) -> None:

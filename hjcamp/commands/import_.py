@@ -24,8 +24,10 @@ def import_table(
     from hjcamp.records.import_map import read_import_map
     from hjcamp.records.importing import import_csv
     from hjcamp.records.plausible import findings
+    from hjcamp.storage import check_place
 
-    target = output or file.with_suffix(".mcap")
+    target = output or file.with_name(f"{file.stem}.mcap")
+    check_place(target, "--output" if output else "")
     _check_hardware(read_import_map(mapping).metadata, mapping)
     left = target.with_name(target.name + ".part").exists()
     log = import_csv(file, mapping, target)

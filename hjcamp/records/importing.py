@@ -12,6 +12,7 @@ from hjcamp.records.import_map import HIGHEST_SAMPLING_HZ, LOWEST_SAMPLING_HZ, I
 from hjcamp.records.log import COMMAND_PHASE, SAMPLE_S, TestLog
 from hjcamp.records.plausible import refuse_implausible
 from hjcamp.records.write import write_log
+from hjcamp.storage import check_is_file
 
 LONGEST_STEP = 1.5  # of the usual one
 RATE_TOLERANCE = 0.01
@@ -108,6 +109,7 @@ def _fields(source: Path, rules: ImportMap) -> dict[str, np.ndarray]:
     """Return the mapped columns of the table in the units of their fields."""
     import polars
 
+    check_is_file(source)
     try:
         table = polars.read_csv(
             source,
