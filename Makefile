@@ -10,7 +10,7 @@ TESTABLE := $(VENV)/.testable
 # Python compiles a file when it is first imported, not all that are never used
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help setup demo test lint bench benchmark next_value thesis_gap tour_data convergence fidelity validation faults kills damage recovery clean
+.PHONY: help setup demo test lint bench benchmark next_value thesis_gap tour_data convergence fidelity validation faults kills damage recovery bad_calls clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
@@ -28,6 +28,7 @@ help:
 	@echo "make validation  errors against an independent solution; the result is docs/validation.md"
 	@echo "make faults    every fault of the rig at the start, middle and end of a test; docs/rig_faults.md"
 	@echo "make kills     200 kills at random moments, then resume;   make damage  10 000 damaged log files"
+	@echo "make bad_calls  a thousand bad calls over every option and file; docs/bad_calls.md"
 	@echo "make clean   remove .venv and caches; runs/ stays"
 
 setup: $(WARM)
@@ -94,6 +95,9 @@ kills: $(WARM)
 
 damage: $(WARM)
 	$(BIN)/python tests/records/damage_many_logs.py 10000
+
+bad_calls: $(WARM)
+	$(BIN)/python tests/cli/bad_calls.py 600 --page docs/bad_calls.md
 
 recovery: $(WARM)
 	$(BIN)/python tests/calibrate/recovery_study.py > docs/identification_recovery.md.part

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import signal
 import sys
 import tempfile
 import traceback
+from pathlib import Path
 from types import FrameType
 from typing import Annotated, Any
 
@@ -16,6 +18,7 @@ import typer
 from hjcamp.commands import COMPLETING, Commands
 from hjcamp.commands._session import free_standard_output
 from hjcamp.errors import HjcampError
+from hjcamp.storage import shown_path
 
 INTERRUPTED = 130
 
@@ -82,6 +85,8 @@ def run(arguments: list[str] | None = None) -> int:
     except MemoryError:
         return _say("not enough memory", 1)
     except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            return _say(f"{shown_path(Path(str(error.filename)))}: the name is too long for a file", 2)
         place = f": {error.filename}" if error.filename else ""
         return _say(f"{error.strerror or error}{place}", 1)
     except Exception as error:

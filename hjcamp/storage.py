@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from hjcamp.errors import HjcampError
+from hjcamp.errors import LONGEST_SHOWN, HjcampError, UsageError
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+# A disk takes 255 bytes, and what is being written has a longer name.
+LONGEST_NAME = 200
+CHOICE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 DENIED = (errno.EACCES, errno.EPERM, errno.EROFS)
 
 
@@ -45,6 +49,71 @@ def put_in_place(part: Path, path: Path) -> None:
             os.fsync(descriptor)
         finally:
             os.close(descriptor)
+
+
+def check_is_file(path: Path) -> None:
+    """Raise ``UsageError`` for a pipe or a device in the place of a file that is read: nobody may ever write to it."""
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise UsageError(f"{shown_path(path)}: cannot be read: this is a pipe or a device, no file")
+
+
+def check_place(path: Path, what: str = "", folder: bool = False) -> None:
+    """Raise ``UsageError`` where no file (or ``folder``) can be made at ``path``, before any work is done for it.
+
+    ``what`` names the option that gave the path.
+    """
+    said = f"{what} {shown_path(path)}".strip()
+    if any(ord(letter) < 32 for letter in str(path)):
+        raise UsageError(f"{said}: a name cannot hold control characters")
+    for part in path.parts:
+        if len(os.fsencode(part)) > LONGEST_NAME:
+            raise UsageError(f"{said}: a name of {len(part)} letters; at most {LONGEST_NAME} are allowed")
+    try:
+        found = next((place for place in (path, *path.parents) if place.is_symlink() or place.exists()), Path("."))
+        is_folder = found.resolve().is_dir() if found.exists() else None
+    except (OSError, ValueError, RuntimeError) as error:
+        raise UsageError(f"{said}: {getattr(error, 'strerror', None) or error}") from error
+    if found == path and is_folder is not None and is_folder != folder:
+        raise UsageError(f"{said}: this is a {'file; give a folder' if folder else 'folder; give a file'}")
+    if found != path and not is_folder:
+        raise UsageError(f"{said}: {shown_path(found)} is no folder")
+    if is_folder is not None and not os.access(found, os.W_OK):
+        raise HjcampError(f"{said}: cannot be written: {shown_path(found)} may not be written to")
+    if found != path:
+        with disk_errors(Path(said)):
+            _try_folder(path if folder else path.parent, found)
+
+
+def _try_folder(path: Path, there: Path) -> None:
+    """Make the folders below ``there`` and take them away again: /proc says it may be written to, and may not."""
+    missing = [place for place in (path, *path.parents) if place != there and there in place.parents]
+    made = []
+    try:
+        for place in reversed(missing):
+            if not place.exists():  # a/.. does, once a was made
+                place.mkdir()
+                made.append(place)
+    finally:
+        for place in reversed(made):
+            place.rmdir()
+
+
+def named_file(name: str, kind: str, *folders: Path) -> list[Path]:
+    """Return NAME.yaml in each folder; raises ``UsageError`` for a name that cannot be that of a ``kind`` of choice."""
+    if not CHOICE_NAME.fullmatch(name):
+        said = shown_path(Path(name)) if name else ""
+        raise UsageError(f"'{said}' cannot be the name of a {kind}: use letters, digits, _ and -")
+    paths = [folder / f"{name}.yaml" for folder in folders]
+    for path in paths:
+        check_place(path)
+    return paths
+
+
+def shown_path(path: Path) -> str:
+    """Return a path as a message shows it: one line, and not without end."""
+    text = str(path)
+    text = text if text.isprintable() else repr(text)
+    return text if len(text) <= 2 * LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}..."
 
 
 @contextmanager

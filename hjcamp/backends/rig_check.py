@@ -248,12 +248,15 @@ def check_rig(
     Raises ``RigStopped`` where a limit was passed; whatever happens, the outputs end in their safe state.
     """
     from hjcamp.backends.nidaqmx import check_test
-    from hjcamp.backends.rig_check_stamp import write_stamp
+    from hjcamp.backends.rig_check_stamp import stamp_path, write_stamp
     from hjcamp.backends.rig_lock import take_lock
+    from hjcamp.storage import check_place
 
     if config["backend"]["name"] != "nidaqmx":
         raise UsageError("hjcamp rig check needs backend=nidaqmx")
     check_test(config)
+    # What passes must be kept: that there is no place for it is said before anything moves.
+    check_place(stamp_path(config))
     take_lock(config)
     passed: list[Finding] = []
     with open_check(config, seed, AT_START, ask) as check:

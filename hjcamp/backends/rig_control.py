@@ -14,6 +14,7 @@ from hjcamp.controllers.procedure import Procedure
 from hjcamp.model.compose import MATHEMATICS
 from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.law import law_source
+from hjcamp.model.term_checks import check_law_compiles
 
 Array = NDArray[np.float64]
 PHASE, REFERENCE, COMMAND, PID, FEEDFORWARD, DITHER, PRELOAD_SPEED = range(7)
@@ -75,6 +76,7 @@ class RigControl:
     def __init__(
         self, law: type[Controller], control: Array, procedure: Array, reference: Array, dither: Array, period: float
     ) -> None:
+        check_law_compiles(law, tuple(MATHEMATICS))  # type: ignore[arg-type]
         self._step = load_kernel(control_source(law)).rig_step  # type: ignore[arg-type]
         self._control, self._memory = control, law.fresh_memory()
         self._procedure, self._procedure_memory = procedure, Procedure.fresh_memory()

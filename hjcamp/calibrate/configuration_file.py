@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,9 +14,8 @@ from hjcamp.configuration.check import check_model
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.schema import naming
-from hjcamp.storage import whole_file
+from hjcamp.storage import named_file, whole_file
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 RESERVED = ("published", "virtual")
 SCATTER = {"friction_between": 1.0, "friction_within": 1.0, "initial_pressure": 1e-6}
 LEAK = "leakage."
@@ -25,11 +23,10 @@ LEAK = "leakage."
 
 def check_name(name: str, folder: Path, replace: bool) -> None:
     """Raise UsageError where the name cannot be that of a choice, is ours, or is taken in ``folder`` (conf)."""
-    if not NAME.fullmatch(name):
-        raise UsageError(f"'{name}' cannot be a name: use letters, digits, _ and -")
+    paths = named_file(name, "model or rig", *(path.parent for path in paths_of(name, folder)))
     if name in RESERVED:
         raise UsageError(f"'{name}' is a model or rig of hjcamp's own; choose another name")
-    for path in paths_of(name, folder):
+    for path in paths:
         if path.exists() and not replace:
             raise UsageError(f"{path} exists; choose another name, or say --replace")
 

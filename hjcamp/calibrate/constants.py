@@ -8,11 +8,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import yaml
-
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint_hardware import plant_parameters, transfer_function
 from hjcamp.records.log import TestLog
+from hjcamp.yaml_file import yaml_values
 
 Names = tuple[tuple[str, str], ...]
 Configure = Callable[[Names], Mapping[str, Any]]
@@ -60,8 +59,8 @@ def attached_configuration(log: TestLog) -> Mapping[str, Any] | None:
 @functools.lru_cache(maxsize=64)
 def _parsed(content: bytes) -> Mapping[str, Any] | None:
     try:
-        config = yaml.load(content, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    except yaml.YAMLError:
+        config = yaml_values(content)
+    except UsageError:
         return None
     whole = isinstance(config, Mapping) and all(isinstance(config.get(group), Mapping) for group in NEEDED)
     return config if whole else None

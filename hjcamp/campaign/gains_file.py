@@ -6,16 +6,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from hjcamp.errors import UsageError
-from hjcamp.storage import write_whole
+from hjcamp.storage import named_file, write_whole
 
 FOLDER = Path("conf/controller/gains")
 
 
 def free_place(name: str, replace: bool) -> Path:
     """Return where the gain set ``name`` goes; ``UsageError`` where it is there and not to be replaced, or no name."""
-    if not name.replace("_", "").replace("-", "").isalnum():
-        raise UsageError(f"'{name}' is no name for a gain set; letters, digits, _ and - are allowed")
-    path = FOLDER / f"{name}.yaml"
+    [path] = named_file(name, "gain set", FOLDER)
     if path.exists() and not replace:
         raise UsageError(
             f"{path} exists; another name (--as NAME) or --replace is needed, or conditions=NAME leaves its case out"

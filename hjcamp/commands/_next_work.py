@@ -70,6 +70,8 @@ class Work:
 def read_words(words: Sequence[str], rivals: Sequence[str], library: Mapping[str, Any]) -> Words:
     """Return the words of the call sorted: PATH, KEY=VALUE, and effects that follow ``--rivals A`` without a comma."""
     named = [name for group in rivals for name in group.split(",") if name]
+    if rivals and not named:
+        raise UsageError("--rivals names none; give effects: --rivals A,B")
     paths, overrides = [], []
     for word in words:
         if Path(word).exists():

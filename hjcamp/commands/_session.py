@@ -10,7 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, shown
+from hjcamp.storage import check_place, shown_path
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from hjcamp.discrepancy.evidence import Evidence
 
 
+PICTURES = (".pdf", ".png", ".svg")
 # Standard output, while it is kept for the answer alone.
 _kept: list[IO[str]] = []
 
@@ -50,11 +52,24 @@ def check_answer_file(path: Path | None) -> None:
     """
     if path is None:
         return
-    if path.is_dir():
-        raise UsageError(f"--json {path}: this is a folder; give a file, or - for standard output")
-    if _is_standard_output(path) and sys.stdout is not sys.stderr:
+    if not _is_standard_output(path):
+        check_place(path, "--json")
+    elif sys.stdout is not sys.stderr:
         _kept.append(sys.stdout)
         sys.stdout = sys.stderr
+
+
+def check_seed(seed: int) -> None:
+    """Refuse a seed that ``seed=`` of a run would not take."""
+    if not 0 <= seed < 2**63:
+        raise UsageError(f"--seed {shown(seed)}: give a whole number, 0 or more and below 2^63")
+
+
+def check_picture(path: Path) -> None:
+    """Refuse a picture format that is not drawn and a place that takes none, before anything is computed."""
+    if path.suffix.lower() not in PICTURES:
+        raise UsageError(f"figure {shown_path(path)}: the suffix must be one of {', '.join(PICTURES)}")
+    check_place(path, "--figure")
 
 
 def write_answer(path: Path | None, answer: dict[str, Any]) -> None:

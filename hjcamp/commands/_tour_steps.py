@@ -12,6 +12,7 @@ from hjcamp.errors import HjcampError, UsageError
 
 MODEL = "tour_model"
 BOTH = "compare_both"
+NEEDED = {2: ("verdict", "effects", "candidates"), 3: ("model", "file")}
 
 
 @dataclass(frozen=True)
@@ -32,9 +33,20 @@ class Tour:
             raise UsageError(f"{path} is not there: first do step {number} of the tour, --step {number}")
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise HjcampError(f"{path}: cannot be read; do step {number} again, --step {number}") from error
-        return dict(content)
+            if not isinstance(content, dict):
+                raise ValueError("no object")
+        except (OSError, ValueError, RecursionError) as error:
+            raise self.again(number) from error
+        for key in NEEDED.get(number, ()):
+            if key not in content:
+                raise self.again(number)
+        return content
+
+    def again(self, number: int) -> HjcampError:
+        """Return the refusal of an answer that was damaged."""
+        return HjcampError(
+            f"{self.answer_file(number)}: cannot be read as an answer of step {number}; do it again: --step {number}"
+        )
 
     def next_step(self) -> int:
         """Return the first step that has not been done."""

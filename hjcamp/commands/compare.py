@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hjcamp.errors import UsageError
+from hjcamp.storage import check_place
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -36,8 +37,8 @@ def compare(
     if len(set(names)) < len(names):
         raise UsageError(f"--model {' --model '.join(names)}: each model once")
     check_answer_file(json)
-    if into is not None and into.exists() and not into.is_dir():
-        raise UsageError(f"--into {into}: this is a file; give a folder")
+    if into is not None:
+        check_place(into, "--into", folder=True)
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.commands._compare_page import write_pictures

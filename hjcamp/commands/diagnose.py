@@ -43,12 +43,18 @@ def diagnose(
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, evidence_of, folder_for, progress_of, write_answer
+    from hjcamp.commands._session import (
+        check_answer_file,
+        check_seed,
+        evidence_of,
+        folder_for,
+        progress_of,
+        write_answer,
+    )
 
     began = time.perf_counter()
     check_answer_file(json)
-    if seed < 0:
-        raise UsageError(f"--seed {seed}: give a whole number, 0 or more")
+    check_seed(seed)
     if workers is not None and workers < 1:
         raise UsageError(f"--workers {workers}: give a whole number, 1 or more")
     console = make_console()

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from hjcamp.model.plant import Plant
 
 RUN_S = 15.0  # a test of the checks takes well under a second
-FORMATS = (".pdf", ".png", ".svg")
 USAGE = (
     "hjcamp effects [NAME [OVERRIDE...]] | effects new NAME [--on KIND] | effects test NAME, each with --plant PLANT"
 )
@@ -75,6 +74,7 @@ def effects(
         case ["new" | "test", *_]:
             raise UsageError(f"give one name: {USAGE}")
         case [name, *overrides]:
+            from hjcamp.commands._session import check_picture
             from hjcamp.plants import DEFAULT
 
             pictured = not no_figure and is_pictured(name, plant or DEFAULT)
@@ -82,7 +82,7 @@ def effects(
                 raise UsageError(f"effect {name}: pictures are of tests of {DEFAULT}; leave out --figure and overrides")
             config = configured(overrides) if pictured else None
             path = figure or Path(f"effect_{name}.png")
-            check_suffix(path)
+            check_picture(path)
             show_effect(name, plant)
             if config is not None:
                 draw(name, config, path)
@@ -193,12 +193,6 @@ def configured(overrides: list[str]) -> dict[str, Any]:
     config = Composer().compose([free(line) for line in (*TEST, *overrides)]).config
     check_configuration(config)
     return config
-
-
-def check_suffix(path: Path) -> None:
-    """Refuse a picture format that is not drawn, before anything is computed."""
-    if path.suffix.lower() not in FORMATS:
-        raise UsageError(f"figure {path}: the suffix must be one of {', '.join(FORMATS)}")
 
 
 def draw(name: str, config: dict[str, Any], path: Path) -> None:

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.errors import UsageError
+from hjcamp.storage import check_place
 
 HELP = """Turn measurements from elsewhere into test logs.
 
@@ -79,8 +80,11 @@ def targets_of(files: Sequence[Path], into: Path | None, output: Path | None) ->
     if into is not None and into.exists() and not into.is_dir():
         raise UsageError(f"--into {into}: this is a file; give a folder")
     if output is not None:
+        check_place(output, "--output")
         return [output]
     targets = [(into or file.parent) / f"{file.stem}.mcap" for file in files]
+    for target in targets:
+        check_place(target, "--into" if into else "")
     for file, target in zip(files, targets, strict=True):
         if target == file:
             raise UsageError(f"{file}: this is an MCAP file itself; give --into DIR or --output FILE for the new log")

@@ -79,7 +79,10 @@ def recover(
 ) -> None:
     """Write what is whole in a damaged log to a new one."""
     from hjcamp.records.recover import recover_log
+    from hjcamp.storage import check_place
 
+    if output is not None:
+        check_place(output, "--output")
     stem = path.name.removesuffix(".part").removesuffix(".mcap")
     result = recover_log(path, output or path.with_name(f"{stem}.recovered.mcap"))
     for problem in result.problems:

@@ -7,6 +7,9 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.errors import UsageError
+from hjcamp.storage import shown_path
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -23,6 +26,8 @@ def ls(
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.finding import FOLDERS, find_runs
 
+    if folder is not None and not folder.is_dir():
+        raise UsageError(f"--folder {shown_path(folder)}: there is no such folder")
     runs = find_runs([folder] if folder else FOLDERS, filters or [])
     console = make_console()
     if not runs:

@@ -39,14 +39,13 @@ def next_(
 ) -> None:
     """Propose the tests that best separate the explanations that remain, as a campaign that runs as it is."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, folder_for, progress_of, write_answer
+    from hjcamp.commands._session import check_answer_file, check_seed, folder_for, progress_of, write_answer
 
     began = time.perf_counter()
     check_answer_file(json)
     if not 1 <= tests <= MOST_TESTS:
         raise UsageError(f"--tests {tests}: give a number from 1 to {MOST_TESTS}")
-    if seed < 0:
-        raise UsageError(f"--seed {seed}: give a whole number, 0 or more")
+    check_seed(seed)
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.commands._next_answer import answer, comment_of, draw, names_of, tell

@@ -73,9 +73,12 @@ def show_list() -> None:
 def show_plant(name: str, figure: Path | None) -> None:
     """Print one plant: states, inputs, parameters, lines, places, and which effects fit."""
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._session import check_picture
     from hjcamp.model.plant_checks import check_plant
     from hjcamp.plants import find_plant
 
+    if figure is not None:
+        check_picture(figure)
     plant = find_plant(name)
     check_plant(plant)
     console = make_console()

@@ -32,7 +32,10 @@ def report(
     from hjcamp.report.check import check as check_cells
     from hjcamp.report.check import read_tolerances
     from hjcamp.report.terminal import FittedSheet, summary_table
+    from hjcamp.storage import check_place
 
+    if output is not None:
+        check_place(output, "--output", folder=True)
     tolerances = None if check is None else read_tolerances(check)
     made = build_report(path, against=against, output=output, further=identification_pictures)
     console = make_console()

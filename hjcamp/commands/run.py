@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from hjcamp.configuration.composer import Composer
 
 CHECKED_JOBS = 50
+SEARCH_PATH = "hydra.searchpath"
 # The keys may be absent from a user's own configuration, so they are set or added.
 SWITCHES = {"--keep-going": "keep_going=true", "--fail-fast": "fail_fast=true"}
 # With these Hydra would begin with a configuration, or a pickled job, from anywhere.
@@ -71,12 +72,13 @@ def call_hydra(arguments: list[str]) -> None:
     if not (parsed.help or parsed.hydra_help or parsed.shell_completion):
         lines = parse_overrides(overrides)
         check_overrides(overrides, parse_overrides)
-        own = [str(line.input_line) for line in lines if not line.is_hydra_override()]
+        # Of what belongs to Hydra only a further folder changes which files are read.
+        own = [line for line in lines if not line.is_hydra_override() or line.key_or_group == SEARCH_PATH]
         if parsed.multirun:
             check_sweep(lines, Composer(folder=folder))
         elif not (parsed.config_name or parsed.config_path):
             # Hydra reads the same files: what it would stumble over is said here.
-            Composer(folder=folder).compose(own)
+            Composer(folder=folder).compose([str(line.input_line) for line in own])
     jobs.JobEnd.error = None
     jobs.SweepFolder.path = None
     before = sys.argv

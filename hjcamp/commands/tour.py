@@ -52,6 +52,8 @@ def tour(
     if open_:
         open_answer(console, here)
         return
+    if step is not None:
+        STEPS[step - 1].words(here)  # says what has to be done before, and nothing is written
     count = lay_out(into)
     first, last = (step, step) if step else (here.next_step(), len(STEPS))
     if first == 1:
@@ -94,7 +96,10 @@ def open_answer(console: Console, tour: Tour) -> None:
     from hjcamp.commands._tour_answer import print_answer
 
     done = {number: tour.answer(number) for number in (DIAGNOSING, ADDING) if tour.answer_file(number).is_file()}
-    print_answer(console, done.get(DIAGNOSING))
+    try:
+        print_answer(console, done.get(DIAGNOSING))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise tour.again(DIAGNOSING) from error
     if ADDING in done:
         model, file = done[ADDING]["model"], done[ADDING]["file"]
         console.print(f"next        hjcamp run campaign=controllers controller.model={model}", markup=False)

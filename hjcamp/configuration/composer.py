@@ -32,14 +32,12 @@ from hjcamp.configuration import hydra_plugins
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.configuration.trust import check_overrides
 from hjcamp.configuration.variation import Loaded, NotJoinedError, Variations
-from hjcamp.configuration.yaml_file import check_file
 from hjcamp.errors import UsageError, shown, unknown
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
 COMPOSE_ERRORS = (
     HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError, RecursionError
 )  # fmt: skip
-OUR_PROVIDERS = ("main", "hjcamp", "hydra", "schema")
 MAIN = "config"
 FREE_KEYS = ("effects.", "model.effects.", "model.parameters.")
 
@@ -61,9 +59,6 @@ class _FilesReadOnce(ConfigRepository):
 
     def load_config(self, config_path: str) -> ConfigResult | None:
         if config_path not in self._read:
-            source = self._find_object_source(config_path, ObjectType.CONFIG)
-            if source is not None and source.scheme() == "file" and source.provider not in OUR_PROVIDERS:
-                check_file(Path(source.path, f"{config_path.removesuffix('.yaml')}.yaml"))
             self._read[config_path] = super().load_config(config_path)
         result = self._read[config_path]
         # Composing writes into what it is given.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -18,8 +20,8 @@ from omegaconf import OmegaConf
 
 from hjcamp.configuration.search_path import campaign_folders, configuration_folders, packaged_root
 from hjcamp.configuration.trust import check_file, check_group, with_our_hydra
-from hjcamp.configuration.yaml_file import check_file as check_yaml
 from hjcamp.errors import UsageError
+from hjcamp.yaml_file import check_yaml
 
 GROUP = "campaign"
 PRIMARY = "config"
@@ -38,11 +40,11 @@ class FileConfigSource(HydrasFileConfigSource):
         if file.is_relative_to(ours):
             return super().load_config(config_path)
         check_group(file, config_path)
-        with readable(file):
-            result = super().load_config(config_path)
-            if config_path == PRIMARY:
-                config = with_our_hydra(file, result.config, OmegaConf.load(ours / f"{PRIMARY}.yaml"))
-                return replace(result, config=config)
+        check_yaml(file)
+        result = super().load_config(config_path)
+        if config_path == PRIMARY:
+            config = with_our_hydra(file, result.config, OmegaConf.load(ours / f"{PRIMARY}.yaml"))
+            return replace(result, config=config)
         check_file(file, result.config, result.header["package"])
         return result
 
@@ -110,20 +112,6 @@ class UserFoldersFirst(SearchPathPlugin):
         search_path.append("hjcamp", f"campaigns://{packaged_root() / 'campaigns'}", anchor=SearchPathQuery("main"))
 
 
-@contextmanager
-def readable(file: Path) -> Iterator[None]:
-    """Turn what makes a file unreadable into one message with its name."""
-    try:
-        yield
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise UsageError(f"{file}: line {line}: this is not UTF-8 text") from None
-    except OSError as error:
-        if error.errno is None:
-            raise  # one of Hydra's own
-        raise UsageError(f"{file}: cannot be read: {error.strerror}") from error
-
-
 def milli(value: float) -> float:
     """Return a thousandth: g to kg, mm to m."""
     return float(value) / 1000.0
@@ -134,9 +122,21 @@ def first(*values: object) -> object:
     return next((value for value in values if value is not None), None)
 
 
+@contextmanager
+def _installed_only() -> Iterator[None]:
+    """Hide the working folder from imports: Hydra imports all of ``hydra_plugins``, and a folder there may be anybody's."""
+    here, before = os.getcwd(), sys.path[:]
+    sys.path[:] = [place for place in before if place and os.path.realpath(place) != os.path.realpath(here)]
+    try:
+        yield
+    finally:
+        sys.path[:] = before
+
+
 def register() -> None:
     """Make the plugins known to Hydra; harmless when repeated."""
-    plugins = Plugins.instance()
+    with _installed_only():
+        plugins = Plugins.instance()
     # Hydra has no way to exchange a source; under another name it would take its own for a second one.
     SourcesRegistry.instance().types["file"] = FileConfigSource
     plugins.register(CampaignSource)

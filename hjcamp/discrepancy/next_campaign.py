@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,10 +9,9 @@ from typing import Any
 from hjcamp.configuration.composer import Composer
 from hjcamp.discrepancy.next_menu import Choice
 from hjcamp.errors import UsageError
-from hjcamp.storage import whole_file
+from hjcamp.storage import named_file, whole_file
 
 FOLDER = Path("campaigns")
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 
 
 def new_campaign(name: str | None, folder: Path = FOLDER) -> Path:
@@ -24,11 +22,10 @@ def new_campaign(name: str | None, folder: Path = FOLDER) -> Path:
     taken = {*Composer().options("campaign"), *(path.stem for path in folder.glob("*.yaml"))}
     if name is None:
         name = next(one for number in range(1, len(taken) + 2) if (one := f"next_{number}") not in taken)
-    if not NAME.fullmatch(name):
-        raise UsageError(f"'{name}' cannot be the name of a campaign: use letters, digits, _ and -")
+    [path] = named_file(name, "campaign", folder)
     if name in taken:
         raise UsageError(f"campaign '{name}' exists already; choose another name after --as")
-    return folder / f"{name}.yaml"
+    return path
 
 
 def allowed_by(choices: Sequence[Choice], fixed: Mapping[str, Any]) -> list[Choice]:

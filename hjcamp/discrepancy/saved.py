@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,10 +12,9 @@ from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.storage import whole_file
+from hjcamp.storage import named_file, whole_file
 
 FOLDER = Path("conf") / "model"
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 
 
 def saved_model(name: str) -> Candidate:
@@ -41,9 +39,7 @@ def check_new_name(name: str, folder: Path = FOLDER) -> Path:
     """Return the file of a new model; refuse a name that is no name or that exists, here or among ours."""
     from hjcamp.configuration.composer import Composer
 
-    if not NAME.fullmatch(name):
-        raise UsageError(f"'{name}' cannot be the name of a model: use letters, digits, _ and -")
-    path = folder / f"{name}.yaml"
+    [path] = named_file(name, "model", folder)
     if path.exists() or name in Composer().options("model"):
         raise UsageError(f"model '{name}' exists already; choose another name after --as")
     return path

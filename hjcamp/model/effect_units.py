@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping
+from contextlib import nullcontext
 from typing import Any
 
 from hjcamp.errors import UsageError
+from hjcamp.model import term_checks
 from hjcamp.model.amount import Amount, dimension, text
 from hjcamp.model.amount_formula import with_amounts
 from hjcamp.model.compose import check_effect
 from hjcamp.model.effect import Effect, Term
 from hjcamp.model.plant import Plant
+from hjcamp.model.time_limit import time_limit
+from hjcamp.model.user_file import is_users
 from hjcamp.model.vocabulary import read_vocabulary
 
 DRAWS = 12
@@ -25,7 +29,7 @@ def check_units(effect: type[Effect], plant: type[Plant]) -> None:
     """
     check_effect(effect, plant)
     where = f"effect {effect.name or effect.__name__}"
-    units = _units(effect, plant, where)
+    units, theirs = _units(effect, plant, where), is_users(effect.__module__)
     slots = read_vocabulary(plant).slots
     expected = [(name, function, slots[name].unit, "the slot is in") for name, function in effect.terms.items()]
     groups = (("d_", effect.rates, "/s"), ("next_", effect.updates, ""), ("start_", effect.starts, ""))
@@ -35,7 +39,10 @@ def check_units(effect: type[Effect], plant: type[Plant]) -> None:
             whole = f"({unit}){suffix}" if unit != "1" else f"1{suffix}"
             expected.append((f"{prefix}{state}", function, whole, "it must be in"))
     for name, function, unit, said in expected:
-        _check_function(function, unit, units, f"{where}, method '{name}'", said)
+        # A user's loop may go on for ever at amounts although it ends at numbers.
+        limit = time_limit(term_checks.LOOKING_S, f"{where}, method '{name}'") if theirs else nullcontext()
+        with limit:
+            _check_function(function, unit, units, f"{where}, method '{name}'", said)
 
 
 def _units(effect: type[Effect], plant: type[Plant], where: str) -> dict[str, str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -73,22 +74,22 @@ class _Flatten(ast.NodeTransformer):
         value = node.value
         if isinstance(value, ast.Attribute) and isinstance(value.value, ast.Name) and value.value.id == "memory":
             place = f"m[{self._memory(value.attr)} + ({ast.unparse(self.visit(node.slice))})]"
-            return _expression(place, node.ctx)
+            return _expression(place, node)
         return self.generic_visit(node)
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
         if not isinstance(node.value, ast.Name):
             return self.generic_visit(node)
         if node.value.id == "memory":
-            return _expression(f"m[{self._memory(node.attr)}]", node.ctx)
+            return _expression(f"m[{self._memory(node.attr)}]", node)
         if node.value.id == "parameter":
             if node.attr not in self.law.parameters:
                 raise unknown("parameter", node.attr, self.law.parameters, f"law {self.law.__name__}")
-            return _expression(f"c[{list(self.law.parameters).index(node.attr)}]", node.ctx)
+            return _expression(f"c[{list(self.law.parameters).index(node.attr)}]", node)
         if node.value.id == "sample":
             if node.attr not in self.law.samples:
                 raise unknown("sample quantity", node.attr, self.law.samples, f"law {self.law.__name__}")
-            return _expression(node.attr, node.ctx)
+            return _expression(node.attr, node)
         return self.generic_visit(node)
 
     def _memory(self, name: str) -> int:
@@ -97,16 +98,32 @@ class _Flatten(ast.NodeTransformer):
         return self.offsets[name]
 
 
-def _expression(text: str, context: Any) -> ast.expr:
+def _expression(text: str, instead_of: Any) -> ast.expr:
     node = ast.parse(text, mode="eval").body
-    if isinstance(context, ast.Store):
+    if isinstance(instead_of.ctx, ast.Store):
         assert isinstance(node, ast.Subscript)
         node.ctx = ast.Store()
+    for one in ast.walk(node):
+        ast.copy_location(one, instead_of)
     return node
 
 
 def law_source(law: type[Law], function: str) -> str:
     """Return the source of ``function(<samples>, c, m)`` with ``c`` the parameters and ``m`` the memory."""
+    return "@inlined\n" + ast.unparse(_flat(law, function)) + "\n\n\n"
+
+
+def law_function(law: type[Law], names: Mapping[str, Any]) -> Callable[..., Any]:
+    """Return the function of `law_source` with the file and the lines of the law, and the ``names`` a kernel gives it."""
+    step = law.step  # type: ignore[attr-defined]
+    tree = ast.increment_lineno(_flat(law, "step"), inspect.getsourcelines(step)[1] - 1)
+    found: dict[str, Any] = dict(names)
+    exec(compile(tree, step.__code__.co_filename, "exec"), found)
+    function: Callable[..., Any] = found["step"]
+    return function
+
+
+def _flat(law: type[Law], function: str) -> ast.Module:
     tree = ast.parse(textwrap.dedent(inspect.getsource(law.step)))  # type: ignore[attr-defined]
     definition = tree.body[0]
     assert isinstance(definition, ast.FunctionDef)
@@ -119,4 +136,4 @@ def law_source(law: type[Law], function: str) -> str:
     definition.body = [
         line for line in body if not (isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant))
     ]
-    return "@inlined\n" + ast.unparse(ast.fix_missing_locations(tree)) + "\n\n\n"
+    return ast.fix_missing_locations(tree)

@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError, unknown
-from hjcamp.model import driving, integrator, shared
+from hjcamp.model import driving, integrator, shared, term_checks
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.compose import GATES, Composition
 from hjcamp.model.kernel import LEVELS, copied, kernel_source, load_model
 from hjcamp.model.law import Law, law_source
 from hjcamp.model.structure import nonlinear_rates
-from hjcamp.model.term_checks import check_compiles, compiling
+from hjcamp.model.term_checks import check_compiles, check_law_compiles, limited, users_files
+from hjcamp.model.time_limit import time_limit
 
 Array = NDArray[np.float64]
 PERIOD = 1e-3
@@ -121,7 +122,13 @@ class Simulator:
 
     @cached_property
     def source(self) -> str:
-        """The text of the kernel."""
+        """The text of the kernel, for which its equations are called as Python."""
+        if self.users_files:
+            with time_limit(term_checks.LOOKING_S, self.users_files):
+                return self._text()
+        return self._text()
+
+    def _text(self) -> str:
         composition = self.composition
         if self.free:
             return kernel_source(composition, "\n\n" + copied(driving, ("run_free",)))
@@ -152,10 +159,17 @@ class Simulator:
 
     @cached_property
     def kernel(self) -> ModuleType:
-        """The imported kernel; raises ``UsageError`` for a user's effect that cannot be compiled."""
+        """The imported kernel; raises ``UsageError`` for a user's effect or controller that cannot be compiled."""
         for effect in self.composition.effects:
             check_compiles(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
+        if self.controller is not None:
+            check_law_compiles(self.controller, tuple(MATHEMATICS))  # type: ignore[arg-type]
         return load_model(self.source)
+
+    @cached_property
+    def users_files(self) -> str:
+        """The effects and the controller that are files of the user's, in words; empty where all are ours."""
+        return users_files([*self.composition.effects, *([self.controller] if self.controller else [])])
 
     @property
     def states(self) -> list[str]:
@@ -179,6 +193,7 @@ class Simulator:
         known = self.composition.plant.inputs
         return np.array([known[name].default if name in known else 0.0 for name in self.composition.inputs])
 
+    @limited
     def begin(self, start: Mapping[str, float], p: Array) -> Array:
         """Return the state vector for the given plant states; own states of effects start as they declare."""
         z = np.zeros(len(self.states))
@@ -225,6 +240,7 @@ class Simulator:
             self._found[gates] = present, [k for k, i in enumerate(present) if curved[i]]
         return self._found[gates]
 
+    @limited
     def run(
         self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Propagators | None = None,
         tolerance: float = 1.0,
@@ -242,12 +258,11 @@ class Simulator:
         work[2, 5] = tolerance
         procedure_memory = self.procedure.fresh_memory()
         whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
-        with compiling(self.controller):
-            count = self.kernel.closed_loop(
-                z, self.inputs(), p, *propagators, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
-                procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
-                test.counts, test.phases, test.noise, test.scatter, record, work,
-            )  # fmt: skip
+        count = self.kernel.closed_loop(
+            z, self.inputs(), p, *propagators, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
+            procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
+            test.counts, test.phases, test.noise, test.scatter, record, work,
+        )  # fmt: skip
         phase = int(procedure_memory[list(self.procedure.memories).index("phase")])
         if count < 0 or phase > 5:
             reached = record[: count if count >= 0 else None, 0]
@@ -266,6 +281,7 @@ class Simulator:
         columns["steps"], columns["events"] = work[2, 1], work[2, 2]
         return columns
 
+    @limited
     def follow(
         self, p: Array, course: Course, propagators: Propagators | None = None, tolerance: float = 1.0
     ) -> Followed:
@@ -286,6 +302,7 @@ class Simulator:
         )  # fmt: skip
         return Followed(readings, ideal, forces, work[2, 1])
 
+    @limited
     def run_free(self, p: Array, given: Given, tolerance: float = 1.0) -> tuple[Array, Array]:
         """Return the readings (n, channels) and the states (n, states) of tests under given inputs, SI."""
         composition = self.composition

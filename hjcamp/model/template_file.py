@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from hjcamp.errors import UsageError
-from hjcamp.storage import whole_file
+from hjcamp.storage import check_place, whole_file
 
 VERBS = ("new", "test")
 
@@ -17,6 +17,7 @@ def write_user_file(kind: str, name: str, folder: Path, text: str, taken: Iterab
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise UsageError(f"{kind} name '{name}': write it in small letters, digits and _, such as {example}")
     path = folder / f"{name}.py"
+    check_place(path)
     if path.exists():
         raise UsageError(f"{path} exists; it is left as it is")
     if name in taken or name in VERBS:

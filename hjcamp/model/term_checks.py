@@ -6,17 +6,23 @@ import functools
 import inspect
 import math
 import re
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from types import CodeType, FunctionType
 from typing import Any
 
+import numpy as np
+
 from hjcamp.errors import UsageError
 from hjcamp.model.effect import Effect, parameters_of
-from hjcamp.model.time_limit import time_limit
+from hjcamp.model.law import Law, law_function
+from hjcamp.model.time_limit import RunLimit, time_limit
 from hjcamp.model.user_file import is_users, line_in
 
 CALLING_S = 5.0
+# For all methods of all effects, with numbers and with units in the place of numbers.
+LOOKING_S = 15.0
+# Of computing, for one test: the longest of our campaigns takes less than a hundredth of it.
+KERNEL_S = 60.0
 TRIED = (0.0, 1.0, -1.0, 0.3, -1e-3, 1e6)
 
 
@@ -79,15 +85,57 @@ def check_compiles(effect: type[Effect], mathematics: tuple[str, ...]) -> None:
             raise UsageError(_told(_last_return(function), effect, function, said))
 
 
-@contextmanager
-def compiling(law: type) -> Iterator[None]:
-    """Turn what numba says of a user's controller into a ``UsageError`` with its file."""
+@functools.cache
+def check_law_compiles(law: type[Law], mathematics: tuple[str, ...]) -> None:
+    """Refuse a user's controller that numba cannot compile to its results, saying which line of whose file."""
+    if not is_users(law.__module__):
+        return
+    from numba import njit, types
+
+    function = law_function(law, {name: getattr(math, name) for name in mathematics} | {"np": np})
+    compiled: Any = njit(error_model="numpy")(function)
+    if not hasattr(compiled, "compile"):
+        return  # NUMBA_DISABLE_JIT
+    numbers = [types.int64 if name == "index" else types.float64 for name in law.samples]
+    signature = (*numbers, types.float64[::1], types.float64[::1])
+    file = function.__code__.co_filename
     try:
-        yield
-    except Exception as problem:
-        if not is_users(law.__module__) or not type(problem).__module__.startswith("numba."):
-            raise
-        raise UsageError(f"{inspect.getfile(law)}: numba cannot compile this: {_first_reason(problem)}") from None
+        compiled.compile(signature)
+    except Exception as problem:  # numba has several families of errors
+        line = _line_of(problem, function)
+        raise UsageError(
+            f"{file}: line {line}: controller {law.name}: numba cannot compile it: {_first_reason(problem)}"
+        ) from None
+    kind: Any = compiled.overloads[signature].signature.return_type
+    given = [*kind] if isinstance(kind, types.UniTuple | types.Tuple) else [kind]
+    if len(given) != len(law.results) or not all(isinstance(one, types.Number | types.Boolean) for one in given):
+        line = _last_return(law.step)  # type: ignore[attr-defined]
+        raise UsageError(
+            f"{file}: line {line}: controller {law.name}: it gives {kind}; "
+            f"{len(law.results)} numbers are needed on every way through it: {', '.join(law.results)}"
+        )
+
+
+def limited(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Limit a method of a simulator that runs its kernel, where a file of the user's is part of that.
+
+    A kernel does not look at signals, so one that never ends takes its process with it; it says whose code it was.
+    """
+
+    @functools.wraps(method)
+    def call(self: Any, *given: Any, **named: Any) -> Any:
+        if not self.users_files:
+            return method(self, *given, **named)
+        with RunLimit(KERNEL_S, f"one test with {self.users_files}")():
+            return method(self, *given, **named)
+
+    return call
+
+
+def users_files(parts: Iterable[type]) -> str:
+    """Return in words which effects and controllers are files of the user's; empty where none is."""
+    kinds = [("effect" if issubclass(one, Effect) else "controller", one) for one in parts if is_users(one.__module__)]
+    return " and ".join(f"{kind} {getattr(one, 'name', '')} ({inspect.getfile(one)})" for kind, one in kinds)
 
 
 def _alone(function: Callable[..., float], mathematics: tuple[str, ...]) -> Callable[..., Any]:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.model.time_limit import time_limit
+from hjcamp.storage import check_is_file
 
 PREFIX = "hjcamp_file_"
 LOADING_S = 15.0
@@ -65,6 +66,7 @@ def line_in(path: str, problem: BaseException) -> int | None:
 
 def _read(path: Path) -> str:
     try:
+        check_is_file(path)
         content = path.read_bytes()
         return content.decode()
     except UnicodeDecodeError as problem:

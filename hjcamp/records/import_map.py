@@ -18,6 +18,7 @@ from hjcamp.plants import DEFAULT, find_plant, load_plants
 from hjcamp.records.check import check_names
 from hjcamp.records.of_plant import LONGEST_PERIOD_S, PERIOD_KEY, PLANT_KEY
 from hjcamp.records.units import conversion_to_field
+from hjcamp.yaml_file import read_yaml
 
 LOWEST_SAMPLING_HZ = 200.0  # of the pump joint: its logs have one sample each ms
 HIGHEST_SAMPLING_HZ = 100e3
@@ -90,7 +91,7 @@ class ImportMap:
 def read_import_map(path: Path) -> ImportMap:
     """Return the mapping in a YAML file; raises UsageError for every key, field, unit or number that cannot be."""
     where = str(path)
-    content = _read(path, where)
+    content = read_yaml(path)
     _only_known(content, KEYS, "key", where)
     plant = find_plant(_text(content, "plant", where) or DEFAULT, where)
     table = fields_of(plant)
@@ -148,20 +149,6 @@ def _quoted(unit: str) -> str:
 
 def _example_value(name: str, item: Parameter) -> float:
     return item.default * _scale_of(name, item.unit)[0]
-
-
-def _read(path: Path, where: str) -> Any:
-    import yaml
-
-    try:
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UsageError(f"{where}: the mapping cannot be read: {reason}") from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        mark = getattr(error, "problem_mark", None)
-        line = f" in line {mark.line + 1}" if mark else ""
-        raise UsageError(f"{where}: the mapping is not YAML{line}") from error
 
 
 def _text(content: Mapping[str, Any], key: str, where: str) -> str:

@@ -16,6 +16,7 @@ from hjcamp.model.plant import Plant
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
 from hjcamp.records.units import units_of
+from hjcamp.yaml_file import yaml_values
 
 CONFIGURATION = "config.yaml"
 # So few samples of a test are single ones that went wrong; more of them are the column.
@@ -178,11 +179,9 @@ def _blocked(log: TestLog) -> bool:
 
 
 def _read(attachments: Mapping[str, bytes]) -> Mapping[str, Any]:
-    import yaml
-
     try:
-        content = yaml.load(attachments.get(CONFIGURATION, b""), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    except (yaml.YAMLError, UnicodeDecodeError, ValueError, RecursionError):
+        content = yaml_values(attachments.get(CONFIGURATION, b""))
+    except UsageError:
         return {}
     return content if isinstance(content, Mapping) else {}
 

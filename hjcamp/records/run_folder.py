@@ -77,9 +77,10 @@ def refuse_links_out(folder: Path) -> None:
     for place, folders, files in os.walk(folder):
         for name in (*folders, *files):
             path = os.path.join(place, name)
-            if os.path.islink(path) and not Path(path).resolve().is_relative_to(root):
+            target = Path(os.path.realpath(path))  # takes a link to itself, too
+            if os.path.islink(path) and not target.is_relative_to(root):
                 raise UsageError(
-                    f"{path} is a link that leads out of the run folder, to {Path(path).resolve()}; a run writes into "
+                    f"{path} is a link that leads out of the run folder, to {target}; a run writes into "
                     "its own folder only"
                 )
 

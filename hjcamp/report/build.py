@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -60,7 +61,7 @@ def build_report(
     are read one after the other. `UsageError` where there is no log, a log that cannot be read, or an unknown
     ``against`` or table.
     """
-    from hjcamp.records.find import refuse_unanalysed
+    from hjcamp.records.find import refuse_unanalysed, tell
     from hjcamp.records.run_folder import refuse_links_out
     from hjcamp.records.stored import stored_logs
 
@@ -72,7 +73,13 @@ def build_report(
     origin = read_origin(run_dir)
     if origin.plan and target == run_dir:
         refuse_links_out(target)
-    found = list(logs) if logs is not None else stored_logs([run_dir])
+    left_out: list[str] = []
+
+    def leave_out(text: str) -> None:
+        left_out.append(text.replace(f"{run_dir}{os.sep}", ""))
+        tell(text)
+
+    found = list(logs) if logs is not None else stored_logs([run_dir], leave_out)
     if not found:
         raise UsageError(f"{run_dir}: there are no test logs to report on")
     refuse_unanalysed(found, "the report")
@@ -91,8 +98,8 @@ def build_report(
         replace_file(target / "tables" / f"{name}.tex", to_latex(sheet))
     all_sheets = [*sheets, arrange_conditions(conditions)]
     more = further(found) if further else {}
-    page = _page(run_dir, origin, found, spreads, all_sheets, verdict(comparison, differs) if against else "", more)
-    replace_file(target / "report.html", page)
+    said = verdict(comparison, differs) if against else ""
+    replace_file(target / "report.html", _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out))
     return Report(run_dir, target / "report.html", indicators, tables, sheets, comparison, differs)
 
 
@@ -155,6 +162,7 @@ def _page(
     sheets: Sequence[Sheet],
     verdict_text: str,
     more: dict[str, tuple[str, str]],
+    left_out: Sequence[str] = (),
 ) -> Iterator[str]:
     tests = Counter(log.condition_key for log in logs)
     pictures = {name: Picture(caption, partial(str, svg)) for name, (svg, caption) in more.items()}
@@ -165,13 +173,15 @@ def _page(
     unfinished = [f"{count} {state}" for state, count in states.items() if state != "done"]
     campaign = str(origin.plan.get("campaign") or logs[0].metadata.get("campaign") or "Test logs")
     facts = [run_dir.resolve().name, f"{len(logs)} tests", f"{len(spreads)} conditions", *unfinished]
+    if left_out:
+        facts.append(f"{len(left_out)} log{'s' if len(left_out) > 1 else ''} left out, see below")
     return build_page(
         title=campaign,
         facts=[*facts, *filter(None, [str(origin.plan.get("description") or "")])],
         verdict=verdict_text,
         sheets=sheets,
         pictures=pictures,
-        origin=origin_facts(origin, logs),
+        origin=[*origin_facts(origin, logs), *(("left out", text) for text in left_out)],
         command=origin.command,
         configuration=origin.config_text,
     )

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import polars as pl
-import yaml
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.report.indicators import CHOICES, INDICATORS
+from hjcamp.yaml_file import read_yaml
 
 DEFAULT = Path(__file__).with_name("default_tolerances.yaml")
 KINDS = ("absolute", "published_std")
@@ -47,12 +47,9 @@ def read_tolerances(source: str | Path) -> Tolerances:
     passes when it is within any one given. Indicators that are not named are not checked.
     """
     path = DEFAULT if str(source) == "default" else Path(source)
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UsageError(f"tolerances {path}: {error.strerror}; a YAML file or 'default' is needed") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise UsageError(f"tolerances {path}: {' '.join(str(error).split())}") from error
+    if not path.exists():
+        raise UsageError(f"tolerances {path}: there is no such file; a YAML file or 'default' is needed")
+    content = read_yaml(path)
     if not isinstance(content, dict) or not content:
         raise UsageError(f"tolerances {path}: indicators with their tolerances are needed")
     for name, limits in content.items():

@@ -7,11 +7,10 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from hjcamp.configuration.search_path import group_folders
 from hjcamp.errors import UsageError, unknown
 from hjcamp.report.indicators import CHOICES, INDICATORS
+from hjcamp.yaml_file import read_yaml
 
 
 @dataclass(frozen=True)
@@ -77,11 +76,7 @@ def declared_tables(names: Sequence[str] | None = None) -> list[TableDefinition]
 
 def read_definition(path: Path) -> TableDefinition:
     """Return one definition; `UsageError` names the file, what is wrong and what is allowed."""
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path}: {' '.join(str(error).split())}") from error
-    content = _mapping(content, f"{path}")
+    content = _mapping(read_yaml(path), f"{path}")
     _check_keys(content, [field.name for field in fields(TableDefinition) if field.name != "name"], f"{path}")
     for key in ("title", "indicators", "by"):
         if not content.get(key):

@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
+
+from hjcamp.errors import UsageError
+from hjcamp.yaml_file import yaml_values
 
 if TYPE_CHECKING:
     import polars as pl
@@ -93,8 +95,8 @@ def _standing(attachment: bytes, *cell: str) -> list[dict[str, str]]:
 def configuration(attachment: bytes) -> dict[str, Any]:
     """Return the attached configuration; a damaged one counts as absent, because the samples are still good."""
     try:
-        config = yaml.load(attachment, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    except (yaml.YAMLError, UnicodeDecodeError):
+        config = yaml_values(attachment)
+    except UsageError:
         return {}
     return config if isinstance(config, dict) else {}
 

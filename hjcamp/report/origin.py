@@ -8,11 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import yaml
-
+from hjcamp.errors import UsageError
 from hjcamp.records.manifest import read_manifest
 from hjcamp.records.plan import NAME as PLAN
 from hjcamp.records.plan import read_plan
+from hjcamp.storage import check_is_file
+from hjcamp.yaml_file import yaml_values
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
@@ -67,8 +68,8 @@ def read_origin(run_dir: Path) -> RunOrigin:
     """
     config_text = _text(run_dir / "config.yaml")
     try:
-        config = yaml.safe_load(config_text)
-    except yaml.YAMLError:
+        config = yaml_values(config_text)
+    except UsageError:
         config = None
     plan = read_plan(run_dir / PLAN) if (run_dir / PLAN).exists() else None
     return RunOrigin(
@@ -116,6 +117,7 @@ def _shortened(value: str, longest: int = 200) -> str:
 
 def _text(path: Path) -> str:
     try:
+        check_is_file(path)
         return path.read_text(encoding="utf-8", errors="replace")
     except OSError:
         return ""

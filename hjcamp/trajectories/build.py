@@ -30,7 +30,7 @@ def build_trajectory(config: Mapping[str, Any], folders: Sequence[Path] | None =
     kind = config.get("kind")
     if kind is None:
         raise UsageError(f"trajectory.kind is missing. Allowed: {', '.join(sorted(kinds))}")
-    if kind not in kinds:
+    if not isinstance(kind, str) or kind not in kinds:
         raise unknown("trajectory kind", str(kind), kinds, "trajectory.kind")
     chosen = kinds[kind]
     parameters = {name: value for name, value in config.items() if name not in ("name", "kind")}

@@ -106,7 +106,7 @@ def test_json_logs_without_optional_fields_give_a_model_by_name(
     [
         (["nowhere", "--as", "bench"], "nowhere"),
         (["logs", "--as", "published"], "choose another name"),
-        (["logs", "--as", "a/b"], "cannot be a name"),
+        (["logs", "--as", "a/b"], "cannot be the name"),
         (["logs", "--as", "bench"], "mixed hardware: these logs name 2 choices of pump: pump1, pump2"),
         (["logs", "--as", "bench", "--only", "pump=pump3"], "did you mean"),
         (["logs", "--as", "bench", "--only", "pump"], "KEY=VALUE"),

@@ -52,7 +52,7 @@ def same(one: Composition, other: Composition) -> None:
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_every_condition_of_a_campaign(composer: Composer, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     campaign = read_campaign(composer.compose([f"campaign={name}"]).config["campaign"], name)
-    for draft in draft_conditions(campaign, [], composer)[1]:
+    for draft in draft_conditions(campaign, [], composer, 10_000)[1]:
         same(joined(composer, draft.overrides), by_hydra(composer, draft.overrides, monkeypatch))
 
 

@@ -34,6 +34,12 @@ def quick_test(config: dict, seed: int) -> tuple[dict[str, np.ndarray], dict[str
     return columns, {}
 
 
+@pytest.fixture(scope="session")
+def quick() -> Callable[..., tuple[dict[str, np.ndarray], dict[str, str]]]:
+    """Return the backend of the tests that `call` makes."""
+    return quick_test
+
+
 @pytest.fixture
 def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Call:
     """Return the function that calls ``hjcamp ARGUMENTS`` in an empty folder."""

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import polars as pl
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -34,14 +33,13 @@ READERS = ("resume", "show", "report")
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def finished(tmp_path_factory: pytest.TempPathFactory, quick: Callable[..., Any]) -> Path:
     """Return a folder with two finished runs of two repetitions, of two gains."""
     folder = tmp_path_factory.mktemp("finished")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         patch.delenv("HJCAMP_CONF", raising=False)
-        patch.setattr(hjcamp.backends, "run_test", quick_test)
-        patch.setattr(hjcamp.backends, "check_test", lambda config: None)
+        patch.setattr(hjcamp.backends, "run_test", quick)
         for name, gain in (("one", "1.05"), ("two", "3.0")):
             words = ["run", "repetitions=2", "workers=1", f"controller.positive.kp={gain}"]
             assert cli.run([*words, f"run_dir=runs/{name}"]) == 0
@@ -53,14 +51,6 @@ def run(call: Call, finished: Path) -> Path:
     """Return a finished run in an empty folder."""
     shutil.copytree(finished / RUN, RUN)
     return RUN
-
-
-def quick_test(config: dict[str, Any], seed: int) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Return a log that depends on the seed alone."""
-    time = np.arange(1500) * 1e-3
-    arm = 60 * time + np.random.default_rng(seed).normal(0.0, 0.1, 1500)
-    columns = {"time_s": time, "phase": np.full(1500, 3.0), "reference_deg": 60 * time, "arm_deg": arm}
-    return columns | {"pressure1_mpa": 0.26 + 0 * time, "pressure2_mpa": 0.26 + 0 * time, "pump_deg": time}, {}
 
 
 def contents(folder: Path) -> dict[str, str]:
@@ -151,6 +141,9 @@ def test_a_log_of_another_test_is_repeated(call: Call, run: Path) -> None:
     answer = call("report", str(run))
     assert answer.code == 0
     assert "rep_01.mcap is left out: repetition 2, planned 1; seed" in answer.err
+    page = (run / "report.html").read_text(encoding="utf-8")
+    assert "1 log left out, see below" in page
+    assert '<td>left out</td><td class="fact">logs/ramp_pos__pid/rep_01.mcap is left out: repetition 2' in page
     assert pl.read_csv(run / "tables/indicators.csv")["repetition"].to_list() == [2]
     for number in (1, 2):
         answer = call("resume", str(run))

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from hjcamp.calibrate.constants import attached_configuration
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
+from hjcamp.records.import_map import read_import_map
+from hjcamp.records.log import TestLog
+from hjcamp.report.check import read_tolerances
+from hjcamp.report.declared import read_definition
+from hjcamp.report.indicators import configuration
+from hjcamp.yaml_file import read_yaml
 
 NINE = ["name: bomb", "x0: &x0 [a,a,a,a,a,a,a,a,a]"]
 NINE += [f"x{depth}: &x{depth} [{','.join([f'*x{depth - 1}'] * 9)}]" for depth in range(1, 9)]
@@ -32,13 +40,13 @@ def write(path: Path, content: str | bytes) -> None:
     ("file", "content", "line", "words"),
     [
         ("conf/payload/none.yaml", "defaults: [none]\nname: none\n", "seed=1", "refers to itself: the defaults of payload/none"),
-        ("conf/payload/none.yaml", b"name: none\nmass_g: \xff\n", "seed=1", "none.yaml is no UTF-8 text: the byte at 19 is 0xff"),
+        ("conf/payload/none.yaml", b"name: none\nmass_g: \xff\n", "seed=1", "none.yaml: line 2: this is not UTF-8 text"),
         ("conf/payload/none.yaml", "a: &a [*a]\n", "seed=1", "none.yaml: a value holds itself"),
         ("conf/payload/none.yaml", "mass_g: ${payload.mass_g}\n", "seed=1", "Recursive interpolation"),
         ("conf/payload/none.yaml", f"mass_g: {'1' * 5000}\n", "seed=1", "Exceeds the limit (4300 digits)"),
         ("conf/tubing/bomb.yaml", BOMB, "tubing=bomb", "bomb.yaml holds 4.9e+08 values"),
         ("campaigns/mine.yaml", BOMB, "campaign=mine", "mine.yaml holds 4.9e+08 values"),
-        ("campaigns/mine.yaml", b"name: \xff", "campaign=mine", "mine.yaml is no UTF-8 text"),
+        ("campaigns/mine.yaml", b"name: \xff", "campaign=mine", "mine.yaml: line 1: this is not UTF-8 text"),
         ("campaigns/mine.yaml", "", "campaign=mine", "mine.yaml holds no keys"),
         ("campaigns/mine.yaml", "[1]", "campaign=mine", "mine.yaml holds no keys"),
         ("campaigns/mine.yaml", "vary: [", "campaign=mine", "mine.yaml: while parsing"),
@@ -51,6 +59,29 @@ def test_refused_by_name(empty_folder: Path, file: str, content: str | bytes, li
         plan_of(line)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("reader", [read_import_map, read_tolerances, read_definition, read_yaml], ids=lambda one: one.__name__)
+def test_aliases_of_aliases_in_other_files(empty_folder: Path, reader: Callable[[Path], object]) -> None:
+    begin = time.monotonic()
+    for content, words in (
+        (BOMB.encode(), "holds 4.9e+08 values"),
+        (b"a: &a [*a]\n", "holds itself"),
+        (b"[" * 5000, ""),
+        (b"a: 2001-99-99\n", ""),
+        (b"a: \xff\n", "line 1: this is not UTF-8 text"),
+    ):
+        write(empty_folder / "mine.yaml", content)
+        with pytest.raises(UsageError) as caught:
+            reader(empty_folder / "mine.yaml")
+        assert "mine.yaml" in str(caught.value) and words in str(caught.value) and "\n" not in str(caught.value)
+    assert time.monotonic() - begin < 20.0
+
+
+def test_a_log_with_aliases_of_aliases_counts_as_one_without_configuration() -> None:
+    begin = time.monotonic()
+    assert configuration(BOMB.encode()) == {} and attached_configuration(TestLog({}, {}, {"config.yaml": BOMB.encode()})) is None
+    assert time.monotonic() - begin < 20.0
 
 
 def test_two_files_that_refer_to_each_other(empty_folder: Path) -> None:

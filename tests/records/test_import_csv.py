@@ -170,10 +170,10 @@ def test_files_that_cannot_be_used(tmp_path: Path) -> None:
     source, rules = write_case(tmp_path, table(1000))
     with pytest.raises(UsageError, match="cannot be read"):
         import_file(tmp_path / "nothing.csv", rules, tmp_path / "out.mcap")
-    with pytest.raises(UsageError, match="the mapping cannot be read"):
+    with pytest.raises(UsageError, match="cannot be read"):
         import_file(source, tmp_path / "nothing.yaml", tmp_path / "out.mcap")
     rules.write_text("fields: [")
-    with pytest.raises(UsageError, match="the mapping is not YAML in line 1"):
+    with pytest.raises(UsageError, match=r"while parsing.* line 1"):
         import_file(source, rules, tmp_path / "out.mcap")
     (tmp_path / "out.mcap").write_bytes(b"")
     with pytest.raises(UsageError, match="exists already"):

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import polars as pl
 import pytest
 import yaml
-from report_samples import make_log
+from report_samples import as_planned, make_log, write_plan
+from report_samples import make_plan as make_sample_plan
 
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
+from hjcamp.records.read import read_log
 from hjcamp.records.write import write_log
 from hjcamp.report.build import Report, build_report, verdict
 from hjcamp.report.check import check
@@ -39,11 +41,14 @@ SOFTER = "controller.positive.kp is 0.7 instead of 1.05"
 
 
 def run_of(folder: Path, logs: Sequence[TestLog], axes: dict[str, list[str]] | None = None) -> Report:
+    names = list(dict.fromkeys(log.metadata["condition"] for log in logs))
+    repetitions = max(int(log.metadata["repetition"]) for log in logs)
+    plan = make_sample_plan(names, repetitions, ["table_5_4_1"], campaign=logs[0].metadata["campaign"])
     for log in logs:
         path = folder / "logs" / log.metadata["condition"] / f"rep_{int(log.metadata['repetition']):02d}.mcap"
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_log(path, log)
-    (folder / "plan.json").write_text(json.dumps({"tables": ["table_5_4_1"], "axes": axes or {}}))
+        write_log(path, as_planned(log, plan))
+    write_plan(folder, replace(plan, axes=axes or {}))
     return build_report(folder, against="published")
 
 
@@ -66,7 +71,8 @@ def test_the_indicators_tell_two_gains_apart(tmp_path: Path) -> None:
     ):
         assert tuple(frame.columns) == (*COLUMNS, "condition", "seed", "log", "controller.positive.kp")
         assert frame["controller.positive.kp"].to_list() == [0.7, 0.7, 1.05, 1.05]
-        assert frame["seed"].to_list() == [100, 200, 101, 201]
+        kept = [read_log(path) for path in sorted((tmp_path / "logs").rglob("*.mcap"))]
+        assert frame["seed"].to_list() == [int(log.metadata["seed"]) for log in kept]
         assert frame["log"].to_list()[0] == "logs/ramp_pos__kp-0.7/rep_01.mcap"
         assert all((tmp_path / name).is_file() for name in frame["log"])
 
@@ -140,7 +146,7 @@ def test_a_shipped_campaign_as_it_is_has_its_published_values(
         (("+effects.leakage.conductance=1e-13",), {}, "effects.leakage.conductance is 1e-13 instead of absent"),
         (("procedure.preload_mpa=0.3",), {}, "procedure.preload_mpa is 0.3 instead of 0.26"),
         (("trajectory.amplitude_deg=80",), {}, "trajectory.amplitude_deg is 80 instead of 120"),
-        ((), {"pump": "pump1", "amplifier": "low_gain"}, "pump is pump1 instead of pump2"),
+        ((), {"pump": "pump1", "amplifier": "low_gain"}, "pump is pump1 instead of pump2, and 7 more"),
         (("controller.positive.ki=60", SOFT), {}, "controller.positive.kp is 0.7 instead of 1.05, and 1 more"),
     ],
 )

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hjcamp import backends
+from hjcamp.backends.nidaqmx import check_test
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 
 PUMP1 = ("pump=pump1", "amplifier=low_gain")
@@ -21,7 +22,7 @@ TRAJECTORIES = {
 def test_every_trajectory_ends_and_is_followed(compose: Any, device: VirtualDevice, controller: str) -> None:
     for trajectory in TRAJECTORIES[controller]:
         config = compose(*PUMP1, f"trajectory={trajectory}", f"controller={controller}")
-        backends.check_test(config)
+        check_test(config)
         columns, _ = backends.run_test(config, 1)
         moving = columns["phase"] == 3.0
         error = (columns["reference_deg"] - columns["arm_deg"])[moving]
@@ -42,7 +43,7 @@ def test_an_open_loop_is_not_stopped_by_its_reference(
     compose: Any, device: VirtualDevice, lines: tuple[str, ...]
 ) -> None:
     config = compose(*lines, "controller=open_loop", "procedure.adjustment.enabled=false")
-    backends.check_test(config)
+    check_test(config)
     columns, _ = backends.run_test(config, 1)
     error = np.abs(columns["reference_deg"] - columns["arm_deg"])[columns["phase"] == 3.0]
     assert error.max() > config["rig"]["limits"]["tracking_deg"]

@@ -5,10 +5,12 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from hjcamp.backends import rig_check
 from hjcamp.backends.rig_check_stamp import (
     changes,
     decisive,
@@ -19,6 +21,7 @@ from hjcamp.backends.rig_check_stamp import (
 )
 from hjcamp.backends.rig_connection import RigUnavailable
 from hjcamp.backends.virtual_rig.device import VirtualDevice
+from hjcamp.errors import UsageError
 
 PARTS = ("inputs", "outputs", "watchdog", "limits", "sensors")
 
@@ -88,6 +91,27 @@ def test_only_the_last_check_counts(compose: Any, device: VirtualDevice) -> None
     require_check(second)
     with pytest.raises(RigUnavailable, match=r"rig\.inputs\.arm\.sign was -1 and is 1"):
         require_check(first)
+
+
+def test_a_check_that_cannot_be_kept_moves_nothing(
+    compose: Any, device: VirtualDevice, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    moved: list[str] = []
+    monkeypatch.setattr(rig_check, "open_check", lambda *given: moved.append("moved"))
+    for name in ("XDG_STATE_HOME", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(Path, "home", no_home)
+    with pytest.raises(RigUnavailable, match="no home folder to keep a rig's check in: set XDG_STATE_HOME"):
+        rig_check.check_rig(compose(), lambda question: True, print)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UsageError, match="file is no folder"):
+        rig_check.check_rig(compose(), lambda question: True, print)
+    assert not moved
+
+
+def no_home() -> Path:
+    raise RuntimeError("Could not determine home directory.")
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"checked": 3}', '{"checked": null, "x": 1}', "\x00"])

@@ -12,6 +12,7 @@ from hjcamp.backends import nidaqmx, rig_connection, rig_guard
 from hjcamp.backends.rig_connection import Connection
 from hjcamp.backends.rig_guard import is_real, notices, require_guard
 from hjcamp.backends.virtual_rig.device import VirtualDevice
+from hjcamp.configuration.check import check_configuration
 from hjcamp.errors import UsageError
 
 REAL = ["backend=nidaqmx", "rig=example_pcie"]
@@ -54,8 +55,8 @@ def test_the_word_is_repeated_and_then_only_the_driver_is_missing(
 
 @pytest.mark.parametrize("word", ["no", "off", "''", "true", "3", "[a]"])
 def test_what_names_nothing(word: str, compose: Any) -> None:
-    with pytest.raises(UsageError, match=r"rig\.interlock is .*name what stops the drives"):
-        backends.check_test(compose("rig=example_pcie", f"rig.interlock={word}"))
+    with pytest.raises(UsageError, match=r"rig\.interlock is .*(name what stops the drives|a text or null is needed)"):
+        check_configuration(compose("rig=example_pcie", f"rig.interlock={word}"))
 
 
 def test_which_rigs_are_real(compose: Any) -> None:

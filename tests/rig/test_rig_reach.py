@@ -52,7 +52,10 @@ def test_the_need_by_hand(compose: Any) -> None:
         ),
         (("procedure.preload_speed_mm_per_s=6",), r"needs -12 to 12 V, outputs\.preload gives -10 to 10 V"),
         (("procedure.preload_mpa=1.4",), r"preload_mpa is 1\.4, limits\.pressure_high_mpa stops it at 1\.3 MPa"),
-        (("rig.return_speed_mm_per_s=80",), r"limits\.pump_speed_mm_per_s stops it at 70 mm/s"),
+        (
+            ("rig.return_speed_mm_per_s=60", "rig.limits.pump_speed_mm_per_s=50"),
+            r"limits\.pump_speed_mm_per_s stops it at 50 mm/s",
+        ),
     ],
 )
 def test_refused(compose: Any, lines: tuple[str, ...], words: str) -> None:
@@ -64,7 +67,6 @@ def test_refused(compose: Any, lines: tuple[str, ...], words: str) -> None:
 @pytest.mark.parametrize(
     "lines",
     [
-        ("rig.limits.pump_travel_mm=null",),
         ("trajectory.amplitude_deg=199",),
         ("rig.outputs.pump.v_per_deg=-0.004",),
         (*OPEN, "trajectory=hold", "trajectory.angle_deg=360", "controller.scale=1"),

@@ -1,0 +1,76 @@
+"""Read YAML of the user's: what is no YAML, would never end or grows without bounds is one message with the file's name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from hjcamp.errors import UsageError
+from hjcamp.storage import check_is_file
+
+MOST_VALUES = 200_000  # aliases counted as often as they are used
+MOST_BYTES = 20_000_000
+
+
+def read_yaml(path: Path) -> Any:
+    """Return what a YAML file holds as plain values; raises ``UsageError`` as `check_yaml` does."""
+    return _values(_text(path), str(path))
+
+
+def check_yaml(path: Path) -> None:
+    """Raise ``UsageError``, with the file's name, where the file is no readable YAML or grows without bounds."""
+    _values(_text(path), str(path), construct=False)
+
+
+def yaml_values(content: bytes | str, where: str = "YAML") -> Any:
+    """Return what a text holds, such as a log's attachment; raises ``UsageError`` as `check_yaml` does."""
+    return _values(_decoded(content, where) if isinstance(content, bytes) else content, where)
+
+
+def _text(path: Path) -> str:
+    try:
+        check_is_file(path)
+        with path.open("rb") as stream:
+            content = stream.read(MOST_BYTES + 1)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path} cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    return _decoded(content, str(path))
+
+
+def _decoded(content: bytes, where: str) -> str:
+    if len(content) > MOST_BYTES:
+        raise UsageError(f"{where} is longer than {MOST_BYTES / 1e6:g} MB: this cannot be configuration")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise UsageError(f"{where}: line {line}: this is not UTF-8 text") from error
+
+
+def _values(text: str, where: str, construct: bool = True) -> Any:
+    loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
+    try:
+        node = loader.get_single_node()
+        count = _count(node, {})
+        if count > MOST_VALUES:
+            raise UsageError(f"{where} holds {count:.3g} values, its aliases written out; at most {MOST_VALUES} are allowed")
+        return None if node is None or not construct else loader.construct_document(node)
+    except RecursionError:
+        raise UsageError(f"{where}: a value holds itself, or is nested too deeply") from None
+    # A date such as 2001-99-99 and a number too long to be read are ValueErrors of Python's own.
+    except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
+        raise UsageError(f"{where}: {' '.join(str(error).split())}") from error
+    finally:
+        loader.dispose()
+
+
+def _count(node: yaml.Node | None, known: dict[int, int]) -> int:
+    if node is None:
+        return 0
+    if id(node) not in known:
+        inner = [one for pair in node.value for one in pair] if isinstance(node, yaml.MappingNode) else node.value
+        many = not isinstance(node, yaml.ScalarNode)
+        known[id(node)] = 1 + (sum(_count(one, known) for one in inner) if many else 0)
+    return known[id(node)]
