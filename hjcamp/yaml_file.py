@@ -64,6 +64,11 @@ def _values(text: str, where: str, construct: bool = True, mapping: bool = False
         return None if node is None or not construct else loader.construct_document(node)
     except RecursionError:
         raise UsageError(f"{where}: a value holds itself, or is nested too deeply") from None
+    except yaml.MarkedYAMLError as error:
+        # What is missing at the end is found one line behind it.
+        line = min(error.problem_mark.line, text.rstrip().count("\n")) + 1 if error.problem_mark else 1
+        said = ": ".join(filter(None, (error.context, error.problem)))
+        raise UsageError(f"{where}: {' '.join(said.split())}, line {line}") from error
     # A date such as 2001-99-99 and a number too long to be read are ValueErrors of Python's own.
     except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
         raise UsageError(f"{where}: {' '.join(str(error).split())}") from error

@@ -238,21 +238,3 @@ def test_two_plants_of_one_name_are_refused(folder: Path, capsys: pytest.Capture
     (folder / "plants" / "pump_joint.py").write_text((folder / "plants" / "axis.py").read_text())
     assert cli.run(["plants"]) == 2
     assert "'pump_joint' is taken" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("", "it has no function 'equations'"),
-        ("    equations = 3\n", "it has no function 'equations'"),
-        ("    equations = lambda state: state\n", "line 4: plant bare: 'equations' is no function"),
-    ],
-)
-def test_a_plant_without_equations(folder: Path, text: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
-    bare = 'from hjcamp.plant import Plant\nclass Bare(Plant):\n    """A plant."""\n' + text
-    (folder / "plants").mkdir(exist_ok=True)
-    (folder / "plants" / "bare.py").write_text(bare)
-    for words in (["bare"], ["test", "bare"]):
-        assert cli.run(["plants", *words]) == 2
-        said = capsys.readouterr().err
-        assert "plants/bare.py: " in said and told in said, said
