@@ -19,9 +19,12 @@ def read_yaml(path: Path) -> Any:
     return _values(_text(path), str(path))
 
 
-def check_yaml(path: Path) -> None:
-    """Raise ``UsageError``, with the file's name, where the file is no readable YAML or grows without bounds."""
-    _values(_text(path), str(path), construct=False)
+def check_yaml(path: Path, mapping: bool = False) -> None:
+    """Raise ``UsageError``, with the file's name, where the file is no readable YAML or grows without bounds.
+
+    With ``mapping`` it may hold keys with values only.
+    """
+    _values(_text(path), str(path), construct=False, mapping=mapping)
 
 
 def yaml_values(content: bytes | str, where: str = "YAML") -> Any:
@@ -49,16 +52,23 @@ def _decoded(content: bytes, where: str) -> str:
         raise UsageError(f"{where}: line {line}: this is not UTF-8 text") from error
 
 
-def _values(text: str, where: str, construct: bool = True) -> Any:
+def _values(text: str, where: str, construct: bool = True, mapping: bool = False) -> Any:
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
     try:
         node = loader.get_single_node()
         count = _count(node, {})
         if count > MOST_VALUES:
             raise UsageError(f"{where} holds {count:.3g} values, its aliases written out; at most {MOST_VALUES} are allowed")
+        if mapping and node is not None and not isinstance(node, yaml.MappingNode):
+            raise UsageError(f"{where}: names with values are needed (NAME: VALUE)")
         return None if node is None or not construct else loader.construct_document(node)
     except RecursionError:
         raise UsageError(f"{where}: a value holds itself, or is nested too deeply") from None
+    except yaml.MarkedYAMLError as error:
+        # What is missing at the end is found one line behind it.
+        line = min(error.problem_mark.line, text.rstrip().count("\n")) + 1 if error.problem_mark else 1
+        said = ": ".join(filter(None, (error.context, error.problem)))
+        raise UsageError(f"{where}: {' '.join(said.split())}, line {line}") from error
     # A date such as 2001-99-99 and a number too long to be read are ValueErrors of Python's own.
     except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
         raise UsageError(f"{where}: {' '.join(str(error).split())}") from error

@@ -40,7 +40,7 @@ class FileConfigSource(HydrasFileConfigSource):
         if file.is_relative_to(ours):
             return super().load_config(config_path)
         check_group(file, config_path)
-        check_yaml(file)
+        check_yaml(file, mapping=True)
         result = super().load_config(config_path)
         if config_path == PRIMARY:
             config = with_our_hydra(file, result.config, OmegaConf.load(ours / f"{PRIMARY}.yaml"))

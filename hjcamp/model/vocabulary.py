@@ -92,9 +92,12 @@ def read_vocabulary(plant: type[Plant]) -> Vocabulary:
 
 @cache
 def _parsed(plant: Any) -> Vocabulary:
+    if not inspect.isfunction(getattr(plant, "equations", None)):
+        raise UsageError(f"{inspect.getfile(plant)}: plant {plant.name}: it has no function 'equations'")
     lines, first = inspect.getsourcelines(plant.equations)
     function = ast.parse(textwrap.dedent("".join(lines))).body[0]
-    assert isinstance(function, ast.FunctionDef)
+    if not isinstance(function, ast.FunctionDef):
+        raise UsageError(f"{inspect.getfile(plant)}: line {first}: plant {plant.name}: 'equations' is no function")
     reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
     reader.masses = _masses(function)
     for node in function.body:

@@ -45,6 +45,8 @@ def write(path: Path, content: str | bytes) -> None:
         ("conf/payload/none.yaml", "mass_g: ${payload.mass_g}\n", "seed=1", "Recursive interpolation"),
         ("conf/payload/none.yaml", f"mass_g: {'1' * 5000}\n", "seed=1", "Exceeds the limit (4300 digits)"),
         ("conf/tubing/bomb.yaml", BOMB, "tubing=bomb", "bomb.yaml holds 4.9e+08 values"),
+        ("conf/tubing/bomb.yaml", "- a\n- b\n", "tubing=bomb", "bomb.yaml: names with values are needed"),
+        ("conf/tubing/bomb.yaml", "3", "tubing=bomb", "bomb.yaml: names with values are needed"),
         ("campaigns/mine.yaml", BOMB, "campaign=mine", "mine.yaml holds 4.9e+08 values"),
         ("campaigns/mine.yaml", b"name: \xff", "campaign=mine", "mine.yaml: line 1: this is not UTF-8 text"),
         ("campaigns/mine.yaml", "", "campaign=mine", "mine.yaml holds no keys"),

@@ -144,7 +144,7 @@ def test_an_effect_that_never_ends_at_certain_values(empty_folder: Path) -> None
         f"raise SystemExit(cli.run({words}))\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(hjcamp.__file__).parents[1])}
-    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, timeout=150)
+    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, timeout=500)
     assert done.returncode == 2, done.stderr
     told = done.stderr.strip().splitlines()[-1]
     assert "one test with effect slow (" in told and "effects/slow.py) did not end within 2 s of computing" in told
