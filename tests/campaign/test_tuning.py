@@ -58,7 +58,7 @@ def test_a_saved_gain_set_is_a_choice(empty_folder: Path) -> None:
     assert {side: controller[side] for side in GAINS} == GAINS
     with pytest.raises(UsageError, match="exists"):
         write_gains("mine", GAINS, [], replace=False)
-    with pytest.raises(UsageError, match="no name"):
+    with pytest.raises(UsageError, match="cannot be the name of a gain set"):
         write_gains("../mine", GAINS, [], replace=False)
 
 

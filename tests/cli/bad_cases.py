@@ -53,8 +53,8 @@ LOG_CALLS = (
     "log recover run/logs/ramp_pos__pid/rep_01.mcap --output run", "log recover /dev/zero --output new.mcap",
     "tour --step 9", "tour --step 2 --open", "tour --effort nosuch", "tour --into run", "tour --into map.yaml",
     "tour --step 3 --into nowhere/x", "tour --step 5 --into effects", "tour --into /proc/x", "tour --into /dev/null",
-    "effects new", "effects new spring", "effects new leakage", "effects new 9", "effects new a b", "effects test",
-    "effects test nosuch", "effects spring leakage", "effects spring --figure x.gif", "effects new class",
+    "effects new", "effects new my_spring", "effects new leakage", "effects new 9", "effects new a b", "effects test",
+    "effects test nosuch", "effects my_spring leakage", "effects my_spring --figure x.gif", "effects new class",
     "plants new", "plants new axis", "plants new pump_joint", "plants new ../x", "plants test", "plants test nosuch",
     "plants nosuch", "plants axis --figure x.gif", "plants axis --figure nowhere/x.svg", "plants a b c",
     "rig", "rig nosuch", "rig check", "rig check rig=nosuch", "rig check rig=example_pcie", "rig unlock x",
@@ -72,7 +72,7 @@ LOG_CALLS = (
 NEEDED = {
     "compare": ("run",), "diagnose": ("run", "--effort=quick"), "report": ("run",), "show": ("run",), "resume": ("run",),
     "calibrate": ("run", "--as=new"), "add": ("nosuch", "run", "--as=new"), "next": ("run", "--effort=quick"),
-    "import": ("table.csv", "--map=map.yaml"), "effects": ("spring", "--no-figure"), "plants": ("axis",),
+    "import": ("table.csv", "--map=map.yaml"), "effects": ("my_spring", "--no-figure"), "plants": ("axis",),
     "tour": ("--step=4",), "log info": ("run",), "log verify": ("run",),
     "log recover": ("run/logs/ramp_pos__pid/rep_01.mcap", "--output=new.mcap"),
 }  # fmt: skip

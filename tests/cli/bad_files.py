@@ -85,7 +85,7 @@ FILES: dict[str, tuple[tuple[str, ...], ...]] = {
         ("compare", "run"), ("report", "run"), ("log", "verify", "run"), ("log", "info", "run"), ("resume", "run"),
         ("log", "recover", LOG), ("log", "verify", LOG), ("log", "info", LOG), ("calibrate", "run", "--as=new"),
     ),
-    "effects/spring.py": (("effects",), ("effects", "spring", "--no-figure"), ("plan", "+effects.spring={}")),
+    "effects/my_spring.py": (("effects",), ("effects", "my_spring", "--no-figure"), ("plan", "+effects.my_spring={}")),
     "plants/axis.py": (("plants",), ("plants", "axis"), ("plants", "test", "axis")),
     "controllers/mine.py": PLAN_OWN[1:],
     "trajectories/slope.py": PLAN_OWN[:1],
@@ -121,7 +121,7 @@ def prepared(folder: Path) -> None:
         (folder / name).write_text(text)
     (folder / "loop").symlink_to("loop")
     for command in ("effects", "plants"):
-        assert cli.run([command, "new", {"effects": "spring", "plants": "axis"}[command]]) == 0
+        assert cli.run([command, "new", {"effects": "my_spring", "plants": "axis"}[command]]) == 0
     from hjcamp.commands._tour_samples import lay_out
 
     lay_out(folder / "tour")

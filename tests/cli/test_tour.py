@@ -207,7 +207,7 @@ def test_a_damaged_answer_is_said(call: Call) -> None:
     Path("tour/about.txt").write_text(samples.ABOUT)
     Path("tour/step_2.json").write_text("{")
     answer = call("tour", "--open")
-    assert answer.code == 1 and "do step 2 again" in answer.err
+    assert answer.code == 1 and "do it again: --step 2" in answer.err
 
 
 def test_part_of_the_truth_is_part_of_it() -> None:

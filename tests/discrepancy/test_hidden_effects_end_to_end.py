@@ -20,7 +20,7 @@ RIVALS = (
 @pytest.fixture
 def ask(call: Call, monkeypatch: pytest.MonkeyPatch) -> Call:
     """Return ``call`` with a library in which the hidden effects have rivals of their own kind."""
-    everything = hjcamp.effects.load_effects([])
+    everything = hjcamp.effects.library_of("pump_joint", []).effects
     few = {name: everything[name] for name in RIVALS}
     monkeypatch.setattr(hjcamp.effects, "load_effects", lambda folders=None: dict(few))
     return call

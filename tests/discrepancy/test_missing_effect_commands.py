@@ -100,7 +100,8 @@ def test_nothing_is_missing(call: Call, null: Path) -> None:
     found = read_answer(Path("d.json"))
     assert found["verdict"] == "nothing_missing" and found["effects"] == [] and found["p_value"] >= 0.05
     # On the scale of `compare` whole tests are replayed: slips that come earlier or later add to what repetitions differ by.
-    assert found["error"]["augmented"] < 1.6 * found["error"]["floor"]
+    # another repetition in the place of the model would be sqrt(2) floors away
+    assert found["error"]["augmented"] < 2**0.5 * found["error"]["floor"]
     least = found["minimum_detectable"]["leakage"]
     assert set(least) == {"parameter", "value", "unit"} and 0 < least["value"] < 1e-15
 
