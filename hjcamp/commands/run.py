@@ -76,7 +76,7 @@ def call_hydra(arguments: list[str]) -> None:
         own = [line for line in lines if not line.is_hydra_override() or line.key_or_group == SEARCH_PATH]
         if parsed.multirun:
             check_sweep(lines, Composer(folder=folder))
-        elif not (parsed.config_name or parsed.config_path):
+        else:
             # Hydra reads the same files: what it would stumble over is said here.
             Composer(folder=folder).compose([str(line.input_line) for line in own])
     jobs.JobEnd.error = None
