@@ -14,7 +14,6 @@ from truth.menu import Condition, asked, sine
 from truth.simulate import COLUMNS
 
 from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence, prepare
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fitter
@@ -25,6 +24,7 @@ from hjcamp.discrepancy.next_trials import Bench
 from hjcamp.discrepancy.repetition import scatter_of
 from hjcamp.discrepancy.search import fit_effect, rival_weights, screen, unknowns_of
 from hjcamp.discrepancy.views import Views
+from hjcamp.model.candidate import Candidate
 from hjcamp.records.log import TestLog
 
 MOST = 16

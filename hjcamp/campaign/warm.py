@@ -10,13 +10,13 @@ import numpy as np
 
 from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.hardware import simulator
 from hjcamp.discrepancy.kernel_choice import first_needed
 from hjcamp.discrepancy.next_menu import Choice, menu
 from hjcamp.discrepancy.next_trials import Bench
 from hjcamp.discrepancy.passes import compile_passes
 from hjcamp.effects import load_effects
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.kernel import LEVELS, shared_source
 from hjcamp.model.kernel_cache import is_compiled, load_kernel

@@ -32,13 +32,18 @@ def add(
 ) -> None:
     """Add effects to a model: fit them, save the model, and show the error fall on tests that were not used."""
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._any_plant import add_any, is_of_another_plant
     from hjcamp.commands._session import check_answer_file, evidence_of, joined, progress_of, write_answer
     from hjcamp.discrepancy.saved import check_new_name, saved_model, write_model
     from hjcamp.effects import load_effects
 
+    check_answer_file(json)
+    found_paths = [Path(word) for word in effects_and_paths if Path(word).exists()]
+    if found_paths and is_of_another_plant(found_paths):
+        add_any(effects_and_paths, name, model, json)
+        return
     library = load_effects()
     names, paths = split(effects_and_paths, library)
-    check_answer_file(json)
     path = check_new_name(name)
     console = make_console()
     with progress_of(console) as report:

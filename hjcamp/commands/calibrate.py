@@ -33,11 +33,15 @@ def calibrate(
     from hjcamp.calibrate.identify import identify
     from hjcamp.calibrate.identify import only as select
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._any_plant import calibrate_any, is_of_another_plant
     from hjcamp.configuration.setups import configuration_for
     from hjcamp.records.find import read_logs, refuse_unanalysed
     from hjcamp.report.identification_figures import identification_page
     from hjcamp.storage import whole_file
 
+    if is_of_another_plant(paths):
+        calibrate_any(paths, name)
+        return
     check_name(name, conf, replace)
     logs = select(read_logs(paths), _pairs(only or []))
     refuse_unanalysed(logs, "calibrate")

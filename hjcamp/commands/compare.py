@@ -31,6 +31,7 @@ def compare(
 ) -> None:
     """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._any_plant import compare_any, is_of_another_plant
     from hjcamp.commands._session import check_answer_file, evidence_of, folder_for, progress_of, write_answer
 
     names = model or ["published"]
@@ -39,6 +40,9 @@ def compare(
     check_answer_file(json)
     if into is not None:
         check_place(into, "--into", folder=True)
+    if is_of_another_plant(paths):
+        compare_any(paths, names, json, into)
+        return
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.commands._compare_page import write_pictures

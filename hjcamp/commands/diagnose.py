@@ -43,6 +43,7 @@ def diagnose(
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._any_plant import diagnose_any, is_of_another_plant
     from hjcamp.commands._session import (
         check_answer_file,
         check_seed,
@@ -57,6 +58,9 @@ def diagnose(
     check_seed(seed)
     if workers is not None and workers < 1:
         raise UsageError(f"--workers {workers}: give a whole number, 1 or more")
+    if is_of_another_plant(paths):
+        diagnose_any(paths, model, json, seed, only, without)
+        return
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.campaign.warm import missing, ready_to_diagnose, side_by_side

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.heldout import Fold, Local, folds, parameter_rows
@@ -19,6 +18,7 @@ from hjcamp.discrepancy.search import fit_effect, screen, unknowns_of
 from hjcamp.discrepancy.settle import settle
 from hjcamp.discrepancy.views import Views
 from hjcamp.errors import UsageError
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 
 SCHEMA = "hjcamp.addition/1"

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.diagnose import Diagnosis
 from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.heldout import Local, folds, parameter_rows
@@ -16,6 +15,7 @@ from hjcamp.discrepancy.scale import Judge, Judged, scale_of
 from hjcamp.discrepancy.search import Step, unknowns_of
 from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.discrepancy.where import Place, where
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 
 SCHEMA = "hjcamp.diagnosis/1"

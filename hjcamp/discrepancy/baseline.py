@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.unknowns import base_unknowns, effect_unknowns
 from hjcamp.discrepancy.views import HOME, Views
+from hjcamp.model.candidate import Candidate
 from hjcamp.plants.pump_joint import PumpJoint
 
 Array = NDArray[np.float64]

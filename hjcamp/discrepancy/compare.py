@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import PERIOD, Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.replay import ChannelError, Replay, replay
@@ -18,6 +17,7 @@ from hjcamp.discrepancy.scale import Scale, scale_of, windows_of
 from hjcamp.discrepancy.views import Views
 from hjcamp.discrepancy.where import Place, where
 from hjcamp.errors import HjcampError
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.detectable import confounded, detectable_amplitudes
 from hjcamp.discrepancy.drivers import rank_drivers, top_drivers
@@ -27,6 +26,7 @@ from hjcamp.discrepancy.step_fits import LEVEL, StepFitter, at_most, same_as
 from hjcamp.discrepancy.twins import match_scatter
 from hjcamp.discrepancy.verdict import judge, lacks, law_of, matters, named_by, rivals_of
 from hjcamp.discrepancy.views import Views
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.features import Features, log_error
 from hjcamp.discrepancy.recent import Recent
 from hjcamp.discrepancy.unknowns import STEP, Unknown, base_unknowns, read, surprise, written
 from hjcamp.discrepancy.views import Views
+from hjcamp.model.candidate import Candidate
 
 Array = NDArray[np.float64]
 # A fit begins where the one before has ended, and a screening is about what was fitted last.

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.unknowns import Unknown, read, surprise, written
 from hjcamp.discrepancy.views import HOME
+from hjcamp.model.candidate import Candidate
 
 Array = NDArray[np.float64]
 JUDGED = 5

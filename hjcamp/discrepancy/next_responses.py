@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.gram import Gram, project
 from hjcamp.discrepancy.probes import amplitudes
 from hjcamp.discrepancy.search import unknowns_of
 from hjcamp.discrepancy.unknowns import read, written
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]

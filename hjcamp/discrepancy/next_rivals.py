@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.diagnose import Diagnosis
 from hjcamp.discrepancy.search import Step, fit_effect
 from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.errors import UsageError, unknown
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.plants.pump_joint import PumpJoint
 

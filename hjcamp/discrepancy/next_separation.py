@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.next_responses import Products, Responses
 from hjcamp.discrepancy.next_rivals import Rival
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 
 Array = NDArray[np.float64]

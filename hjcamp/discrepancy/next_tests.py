@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.evidence import Evidence, TestEvidence
 from hjcamp.discrepancy.features import Features
@@ -20,6 +19,7 @@ from hjcamp.discrepancy.next_separation import Arena, choose, contests_with_noth
 from hjcamp.discrepancy.next_trials import Bench, Trial
 from hjcamp.discrepancy.views import Views
 from hjcamp.errors import UsageError
+from hjcamp.model.candidate import Candidate
 
 Array = NDArray[np.float64]
 SIMULATED = 2

@@ -15,13 +15,13 @@ from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.composer import Composer, as_override
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.procedure import Procedure
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence, TestEvidence, prepare_test
 from hjcamp.discrepancy.hardware import NAMED, Hardware
 from hjcamp.discrepancy.next_menu import Choice
 from hjcamp.discrepancy.repetition import RepetitionScatter
 from hjcamp.discrepancy.views import Views
 from hjcamp.errors import HjcampError
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.compose import Composition
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint

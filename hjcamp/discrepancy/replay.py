@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import DEGREE, Evidence
 from hjcamp.discrepancy.views import Views
 from hjcamp.errors import HjcampError
+from hjcamp.model.candidate import Candidate
 
 Array = NDArray[np.float64]
 CHANNELS = ("arm_deg", "pressure1_mpa", "pressure2_mpa", "pump_deg")

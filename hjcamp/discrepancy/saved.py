@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.errors import UsageError
+from hjcamp.model.candidate import Candidate
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.storage import named_file, whole_file
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.fit import Fit, Fitter
 from hjcamp.discrepancy.gram import Gram, Group, Known, all_gains
 from hjcamp.discrepancy.probes import Probe, probe_all, strength_is_a_shape
@@ -21,6 +20,7 @@ from hjcamp.discrepancy.unknowns import (
     surprise,
     written,
 )
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.plants.pump_joint import PumpJoint
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import (
     PERIOD,
     STRIDE,
@@ -23,6 +22,7 @@ from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.repetition import RepetitionScatter
 from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.discrepancy.views import CHANNELS, Views
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.scatter import coloured
 from hjcamp.plants.pump_joint import PumpJoint
 

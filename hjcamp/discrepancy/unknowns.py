@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter
 from hjcamp.plants.pump_joint import PumpJoint

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.evidence import PERIOD, Evidence
 from hjcamp.discrepancy.following import follow
@@ -20,6 +19,7 @@ from hjcamp.discrepancy.kernel_choice import chosen_for
 from hjcamp.discrepancy.own_starts import OwnStarts
 from hjcamp.discrepancy.passes import force_errors, joint_errors, line_errors
 from hjcamp.discrepancy.recent import Recent
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.simulator import Course, Simulator
 from hjcamp.model.structure import influences, reaching
 from hjcamp.plants.pump_joint import PumpJoint

@@ -161,24 +161,25 @@ def run_free(  # type: ignore[no-untyped-def]
 ):
     """Run the plant under its given inputs alone; fill ``out`` with its readings and ``states`` with its states.
 
-    ``begins`` (n) is 1 where a test begins, with the states in the next row of ``starts``; ``given`` (n, inputs) holds
-    from each sample to the next.
+    ``begins`` (n) is 1 where a test begins, with the states in the next row of ``starts``, and 2 where a window of a test
+    begins, for which the plant's states alone are set; ``given`` (n, inputs) holds from each sample to the next.
     """
     a, before, counter = work[0], work[1], work[2]
     direction = 0.0
-    test = 0
+    row = 0
     for k in range(len(time)):
         for i in range(given.shape[1]):
             u[i] = given[k, i]
-        if begins[k] == 1:
+        if begins[k] > 0:
             for i in range(starts.shape[1]):
-                z[i] = starts[test, i]
-            test += 1
+                z[i] = starts[row, i]
+            row += 1
             if CONTACT:
                 direction = np.sign(z[VELOCITY])
-            counter[0] = 0.0
             counter[8] = -1.0
-            begin(time[k], direction, z, u, p)
+            if begins[k] == 1:
+                counter[0] = 0.0
+                begin(time[k], direction, z, u, p)
         readings(time[k], direction, z, u, p, out[k])
         for i in range(len(z)):
             states[k, i] = z[i]

@@ -73,8 +73,9 @@ class Course:
 class Given:
     """What tests are given: n samples ``period`` apart, one test after the other.
 
-    ``begins`` (n): 1 where a test begins; ``time`` (n); ``inputs`` (n, inputs) in the plant's order, which hold from each
-    sample to the next; ``starts`` (tests, plant states).
+    ``begins`` (n): 1 where a test begins, 2 where a window of it begins, in which effects keep their own states; ``time`` (n);
+    ``inputs`` (n, inputs) in the plant's order, which hold from each sample to the next; ``starts`` (tests and windows, plant
+    states).
     """
 
     period: float
@@ -306,11 +307,11 @@ class Simulator:
     def run_free(self, p: Array, given: Given, tolerance: float = 1.0) -> tuple[Array, Array]:
         """Return the readings (n, channels) and the states (n, states) of tests under given inputs, SI."""
         composition = self.composition
-        starts = np.zeros((len(given.starts), len(self.states)))
-        starts[:, : given.starts.shape[1]] = given.starts
+        starts = np.ascontiguousarray(given.starts)
         readings = np.empty((len(given.time), len(composition.measured)))
         states = np.empty((len(given.time), len(self.states)))
-        z, work = starts[0].copy(), self.scratch()
+        z, work = np.zeros(len(self.states)), self.scratch()
+        z[: starts.shape[1]] = starts[0]
         work[2, 5] = tolerance
         self.kernel.run_free(
             z, self.inputs(), p, *self.propagators(z, p), given.period, given.begins, given.time, given.inputs, starts,

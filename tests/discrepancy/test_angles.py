@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.probes import Probe, angle_of, shapes
 from hjcamp.discrepancy.unknowns import effect_unknowns, read, written
 from hjcamp.effects import load_effects
+from hjcamp.model.candidate import Candidate
 
 LIBRARY = load_effects([])
 

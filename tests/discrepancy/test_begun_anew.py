@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from hjcamp.discrepancy import diagnose
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.diagnose import _Search
 from hjcamp.discrepancy.verdict import Verdict
+from hjcamp.model.candidate import Candidate
 
 EFFECTS: Any = ()
 

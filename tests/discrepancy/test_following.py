@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from hjcamp.commands._session import evidence_of
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.following import parts
 from hjcamp.discrepancy.saved import complete
 from hjcamp.discrepancy.views import Views
 from hjcamp.effects import load_effects
+from hjcamp.model.candidate import Candidate
 
 
 def test_parts_begin_with_a_test_and_cover_all() -> None:

@@ -10,13 +10,13 @@ import pytest
 from hjcamp.campaign import warm
 from hjcamp.commands.diagnose import considered
 from hjcamp.discrepancy import kernel_choice
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.kernel_choice import chosen_for, first_needed
 from hjcamp.discrepancy.views import Views
 from hjcamp.effects import load_effects
 from hjcamp.effects._template import template
 from hjcamp.errors import UsageError
+from hjcamp.model.candidate import Candidate
 from hjcamp.plants.pump_joint import PumpJoint
 
 LIBRARY = tuple(load_effects([]).values())

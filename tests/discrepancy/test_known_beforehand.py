@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from hjcamp.commands._session import evidence_of
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.gram import Gram, Group, Known, all_gains
 from hjcamp.discrepancy.saved import complete
 from hjcamp.discrepancy.views import HOME, Views
 from hjcamp.effects import load_effects
+from hjcamp.model.candidate import Candidate
 
 SCALED = ("static", "coulomb", "viscous", "moving_mass", "line_stiffness")
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from hjcamp.discrepancy import diagnose
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.diagnose import LITTLE, PROMISING, _Search
 from hjcamp.discrepancy.search import Step
 from hjcamp.effects import load_effects
+from hjcamp.model.candidate import Candidate
 
 LEAST = 10.0
 

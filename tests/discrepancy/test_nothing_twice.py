@@ -11,13 +11,13 @@ import pytest
 
 from hjcamp.commands._session import evidence_of
 from hjcamp.discrepancy.answer import Judging, answer
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.diagnose import Diagnosis, diagnose
 from hjcamp.discrepancy.heldout import Local
 from hjcamp.discrepancy.scale import scale_of
 from hjcamp.discrepancy.search import unknowns_of
 from hjcamp.discrepancy.views import Views
 from hjcamp.effects import load_effects
+from hjcamp.model.candidate import Candidate
 
 EFFORT = "quick"
 LIBRARY = ("leakage", "pressure_offset", "stribeck_friction")

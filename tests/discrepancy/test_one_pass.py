@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from hjcamp.commands._session import evidence_of
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.features import BLOCK, Features
 from hjcamp.discrepancy.passes import (
     LOOK_BACK,
@@ -23,6 +22,7 @@ from hjcamp.discrepancy.passes import (
 from hjcamp.discrepancy.saved import complete
 from hjcamp.discrepancy.views import CHANNELS, Views
 from hjcamp.effects import load_effects
+from hjcamp.model.candidate import Candidate
 
 Array = Any
 PASSES = (joint_errors, line_errors, force_errors, block_means)

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.candidate import Candidate
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.settle import settle
 from hjcamp.discrepancy.unknowns import base_unknowns, read, written
+from hjcamp.model.candidate import Candidate
 
 UNKNOWNS = base_unknowns(["viscous_positive", "line_stiffness"])
 BEST = np.array([3.0, 30.5])

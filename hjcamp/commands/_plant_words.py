@@ -1,0 +1,277 @@
+"""The tables and sentences of compare, diagnose, add and calibrate for any plant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.report.units import plain, told, told_interval
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from hjcamp.prediction.addition import Addition
+    from hjcamp.prediction.analysis import Analysis
+    from hjcamp.prediction.comparison import Comparison
+    from hjcamp.prediction.verdict import Verdict
+
+SHOWN = 6
+FLOORS = {
+    "repetitions": "floor: what repetitions do not share",
+    "near_replicates": "floor: by which alike moments differ (Gamma test; no test was repeated)",
+    "sensor": "floor unknown: no repetitions and too few alike moments; the sensor's noise is shown, a lower bound",
+}
+TITLES = {
+    "nothing_missing": "NOTHING MISSING",
+    "effect": "EFFECT",
+    "one_of": "ONE OF",
+    "outside_library": "OUTSIDE THE LIBRARY",
+    "cannot_tell": "CANNOT TELL",
+}
+STYLES = {"nothing_missing": "green", "effect": "bold", "one_of": "bold"}
+# What kind of test tells laws over these drivers apart.
+TELLING = {
+    "velocity": "the same moves at other speeds, equal speeds in both directions",
+    "speed": "slow moves at several constant speeds",
+    "position": "moves about other positions, and a hold at each",
+    "travel": "moves about other positions",
+    "time": "the same move at the beginning and at the end of a long test",
+    "load": "the same moves with another mass or load",
+    "level": "holds at several levels without inflow",
+    "upstream": "emptying from several levels",
+    "demand": "steps of several sizes, small ones among them, in both directions",
+    "true": "holds at several values, with another instrument beside the sensor",
+}
+
+
+@dataclass(frozen=True)
+class Words:
+    """What a diagnosis says to people."""
+
+    analysis: Analysis
+    verdict: Verdict
+    content: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The verdict in one line."""
+        names = ", ".join(self.verdict.effects)
+        drivers = self.content["drivers"]
+        said = names or (f"depends on {drivers[0].replace('_', ' ')}" if drivers else "")
+        return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
+
+    def sentences(self) -> list[str]:
+        """The answer in sentences."""
+        verdict, error = self.verdict, self.content["error"]
+        found = []
+        library = self.analysis.search.library
+        if verdict.word == "cannot_tell":
+            found += [f"{one[:1].upper()}{one[1:]}." for one in verdict.lacking]
+        if verdict.word == "effect":
+            found += [f"{name}: {library[name].sentence()}" for name in verdict.effects]
+        if verdict.word == "one_of":
+            sets = "; ".join(" with ".join(names) for names in verdict.confidence_set)
+            found.append(f"These tests do not rule out: {sets}.")
+        if verdict.word == "outside_library" and self.content["unknowns"]:
+            first = self.content["unknowns"][0]
+            found.append(
+                f"A {first['quantity']} at {first['port']} that depends on its {first['driver'].rpartition('_')[2]}, of a form that "
+                "no effect of the library has, predicts better. Its curve is on the page."
+            )
+        if verdict.word == "nothing_missing":
+            found.append(
+                "No effect and no unknown takes a share of the error that matters (10 %) on chapters left out."
+            )
+        if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
+            first = self.content["unknowns"][0] if self.content["unknowns"] else None
+            over = f" over {first['driver'].replace('_', ' ')}" if first else ""
+            left = 100.0 * min(verdict.law_left, 1.0)
+            found.append(f"The law leaves {left:.0f} % of what a free law{over} takes: its form is not quite this.")
+        if verdict.word != "cannot_tell":
+            found.append(
+                f"Error on chapters left out, over the floor: {error['baseline']:.2f} calibrated"
+                + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects else ".")
+            )
+            if verdict.p_value <= 0.05 or verdict.effects:
+                found.append(f"Chance: p = {plain(verdict.p_value, 2)} (residuals moved in time, whole library).")
+        found += self.telling()
+        return found
+
+    def telling(self) -> list[str]:
+        """What kind of test would tell more, in words."""
+        if self.verdict.word not in ("one_of", "outside_library"):
+            return []
+        drivers = {one["driver"].rpartition("_")[2] for one in self.content["unknowns"][:1]}
+        for name in self.verdict.effects:
+            effect = self.analysis.search.library[name]
+            for driver in TELLING:
+                if any(driver in argument for term in effect.terms.values() for argument in term.arguments):
+                    drivers.add(driver)
+        said = [TELLING[one] for one in TELLING if one in drivers]
+        return [f"Tests that would tell: {'; '.join(said)}."] if said else []
+
+    def candidates(self) -> list[list[str]]:
+        """Rows: effect, t, error left, parameter, value, 95 %."""
+        rows: list[list[str]] = []
+        for one in self.content["candidates"][:SHOWN]:
+            first = [one["effect"], f"{one['t']:.1f}", f"{100 * one['heldout_error_ratio']:.0f} %"]
+            for name, row in one["parameters"].items():
+                bound = "  at its bound" if row["at_bound"] else ""
+                rows.append(
+                    [*first, name.replace("_", " "), told(row["value"], row["unit"]), told_interval(row) + bound]
+                )
+                first = ["", "", ""]
+        return rows
+
+    def next_commands(self, paths: str, model: str) -> list[str]:
+        """The commands that go on from the answer."""
+        own = "" if model == "published" else f" --model {model}"
+        if self.verdict.word == "effect":
+            names = " ".join(self.verdict.effects)
+            return [f"hjcamp add {names} {paths}{own} --as with_{'_and_'.join(self.verdict.effects)}"]
+        if self.verdict.word == "one_of":
+            return [
+                f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}"
+                for one in self.verdict.confidence_set[:2]
+            ]
+        if self.verdict.word == "outside_library":
+            return ["hjcamp effects new MY_EFFECT   # write its law by the curve on the page, then diagnose again"]
+        return [f"hjcamp compare {paths}{own}"]
+
+
+def channel_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
+    """Rows of a channel's error: before, after, floor, with the unit."""
+    return [
+        [name, *(f"{plain(row[key])} {row['unit']}" for key in ("baseline", "augmented", "floor"))]
+        for name, row in rows.items()
+    ]  # fmt: skip
+
+
+def calibration_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
+    """Rows of a base parameter: declared, here, 95 %."""
+    return [
+        [name.replace("_", " ").replace("delay.", "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
+         told_interval(row)]
+        for name, row in rows.items()
+    ]  # fmt: skip
+
+
+CHANNELS = ("channel", "calibrated", "with what was found", "floor")
+CALIBRATED = ("parameter", "declared", "here", "95 %")
+CANDIDATES = ("effect", "t", "left", "parameter", "value", "95 %")
+
+
+def print_diagnosis(console: Console, words: Words) -> None:
+    """Print the answer."""
+    from hjcamp.commands._error_words import print_wrapped
+
+    analysis, layout = words.analysis, words.analysis.windows.layout
+    _head(console, analysis)
+    table(console, CALIBRATED, calibration_table(words.content["calibration"]))
+    style = STYLES.get(words.verdict.word, "yellow")
+    console.print(words.title, style=style, markup=False, highlight=False)
+    print_wrapped(console, words.sentences(), 8)
+    if rows := words.candidates():
+        table(console, CANDIDATES, rows)
+    console.print(f"error   over windows of {layout.width * layout.measured.period:.3g} s", markup=False)
+    table(console, CHANNELS, channel_table(words.content["channels"]))
+    print_wrapped(console, [FLOORS[analysis.floor.source] + "."], 8)
+
+
+def print_comparison(console: Console, found: Comparison) -> None:
+    """Print the errors of the models."""
+    from hjcamp.commands._error_words import print_wrapped
+
+    _head(console, found.analysis)
+    table(console, *comparison_table(found))
+    print_wrapped(console, [FLOORS[found.analysis.floor.source] + "."], 8)
+    worse = [one.name for one in found.models if any(one.explained < 0.0)]
+    if worse:
+        print_wrapped(
+            console, [f"{', '.join(worse)}: worse than the mean of each window in a channel (explained below 0)."], 8
+        )
+
+
+def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:
+    """Return the head and rows of a comparison: model, each channel's rms with the share explained, over the floor."""
+    layout = found.analysis.windows.layout
+    sensors = layout.measured.sensors
+    head = (
+        "model",
+        *(f"{one.field}" for one in sensors),
+        *(f"explained {one.quantity}" for one in sensors),
+        "over the floor",
+    )
+    rows = [
+        [one.name, *(f"{plain(one.rms[k] * s.scale)} {s.unit}" for k, s in enumerate(sensors)),
+         *(f"{100 * one.explained[k]:.2f} %" for k in range(len(sensors))), f"{one.score:.2f}"]
+        for one in (*found.models, found.calibrated)
+    ]  # fmt: skip
+    floor = found.analysis.floor.of_sensors(layout)
+    rows.append(
+        [
+            "floor",
+            *(f"{plain(floor[k] * s.scale)} {s.unit}" for k, s in enumerate(sensors)),
+            *("" for _ in sensors),
+            "1.00",
+        ]
+    )
+    return head, rows
+
+
+def print_addition(console: Console, found: Addition, names: Sequence[str], path: Path) -> None:
+    """Print what was fitted and how the error fell."""
+    from hjcamp.commands._error_words import print_wrapped
+    from hjcamp.prediction.addition import answer
+
+    content = answer(found, path.stem, str(path))
+    _head(console, found.analysis)
+    rows = [
+        [name, parameter.replace("_", " "), told(row["value"], row["unit"]), told_interval(row)]
+        for name in names
+        for parameter, row in content["parameters"].get(name, {}).items()
+    ]
+    table(console, ("effect", "parameter", "value", "95 %"), rows)
+    table(console, CHANNELS, channel_table(content["channels"]))
+    error = content["error"]
+    said = f"Error on chapters left out, over the floor: {error['before']:.2f} -> {error['after']:.2f}."
+    more = (
+        []
+        if found.helps
+        else ["The error does not fall by a share that matters: this model explains these tests no better."]
+    )
+    print_wrapped(console, [said, *more], 8)
+    console.print(f"model   {path}", markup=False)
+
+
+def print_calibration(console: Console, analysis: Analysis, rows: Mapping[str, Mapping[str, Any]]) -> None:
+    """Print the base parameters as declared and as fitted."""
+    _head(console, analysis)
+    table(console, CALIBRATED, calibration_table(rows))
+
+
+def _head(console: Console, analysis: Analysis) -> None:
+    layout, measured = analysis.windows.layout, analysis.measured
+    count = f"{len(measured.tests)} test{'s' if len(measured.tests) > 1 else ''}, {len(measured.conditions)} condition"
+    console.print(
+        f"plant {measured.plant.name}: {count}{'s' if len(measured.conditions) > 1 else ''}, "
+        f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s, each begun from its own start",
+        markup=False,
+    )  # fmt: skip
+
+
+def table(console: Console, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a plain table."""
+    from rich.table import Table
+    from rich.text import Text
+
+    found = Table(box=None, pad_edge=False, header_style="dim")
+    for index, heading in enumerate(headings):
+        found.add_column(
+            f"  {heading}" if index == 0 else heading, justify="left" if index == 0 else "right", no_wrap=index == 0
+        )
+    for row in rows:
+        found.add_row(*(Text(f"  {cell}" if index == 0 else cell) for index, cell in enumerate(row)))
+    console.print(found)

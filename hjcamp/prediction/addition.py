@@ -1,0 +1,90 @@
+"""Add effects to a model of a plant: fit them together with its base, and judge both on chapters that were left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.effect import Effect
+from hjcamp.prediction.analysis import Analysis, calibrated
+from hjcamp.prediction.answer import calibration, channel_rows, floor_size, removed
+from hjcamp.prediction.intervals import intervals
+from hjcamp.prediction.measured import Measured
+from hjcamp.prediction.model_file import hashes_of
+from hjcamp.prediction.screening import Projection, best_promises, probes_of
+from hjcamp.prediction.selection import Scored
+
+
+@dataclass(frozen=True)
+class Addition:
+    """A model with effects added, beside the one without."""
+
+    analysis: Analysis
+    model: Scored
+    names: tuple[str, ...]
+
+    @property
+    def helps(self) -> bool:
+        """Whether the error falls by a share that matters, chapter by chapter."""
+        return self.analysis.search.matters(self.model, self.analysis.base)
+
+
+def added(
+    measured: Measured,
+    library: Mapping[str, type[Effect]],
+    start: Candidate,
+    names: Sequence[str],
+    report: Callable[[str, float], None] = lambda text, share: None,
+) -> Addition:
+    """Return the fit of ``start`` with the effects ``names``, one after the other from where each promises most."""
+    chosen = {name: effect for name, effect in library.items() if name in {*names, *start.effects}}
+    analysis = calibrated(measured, chosen, start, report, unknowns=False)
+    search, model = analysis.search, analysis.base
+    for done, name in enumerate(names):
+        report(f"fitting {name}", 0.3 + 0.6 * done / len(names))
+        fitted = model.fitted
+        projection = Projection(fitted)
+        probes = probes_of(analysis.windows, fitted.candidate, fitted.features, library[name])
+        promises = best_promises([projection.promise(probe, library[name]) for probe in probes])
+        if name in promises:
+            model = search.fitted_beside(fitted, promises[name])
+        else:
+            model = search.fitted(fitted.candidate.with_effect(name, library[name].defaults()))
+    settled = search.resettled(model)
+    return Addition(analysis, settled, tuple(names))
+
+
+def answer(found: Addition, name: str, path: str) -> dict[str, Any]:
+    """Return what was added for programs."""
+    least = floor_size(found.analysis)
+    rows: dict[str, dict[str, Any]] = {}
+    for one in intervals(found.model.fitted, found.analysis.search.chapters):
+        if one.effect:
+            unit = found.analysis.search.library[one.effect].parameters[one.name].unit
+            rows.setdefault(one.effect, {})[one.name] = {"value": one.value, "unit": unit, "ci95": [one.low, one.high]}
+    return {
+        "schema": "hjcamp.addition/1",
+        "plant": found.analysis.measured.plant.name,
+        "model": name,
+        "file": path,
+        "effects": list(found.names),
+        "helps": found.helps,
+        "error": {"before": found.analysis.base.left_out / least, "after": found.model.left_out / least, "floor": 1.0},
+        "removed": removed(found.analysis, found.model),
+        "channels": channel_rows(found.analysis, found.model),
+        "parameters": rows,
+        "calibration": calibration(found.analysis),
+    }
+
+
+def provenance(found: Addition, command: str) -> dict[str, Any]:
+    """Return where a model comes from."""
+    least = floor_size(found.analysis)
+    return {
+        "command": command,
+        "error_before": float(found.analysis.base.left_out / least),
+        "error_after": float(found.model.left_out / least),
+        "logs_sha256": hashes_of(found.analysis.measured),
+    }

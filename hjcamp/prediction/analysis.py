@@ -1,0 +1,170 @@
+"""An analysis of measured tests of any plant: its windows, its calibrated base, and what it may miss."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.errors import UsageError
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.effect import Effect
+from hjcamp.prediction.chapters import FEWEST, chapters_of
+from hjcamp.prediction.fitting import Free, settled
+from hjcamp.prediction.floor import Floor, floor_of
+from hjcamp.prediction.kernels import Kernels
+from hjcamp.prediction.measured import Measured
+from hjcamp.prediction.selection import Scored, Search
+from hjcamp.prediction.starts import estimated
+from hjcamp.prediction.unknowns import Unknown, ranges_of, unknowns_of
+from hjcamp.prediction.windows import DELAY, Layout, Windows
+
+Array = NDArray[np.float64]
+Report = Callable[[str, float], None]
+SHORTEST = 24
+WINDOWS = 48
+# Four windows in the time after which a reading has little in common with itself.
+OF_CORRELATION = 0.25
+MOST_DELAY = 2.0
+
+
+def width_of(measured: Measured) -> int:
+    """Return the samples of a window: a quarter of the readings' correlation time, fewer where tests are short."""
+    lengths = [test.samples for test in measured.tests]
+    times = [_correlation(test.readings[:, k]) for test in measured.tests for k in range(len(measured.sensors))]
+    most = max(SHORTEST, min(sum(lengths) // WINDOWS, min(lengths)))
+    return int(np.clip(OF_CORRELATION * np.median(times), SHORTEST, most))
+
+
+def _correlation(values: Array) -> int:
+    """Return the samples after which the autocorrelation of values (n,) falls to 1/e."""
+    centred = values - values.mean()
+    size = 2 ** int(np.ceil(np.log2(2 * len(values))))
+    power = np.abs(np.fft.rfft(centred, size)) ** 2
+    found = np.fft.irfft(power)[: len(values)]
+    below = np.flatnonzero(found < found[0] / np.e)
+    return int(below[0]) if len(below) and found[0] > 0.0 else len(values)
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Windows of the tests with a model to start from, calibrated; ``published`` are its base parameters before that."""
+
+    windows: Windows
+    search: Search
+    start: Candidate
+    base: Scored
+    floor: Floor
+
+    @property
+    def measured(self) -> Measured:
+        """The tests."""
+        return self.windows.layout.measured
+
+
+def what_lacks(measured: Measured, layout: Layout) -> list[str]:
+    """Return in words what these tests lack for a verdict; empty where nothing does."""
+    found = []
+    chapters = len(np.unique(chapters_of(layout)))
+    if chapters < FEWEST or len(layout.of_test) < 3 * FEWEST:
+        found.append(
+            f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s in {chapters} chapters; "
+            f"{3 * FEWEST} windows in {FEWEST} chapters are needed: longer or more tests"
+        )
+    moving = [k for k in range(len(measured.sensors)) if any(np.ptp(t.readings[:, k]) > 0.0 for t in measured.tests)]
+    if not moving:
+        found.append("nothing that is measured changes in these tests")
+    return found
+
+
+def calibrated(
+    measured: Measured,
+    library: Mapping[str, type[Effect]],
+    start: Candidate | None = None,
+    report: Report = lambda text, share: None,
+    seed: int = 1,
+    width: int | None = None,
+    unknowns: bool = True,
+) -> Analysis:
+    """Return the analysis of tests with a model's base parameters, and its effects', calibrated on them."""
+    plant = measured.plant
+    layout = Layout(measured, width or width_of(measured))
+    if not len(layout.of_test):
+        raise UsageError(f"the tests are shorter than one window of {layout.width} samples")
+    states, _ = estimated(measured)
+    joined = layout.joined(states)
+    declared = list(plant.states.values())
+    sizes = np.array([_usual(joined[:, k], item.typical) for k, item in enumerate(declared)])
+    lowest = np.array([item.low for item in declared])
+    given = {name for test in measured.tests for name, _ in test.given}
+    base = {name: plant.parameters[name].default for name in plant.base_parameters if name not in given}
+    free = [_free(plant.parameters[name], (start.base if start else {}).get(name)) for name in base]
+    for name, item in plant.given_inputs().items():
+        if (
+            any(np.ptp(test.inputs[:, list(plant.inputs).index(name)]) > 0.0 for test in measured.tests)
+            and item.hold == "previous"
+        ):
+            free.append(Free("", DELAY + name, measured.period, 0.0, MOST_DELAY * measured.period))
+            base[DELAY + name] = 0.0
+    candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
+    kernels = Kernels(plant, dict(library))
+    windows = Windows(layout, kernels, _first(layout, joined, declared), sizes, lowest)
+    _hidden(windows, candidate, joined)
+    report("calibrating", 0.1)
+    ranges = ranges_of(plant, candidate.base, _filled(joined, windows, candidate), layout.inputs, layout.time)
+    found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
+    search = Search(windows, library, found, chapters_of(layout), free, seed, report)
+    fitted = settled(windows, candidate, search.free_of(candidate))
+    kernels.add({name: one.effect for name, one in found.items()})
+    return Analysis(windows, search, candidate, search.scored(fitted), floor_of(layout, fitted.features))
+
+
+def _free(item: object, value: float | None) -> Free:
+    from hjcamp.model.parameter import Parameter
+
+    assert isinstance(item, Parameter)
+    low, high = item.bounds
+    now = item.default if value is None else value
+    log = item.prior != "uniform" and low > 0.0
+    scale = abs(now) or abs(item.default) or 1.0
+    return Free("", item.name, scale, low, high, log)
+
+
+def _usual(values: Array, typical: float) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) or abs(typical) if len(known) else abs(typical)
+
+
+def _first(layout: Layout, joined: Array, declared: Sequence[object]) -> Array:
+    """Return the starts (windows, states): what is measured, else a state's usual size where it has a lowest value, else 0."""
+    starts = joined[:: layout.width].copy()
+    for k, item in enumerate(declared):
+        typical, low = getattr(item, "typical", 0.0), getattr(item, "low", -np.inf)
+        guess = typical if np.isfinite(low) else 0.0
+        starts[:, k] = np.where(np.isfinite(starts[:, k]), starts[:, k], guess)
+    return starts
+
+
+def _hidden(windows: Windows, candidate: Candidate, joined: Array) -> None:
+    """Let a state that nothing measures begin each window where the window before left it."""
+    unseen = ~np.isfinite(joined).any(axis=0)
+    if not unseen.any():
+        return
+    layout = windows.layout
+    for _ in range(2):
+        passed = windows.readings(candidate)[1]
+        for w in range(1, len(windows.starts)):
+            if layout.of_test[w] == layout.of_test[w - 1]:
+                last = passed[w * layout.width - 1, unseen]
+                windows.starts[w, unseen] = np.where(np.isfinite(last), last, windows.starts[w, unseen])
+    windows.starts = np.maximum(windows.starts, windows.lowest)
+
+
+def _filled(joined: Array, windows: Windows, candidate: Candidate) -> Array:
+    """Return the states (n, states) with what nothing measures as the model has it."""
+    if np.all(np.isfinite(joined)):
+        return joined
+    passed = windows.readings(candidate)[1]
+    return np.where(np.isfinite(joined), joined, passed)

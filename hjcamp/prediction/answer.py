@@ -1,0 +1,214 @@
+"""The answer of a diagnosis for programs: the keys of ``hjcamp.diagnosis/2``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.prediction.analysis import Analysis
+from hjcamp.prediction.chapters import better
+from hjcamp.prediction.floor import in_units
+from hjcamp.prediction.intervals import Interval, intervals
+from hjcamp.prediction.likelihood import size
+from hjcamp.prediction.selection import Scored, critical
+from hjcamp.prediction.unknown_laws import AMPLITUDES
+from hjcamp.prediction.verdict import Verdict
+from hjcamp.prediction.windows import DELAY
+
+Array = NDArray[np.float64]
+SCHEMA = "hjcamp.diagnosis/2"
+CURVE = 41
+WORST = 8
+
+
+def floor_size(analysis: Analysis) -> float:
+    """Return the size of the floor, as `likelihood.size` gives it of features."""
+    moments = analysis.floor.moments
+    return float(np.exp(0.5 * np.linalg.slogdet(moments)[1] / len(moments)))
+
+
+def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, Any]:
+    """Return the answer as plain values."""
+    model, base = verdict.model, analysis.base
+    least = floor_size(analysis)
+    return {
+        "schema": SCHEMA,
+        "plant": analysis.measured.plant.name,
+        "verdict": verdict.word,
+        "effects": list(verdict.effects),
+        "drivers": [one["driver"] for one in unknown_rows(analysis, verdict)],
+        "p_value": float(verdict.p_value),
+        "candidates": candidates(analysis, verdict),
+        "error": {"baseline": base.left_out / least, "augmented": model.left_out / least, "floor": 1.0},
+        "channels": channel_rows(analysis, model),
+        "calibration": calibration(analysis),
+        "where": [],
+        "worst": worst(analysis, model),
+        "minimum_detectable": {},
+        "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
+        "unknowns": unknown_rows(analysis, verdict),
+        "confidence_set": [list(names) for names in verdict.confidence_set],
+        "floor": floor_rows(analysis),
+        "rests_on": {"conditions": len(analysis.measured.conditions), "tests": len(analysis.measured.tests),
+                     "chapters": len(np.unique(analysis.search.chapters)), "windows": len(analysis.windows.starts)},
+        "lacking": list(verdict.lacking),
+        "seconds": round(seconds, 3),
+    }  # fmt: skip
+
+
+def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]:
+    """Return each channel's rms over windows, before and after, and its floor, in the unit of its field."""
+    layout = analysis.windows.layout
+    before = in_units(np.mean(analysis.base.fitted.features**2, axis=0), layout)
+    after = in_units(np.mean(model.fitted.features**2, axis=0), layout)
+    floor = analysis.floor.of_sensors(layout)
+    return {
+        one.field: {
+            "baseline": float(before[k] * one.scale), "augmented": float(after[k] * one.scale),
+            "floor": float(floor[k] * one.scale), "unit": one.unit,
+        }
+        for k, one in enumerate(layout.measured.sensors)
+    }  # fmt: skip
+
+
+def floor_rows(analysis: Analysis) -> dict[str, dict[str, Any]]:
+    """Return the floor of each channel with its bracket: the sensor's noise alone, and what the calibrated model leaves."""
+    layout = analysis.windows.layout
+    noise = in_units(np.ones(analysis.floor.moments.shape[0]), layout)
+    found = {}
+    for name, row in channel_rows(analysis, analysis.base).items():
+        k = next(k for k, one in enumerate(layout.measured.sensors) if one.field == name)
+        known = analysis.floor.source != "sensor"
+        found[name] = {
+            "source": analysis.floor.source if known else "unknown", "value": row["floor"] if known else None, "unit": row["unit"],
+            "low": float(noise[k] * layout.measured.sensors[k].scale), "high": row["baseline"],
+        }  # fmt: skip
+    return found
+
+
+def worst(analysis: Analysis, model: Scored) -> list[dict[str, Any]]:
+    """Return the conditions with the largest error over the floor, the worst first."""
+    layout = analysis.windows.layout
+    floor = np.maximum(analysis.floor.of_sensors(layout), 1e-300)
+    rows: list[dict[str, Any]] = []
+    for condition, tests in layout.measured.conditions.items():
+        inside = np.isin(layout.of_test, tests)
+        if not inside.any():
+            continue
+        left = in_units(np.mean(model.fitted.features[inside] ** 2, axis=0), layout) / floor
+        rows += [
+            {"condition": condition, "channel": one.field, "over_floor": float(left[k])}
+            for k, one in enumerate(layout.measured.sensors)
+        ]
+    return sorted(rows, key=lambda row: -row["over_floor"])[:WORST]
+
+
+def calibration(analysis: Analysis) -> dict[str, dict[str, Any]]:
+    """Return every base parameter: as declared, and as these tests have it."""
+    plant, found = analysis.measured.plant, {}
+    for one in intervals(analysis.base.fitted, analysis.search.chapters):
+        if one.effect:
+            continue
+        declared = 0.0 if one.name.startswith(DELAY) else plant.parameters[one.name].default
+        unit = "s" if one.name.startswith(DELAY) else plant.parameters[one.name].unit
+        found[one.name] = {"published": declared, "value": one.value, "unit": unit, "ci95": [one.low, one.high]}
+    return found
+
+
+def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
+    """Return every named effect that was fitted, those of the model first, then by how well they did in the last look."""
+    search, base = analysis.search, analysis.base
+    rows, seen = [], set()
+    added = [name for name in verdict.model.names if name not in base.names]
+    for name in added:
+        seen.add(name)
+        without = next(step.before for step in search.steps if name not in step.before.names)
+        rows.append(_candidate(analysis, name, verdict.model, without, named=name in verdict.effects))
+    for step in search.steps:
+        for one in step.named:
+            [name] = [each for each in one.names if each not in step.before.names]
+            if name not in seen:
+                seen.add(name)
+                rows.append(_candidate(analysis, name, one, step.before, named=name in verdict.effects))
+    return rows
+
+
+def _candidate(analysis: Analysis, name: str, model: Scored, before: Scored, named: bool) -> dict[str, Any]:
+    effect = analysis.search.library[name]
+    found = [one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name]
+    t = better(model.scores, before.scores)
+    weight = _weight(t, len(model.scores)) if not named else 1.0
+    return {
+        "effect": name,
+        "posterior": weight,
+        "t": float(np.clip(t, -1e3, 1e3)),
+        "t_needed": critical(len(model.scores)),
+        "heldout_error_ratio": float(model.left_out / before.left_out),
+        "parameters": {one.name: _row(one, effect.parameters[one.name].unit) for one in found},
+    }
+
+
+def _weight(t: float, chapters: int) -> float:
+    """Return the probability of Student's t below the comparison: 0 where a model is clearly no better than without."""
+    from scipy.stats import t as student
+
+    return float(max(0.0, 2.0 * student.cdf(t, max(chapters - 1, 1)) - 1.0))
+
+
+def _row(one: Interval, unit: str) -> dict[str, Any]:
+    return {"value": one.value, "unit": unit, "ci95": [one.low, one.high], "at_bound": one.at_bound}
+
+
+def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
+    """Return the unknowns that were fitted last, best first; the winner with its curve."""
+    search = analysis.search
+    if verdict.unknown is None:
+        return []
+    step = next((step for step in reversed(search.steps) if verdict.unknown in step.unknown), None)
+    ordered: Sequence[Scored] = [
+        verdict.unknown,
+        *(one for one in (step.unknown if step else ()) if one is not verdict.unknown),
+    ]
+    rows = []
+    for place, one in enumerate(ordered):
+        [name] = [each for each in one.names if each in search.unknowns]
+        known = search.unknowns[name]
+        reference = step.before if step else analysis.base
+        row = {
+            "driver": f"{known.place}_{known.driver}" if known.driver != "time" else "time",
+            "quantity": known.quantity, "port": known.place,
+            "gain": float((reference.scores - one.scores).sum()),
+        }  # fmt: skip
+        if place == 0:
+            row["curve"] = curve_of(analysis, one, name)
+        rows.append(row)
+    return rows
+
+
+def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
+    """Return an unknown's law over its driver with its 95 % band, SI."""
+    known = analysis.search.unknowns[name]
+    own = {one.name: one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name}
+    knots = np.linspace(known.low, known.high, len(AMPLITUDES))
+    x = np.linspace(known.low, known.high, CURVE)
+    values, low, high = (
+        np.interp(x, knots, [getattr(own[knot], key) for knot in AMPLITUDES]) for key in ("value", "low", "high")
+    )
+    parameters = known.effect.parameters
+    return {
+        "x": x.tolist(), "x_unit": parameters["low"].unit, "y": values.tolist(), "y_unit": parameters["a0"].unit,
+        "low": low.tolist(), "high": high.tolist(),
+    }  # fmt: skip
+
+
+def removed(analysis: Analysis, model: Scored) -> float:
+    """Return the share of the removable error (above the floor) that a model removes on chapters left out."""
+    least = floor_size(analysis)
+    above = np.log(max(analysis.base.left_out / least, 1.0 + 1e-12))
+    return float(np.clip(np.log(analysis.base.left_out / model.left_out) / above, -1.0, 1.0))
+
+
+__all__ = ["answer", "channel_rows", "curve_of", "floor_size", "removed", "size"]

@@ -1,0 +1,105 @@
+"""Models side by side on measured tests of a plant: errors over windows, as they are and with their base calibrated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.effect import Effect
+from hjcamp.prediction.analysis import Analysis, calibrated
+from hjcamp.prediction.answer import floor_size
+from hjcamp.prediction.floor import in_units
+from hjcamp.prediction.likelihood import size
+from hjcamp.prediction.measured import Measured
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One model on the tests: its rms over windows of each channel (sensors,), that of each test (tests, sensors), SI,
+    what it explains of a window's motion (sensors,), its size over the floor, and its residuals (n, sensors).
+    """
+
+    name: str
+    rms: Array
+    by_test: Array
+    explained: Array
+    score: float
+    errors: Array
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Models on the same tests, and the last of them with its parameters calibrated on these tests."""
+
+    analysis: Analysis
+    models: tuple[Shown, ...]
+    calibrated: Shown
+
+
+def compared(
+    measured: Measured,
+    library: Mapping[str, type[Effect]],
+    models: Mapping[str, Candidate],
+    report: Callable[[str, float], None] = lambda text, share: None,
+) -> Comparison:
+    """Return every model on the tests, the window's starts moved to where each fits best."""
+    needed = {name for model in models.values() for name in model.effects}
+    chosen = {name: effect for name, effect in library.items() if name in needed}
+    last = list(models.values())[-1]
+    analysis = calibrated(measured, chosen, last, report, unknowns=False)
+    kept = analysis.windows.starts.copy()
+    rows = []
+    for done, (name, model) in enumerate(models.items()):
+        report(f"predicting with {name}", 0.5 + 0.4 * done / len(models))
+        base = {**{one: measured.plant.parameters[one].default for one in measured.plant.base_parameters}, **model.base}
+        rows.append(_shown(analysis, name, Candidate(base, model.effects)))
+    analysis.windows.starts = kept
+    fitted = _shown(analysis, "calibrated here", analysis.base.fitted.candidate)
+    return Comparison(analysis, tuple(rows), fitted)
+
+
+def _shown(analysis: Analysis, name: str, candidate: Candidate) -> Shown:
+    windows, layout = analysis.windows, analysis.windows.layout
+    windows.move_starts(candidate)
+    features = windows.features(candidate)
+    errors = windows.errors(candidate)
+    rms = in_units(np.mean(features**2, axis=0), layout)
+    tests = range(len(layout.measured.tests))
+    by_test = np.array([
+        in_units(np.mean(features[layout.of_test == test] ** 2, axis=0), layout)
+        if np.any(layout.of_test == test) else np.full(len(rms), np.nan)
+        for test in tests
+    ])  # fmt: skip
+    shaped = layout.readings.reshape(len(features), layout.width, -1)
+    spread = np.mean((shaped - shaped.mean(axis=1, keepdims=True)) ** 2, axis=(0, 1))
+    left = np.mean(errors**2, axis=0)
+    explained = 1.0 - left / np.maximum(spread, 1e-300)
+    return Shown(name, rms, by_test, explained, size(features) / floor_size(analysis), errors)
+
+
+def answer(found: Comparison) -> dict[str, Any]:
+    """Return the comparison for programs, by the keys of ``hjcamp.comparison/1``."""
+    layout = found.analysis.windows.layout
+    floor = found.analysis.floor.of_sensors(layout)
+    models = []
+    for one in (*found.models, found.calibrated):
+        error = {
+            sensor.field: {
+                "rms": float(one.rms[k] * sensor.scale), "floor": float(floor[k] * sensor.scale), "r2": float(one.explained[k]),
+            }
+            for k, sensor in enumerate(layout.measured.sensors)
+        }  # fmt: skip
+        models.append(
+            {"name": one.name, "tests": len(layout.measured.tests), "error": error, "score": float(one.score)}
+        )
+    return {
+        "schema": "hjcamp.comparison/1", "plant": layout.measured.plant.name, "models": models[:-1], "calibrated": models[-1],
+        "window_s": layout.width * layout.measured.period, "floor_source": found.analysis.floor.source, "where": [],
+    }  # fmt: skip

@@ -1,0 +1,150 @@
+"""Fit free parameters of a model to the windows by damped Gauss-Newton steps (Levenberg 1944; Marquardt 1963)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.likelihood import loss, whitener
+from hjcamp.prediction.windows import Windows
+
+Array = NDArray[np.float64]
+STEP = 0.01
+ROUNDS = 12
+GAINED = 0.02
+WORST_DAMPING = 1e6
+
+
+@dataclass(frozen=True)
+class Free:
+    """A free parameter: of the base (``effect`` empty) or of an effect; ``scale`` is its usual size, SI.
+
+    ``spread`` is the standard deviation with which it is known beforehand about ``centre``, infinite where it is not.
+    """
+
+    effect: str
+    name: str
+    scale: float
+    low: float
+    high: float
+    log: bool = False
+    spread: float = math.inf
+    centre: float = 0.0
+
+    def of(self, candidate: Candidate) -> float:
+        """Return its value in a candidate, in units of its scale (its logarithm where it is fitted so)."""
+        value = candidate.effects[self.effect][self.name] if self.effect else candidate.base[self.name]
+        return math.log(max(value, 1e-300)) if self.log else value / self.scale
+
+    def into(self, candidate: Candidate, x: float) -> Candidate:
+        """Return the candidate with this value, within the bounds."""
+        value = math.exp(min(x, 700.0)) if self.log else x * self.scale
+        value = float(min(max(value, self.low), self.high))
+        if self.effect:
+            return candidate.with_effect(self.effect, {**candidate.effects[self.effect], self.name: value})
+        return candidate.with_base({self.name: value})
+
+    def surprise(self, candidate: Candidate) -> float:
+        """Return how many standard deviations it is from where it was known to be."""
+        if not math.isfinite(self.spread):
+            return 0.0
+        value = candidate.effects[self.effect][self.name] if self.effect else candidate.base[self.name]
+        return (value - self.centre) / self.spread
+
+    @property
+    def slope(self) -> float:
+        """The change of ``surprise`` for one unit of x, where it is linear in it."""
+        return self.scale / self.spread if math.isfinite(self.spread) and not self.log else 0.0
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fitted model with its features (windows, d), their slopes (windows, d, free) and its loss."""
+
+    candidate: Candidate
+    free: tuple[Free, ...]
+    features: Array
+    slopes: Array
+    loss: float
+
+    @property
+    def information(self) -> Array:
+        """The Gauss-Newton matrix (free, free) in units of the scales."""
+        w = whitener(self.features)
+        white = np.einsum("wfp,fg->wgp", self.slopes, w)
+        found = np.einsum("wgp,wgq->pq", white, white)
+        return np.asarray(found + np.diag([one.slope**2 for one in self.free]))
+
+
+def slopes_of(windows: Windows, candidate: Candidate, free: Sequence[Free], base: Array) -> Array:
+    """Return the derivatives (windows, d, free) of the features by finite differences, inwards at a bound."""
+    columns = []
+    for one in free:
+        x = one.of(candidate)
+        step = STEP
+        moved = one.into(candidate, x + step)
+        if abs(one.of(moved) - x) < 0.5 * step:
+            moved = one.into(candidate, x - step)
+        change = one.of(moved) - x
+        columns.append((windows.features(moved) - base) / change if change else np.zeros_like(base))
+    return np.stack(columns, axis=2) if columns else np.zeros((*base.shape, 0))
+
+
+def fit(windows: Windows, start: Candidate, free: Sequence[Free], rounds: int = ROUNDS) -> Fitted:
+    """Return the fit from ``start``; it never is worse than the start. Window starts stay as they are."""
+    candidate, damping = start, 1e-3
+    features = windows.features(candidate)
+    current = _whole(features, candidate, free)
+    slopes = slopes_of(windows, candidate, free, features)
+    for _ in range(rounds):
+        if not free or not np.isfinite(current):
+            break
+        w = whitener(features)
+        white, left = np.einsum("wfp,fg->wgp", slopes, w), features @ w
+        white = np.where(np.isfinite(white), white, 0.0)
+        surprise = np.array([one.surprise(candidate) for one in free])
+        pull = np.array([one.slope for one in free])
+        curvature = np.einsum("wgp,wgq->pq", white, white) + np.diag(pull**2)
+        downhill = -np.einsum("wgp,wg->p", white, left) - pull * surprise
+        size = np.maximum(np.diag(curvature), 1e-12 * max(float(np.diag(curvature).max()), 1e-300))
+        gained = 0.0
+        while damping < WORST_DAMPING:
+            step = np.linalg.lstsq(curvature + damping * np.diag(size), downhill, rcond=None)[0]
+            tried = candidate
+            for one, x in zip(free, step, strict=True):
+                tried = one.into(tried, one.of(candidate) + float(np.clip(x, -2.0, 2.0)))
+            seen = windows.features(tried)
+            value = _whole(seen, tried, free)
+            if value < current:
+                gained = current - value
+                candidate, features, current = tried, seen, value
+                damping = max(damping * 0.1, 1e-9)
+                break
+            damping *= 10.0
+        slopes = slopes_of(windows, candidate, free, features)
+        if gained < GAINED:
+            break
+    return Fitted(candidate, tuple(free), features, slopes, current)
+
+
+def settled(windows: Windows, start: Candidate, free: Sequence[Free], turns: int = 3) -> Fitted:
+    """Return the fit with the windows' starts moved along: fit, move the starts, and fit again until nothing is gained."""
+    windows.move_starts(start)
+    found = fit(windows, start, free)
+    for _ in range(turns):
+        windows.move_starts(found.candidate, rounds=1)
+        again = fit(windows, found.candidate, free)
+        done = found.loss - again.loss < 0.5
+        found = again
+        if done:
+            break
+    return found
+
+
+def _whole(features: Array, candidate: Candidate, free: Sequence[Free]) -> float:
+    return loss(features) + 0.5 * sum(one.surprise(candidate) ** 2 for one in free)

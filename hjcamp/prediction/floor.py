@@ -1,0 +1,101 @@
+"""What no model can remove: the part of the residuals that repetitions do not share, or that near-replicates differ by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.prediction.windows import Layout
+
+Array = NDArray[np.float64]
+# Moments this far apart are looked at twice, not one after the other.
+NEIGHBOURS = 10
+FEWEST_PAIRS = 300
+FEWEST_REPEATED = 20
+
+
+@dataclass(frozen=True)
+class Floor:
+    """Second moments (d, d) of what cannot be explained, in units of the sensors' noise, and where they come from.
+
+    ``source`` is "repetitions", "near_replicates", or "sensor" where neither is there: then it is a lower bound only.
+    """
+
+    source: str
+    moments: Array
+
+    def of_sensors(self, layout: Layout) -> Array:
+        """Return its rms in each sensor's unit (sensors,), SI."""
+        return in_units(np.diag(self.moments), layout)
+
+
+def in_units(squares: Array, layout: Layout) -> Array:
+    """Return the rms (sensors,), SI, of mean squares of features (d,)."""
+    each = squares.reshape(len(layout.measured.sensors), -1).sum(axis=1)
+    return np.asarray(layout.measured.noise * np.sqrt(each / layout.width))
+
+
+def floor_of(layout: Layout, features: Array) -> Floor:
+    """Return the floor by features (windows, d) of a calibrated model."""
+    d = features.shape[1]
+    repeated = _of_repetitions(layout, features)
+    if repeated is not None:
+        return Floor("repetitions", repeated + np.eye(d))
+    near = _of_neighbours(layout, features)
+    if near is not None:
+        return Floor("near_replicates", near + np.eye(d))
+    return Floor("sensor", np.eye(d))
+
+
+def _of_repetitions(layout: Layout, features: Array) -> Array | None:
+    r"""Return the pooled :math:`\frac{1}{N - C} \sum (f - \bar f)(f - \bar f)^T` over repetitions of a window (pure error)."""
+    total, freedom = np.zeros((features.shape[1],) * 2), 0
+    for tests in layout.measured.conditions.values():
+        if len(tests) < 2:
+            continue
+        rows = [np.flatnonzero(layout.of_test == test) for test in tests]
+        shortest = min(len(one) for one in rows)
+        block = np.stack([features[one[:shortest]] for one in rows])
+        left = (block - block.mean(axis=0)).reshape(-1, features.shape[1])
+        total += left.T @ left
+        freedom += shortest * (len(tests) - 1)
+    return total / freedom if freedom >= FEWEST_REPEATED else None
+
+
+def _of_neighbours(layout: Layout, features: Array) -> Array | None:
+    r"""Return the second moments (d, d) at distance 0 of windows of like motion and inputs: the Gamma test.
+
+    The intercept of half the mean squared difference over the mean squared distance of the p nearest neighbours, p = 1 .. 10
+    (Evans & Jones 2002, doi:10.1098/rspa.2002.1010), for each pair of features; no more than at the nearest neighbour.
+    """
+    motion = motion_of(layout)
+    count, d = len(motion), features.shape[1]
+    if count < 4 * NEIGHBOURS or count * NEIGHBOURS < FEWEST_PAIRS:
+        return None
+    apart = np.abs(np.arange(count)[:, None] - np.arange(count)[None, :]) > 1
+    squares = np.where(apart, ((motion[:, None, :] - motion[None, :, :]) ** 2).mean(axis=2), np.inf)
+    order = np.argsort(squares, axis=1)[:, :NEIGHBOURS]
+    distance = np.take_along_axis(squares, order, axis=1).mean(axis=0)
+    halves = []
+    for p in range(NEIGHBOURS):
+        difference = features - features[order[:, p]]
+        halves.append((0.5 * difference.T @ difference / count).ravel())
+    line = np.column_stack([np.ones(NEIGHBOURS), distance])
+    intercept = np.linalg.lstsq(line, np.array(halves), rcond=None)[0][0].reshape(d, d)
+    # within the nearest neighbours' own differences, in whose coordinates each part lies between 0 and 1
+    root = np.linalg.cholesky(halves[0].reshape(d, d) + np.eye(d))
+    inside = np.linalg.solve(root, np.linalg.solve(root, 0.5 * (intercept + intercept.T)).T)
+    values, vectors = np.linalg.eigh(inside)
+    part = root @ vectors
+    return np.asarray((part * np.clip(values, 0.0, 1.0)) @ part.T)
+
+
+def motion_of(layout: Layout) -> Array:
+    """Return what describes each window (windows, m): the first coefficients of readings and inputs, each of unit spread."""
+    inputs = layout.inputs[:, np.std(layout.inputs, axis=0) > 0.0]
+    columns = np.column_stack([layout.readings, inputs])
+    shaped = columns.reshape(-1, layout.width, columns.shape[1])
+    found = np.einsum("wtc,to->wco", shaped, layout.basis[:, :3]).reshape(len(shaped), -1)
+    return np.asarray((found - found.mean(axis=0)) / np.maximum(found.std(axis=0), 1e-300))

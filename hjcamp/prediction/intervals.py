@@ -1,0 +1,68 @@
+"""Intervals of fitted parameters: chapters are the clusters of the sandwich estimator."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.prediction.fitting import Fitted
+from hjcamp.prediction.levels import LEVEL
+from hjcamp.prediction.likelihood import whitener
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A fitted parameter, SI: ``effect`` is empty for one of the base; ``at_bound`` where it lies on one of its bounds."""
+
+    effect: str
+    name: str
+    value: float
+    low: float
+    high: float
+    at_bound: bool
+
+
+def intervals(fitted: Fitted, chapters: NDArray[np.int64]) -> list[Interval]:
+    r"""Return the value and confidence interval of every free parameter.
+
+    .. math:: V = \frac{C}{C - 1} H^{-1} \Bigl(\sum_c g_c g_c^T\Bigr) H^{-1}
+
+    over chapters c (Liang & Zeger 1986, doi:10.1093/biomet/73.1.13), with Student's t of C - 1 degrees of freedom.
+    """
+    from scipy.stats import t
+
+    w = whitener(fitted.features)
+    white, left = np.einsum("wfp,fg->wgp", fitted.slopes, w), fitted.features @ w
+    pull = np.einsum("wgp,wg->wp", white, left)
+    names = np.unique(chapters)
+    clusters = np.array([pull[chapters == one].sum(axis=0) for one in names])
+    clusters = clusters - clusters.mean(axis=0)
+    bread = np.linalg.pinv(fitted.information)
+    count = max(len(names), 2)
+    spread = np.sqrt(np.maximum(np.diag(bread @ (clusters.T @ clusters) @ bread) * count / (count - 1), 0.0))
+    reach = float(t.ppf(1.0 - LEVEL / 2.0, count - 1)) * spread
+    found = []
+    for one, half in zip(fitted.free, reach, strict=True):
+        x = one.of(fitted.candidate)
+        ends = (
+            (math.exp(min(x - half, 700.0)), math.exp(min(x + half, 700.0)))
+            if one.log
+            else tuple(sorted(((x - half) * one.scale, (x + half) * one.scale)))
+        )
+        value = math.exp(x) if one.log else x * one.scale
+        near = 1e-6 * one.scale
+        at_bound = bool(value <= one.low + near or value >= one.high - near)
+        found.append(
+            Interval(
+                one.effect,
+                one.name,
+                float(value),
+                float(max(ends[0], one.low)),
+                float(min(ends[1], one.high)),
+                at_bound,
+            )
+        )
+    return found

@@ -1,0 +1,66 @@
+"""The compiled models that an analysis needs: one without effects, and one with the whole library behind gates."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from hjcamp.errors import UsageError
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.compose import MOST_GATED, Composition
+from hjcamp.model.effect import Effect
+from hjcamp.model.plant import Plant
+from hjcamp.model.simulator import Simulator
+
+
+@dataclass
+class Kernels:
+    """Simulators of a plant with any of ``effects``, each compiled once."""
+
+    plant: type[Plant]
+    effects: Mapping[str, type[Effect]]
+    _chunks: list[tuple[str, ...]] = field(default_factory=list)
+    _made: dict[tuple[str, ...], Simulator] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._cut()
+
+    def add(self, effects: Mapping[str, type[Effect]]) -> None:
+        """Let further effects be part of models, too."""
+        self.effects = {**self.effects, **effects}
+        self._cut()
+
+    def _cut(self) -> None:
+        names = list(self.effects)
+        self._chunks = [tuple(names[k : k + MOST_GATED]) for k in range(0, len(names), MOST_GATED)]
+
+    def model(self, candidate: Candidate) -> tuple[Simulator, dict[str, float]]:
+        """Return the simulator for a candidate and its parameters by full name, gates among them."""
+        wanted = tuple(candidate.effects)
+        for name in wanted:
+            if name not in self.effects:
+                raise UsageError(f"effect {name}: plant {self.plant.name} has none of that name")
+        chosen = self._chosen(wanted)
+        values = {name: value for name, value in candidate.base.items() if name in self.plant.parameters}
+        for name, own in candidate.effects.items():
+            values |= {f"{name}.{key}": value for key, value in own.items()}
+            if len(chosen) > 0 and self._gated(chosen):
+                values[f"gate.{name}"] = 1.0
+        return self._simulator(chosen), values
+
+    def _gated(self, chosen: Sequence[str]) -> bool:
+        return tuple(chosen) in self._chunks
+
+    def _chosen(self, wanted: Collection[str]) -> tuple[str, ...]:
+        if not wanted:
+            return ()
+        for chunk in self._chunks:
+            if set(wanted) <= set(chunk):
+                return chunk
+        return tuple(sorted(wanted))
+
+    def _simulator(self, chosen: tuple[str, ...]) -> Simulator:
+        if chosen not in self._made:
+            effects = tuple(self.effects[name] for name in chosen)
+            self._made[chosen] = Simulator(Composition(self.plant, effects, gated=self._gated(chosen)), free=True)
+        return self._made[chosen]

@@ -1,0 +1,14 @@
+"""Every number that decides a verdict, with the level that it stands for."""
+
+from __future__ import annotations
+
+# One claim in twenty may be wrong: chance of the screening, paired comparisons of models over chapters.
+LEVEL = 0.05
+# An effect matters where it takes a tenth of the error: the smallest change that is told to a user as an improvement.
+MATTERS = 0.10
+# A law is that kind where it takes most of what the freest law over the same driver takes.
+MOST_OF_IT = 0.5
+# Fits per step: the named effects that promise most, and the unknowns.
+FITTED = 6
+FITTED_UNKNOWNS = 2
+STEPS = 4

@@ -1,0 +1,185 @@
+"""Measured tests of one plant as arrays in SI units: readings, given inputs, conditions, and the noise of each sensor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.errors import UsageError
+from hjcamp.model.field_unit import field_of, unit_of_field
+from hjcamp.model.parameter import finite_number
+from hjcamp.model.plant import ALWAYS, Plant
+from hjcamp.records.find import refuse_mixed_plants
+from hjcamp.records.log import TestLog
+from hjcamp.records.of_plant import plant_of
+
+Array = NDArray[np.float64]
+RATE_TOLERANCE = 1e-3
+# A counting sensor's readings are whole counts but for rounding.
+WHOLE = 1e-3
+FEWEST_SAMPLES = 64
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A measured channel: its field, the unit of its field, and the value in that unit of one SI unit."""
+
+    field: str
+    unit: str
+    scale: float
+
+    @property
+    def quantity(self) -> str:
+        """The name without its unit."""
+        return self.field[: -len(unit_of_field(self.field, "").suffix) - 1]
+
+
+@dataclass(frozen=True)
+class MeasuredTest:
+    """One test, SI: ``time`` (n,), ``inputs`` (n, inputs of the plant), ``readings`` (n, sensors).
+
+    ``given`` are plant parameters that its metadata give (a mass, a supply).
+    """
+
+    name: str
+    condition: str
+    time: Array
+    inputs: Array
+    readings: Array
+    given: tuple[tuple[str, float], ...]
+    log: TestLog
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+        return len(self.time)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """All tests of one plant, ``period`` s between samples; tests of one condition are repetitions of each other."""
+
+    plant: type[Plant]
+    period: float
+    sensors: tuple[Sensor, ...]
+    columns: tuple[int, ...]
+    tests: tuple[MeasuredTest, ...]
+
+    @cached_property
+    def conditions(self) -> dict[str, list[int]]:
+        """Positions of the tests of each condition."""
+        found: dict[str, list[int]] = {}
+        for place, test in enumerate(self.tests):
+            found.setdefault(test.condition, []).append(place)
+        return found
+
+    @property
+    def repeated(self) -> bool:
+        """Whether any condition has more than one repetition."""
+        return any(len(places) > 1 for places in self.conditions.values())
+
+    @cached_property
+    def noise(self) -> Array:
+        """Standard deviation of the noise of each sensor (sensors,), SI: see `noise_of`, the median of the tests."""
+        found = [[noise_of(test.readings[:, k]) for k in range(len(self.sensors))] for test in self.tests]
+        declared = [self.plant.measured[one.field].noise for one in self.sensors]
+        median = np.median(np.array(found), axis=0)
+        return np.array([read if said is None else said for read, said in zip(median, declared, strict=True)])
+
+    def only(self, keep: Sequence[int]) -> Measured:
+        """Return the tests at these positions alone."""
+        return Measured(self.plant, self.period, self.sensors, self.columns, tuple(self.tests[place] for place in keep))
+
+
+def noise_of(values: Array) -> float:
+    r"""Return the standard deviation of a sensor's noise, by its readings (n,).
+
+    Of a counting sensor :math:`c / \sqrt{12}` with its count c; else the median of the absolute third differences over
+    :math:`0.6745 \sqrt{20}`, which smooth motion hardly raises (Gasser, Sroka & Jennen-Steinmetz 1986,
+    doi:10.1093/biomet/73.3.625). Never below a millionth of the readings' spread.
+    """
+    least = 1e-6 * float(np.std(values)) + 1e-300
+    steps = np.abs(np.diff(values))
+    moved = steps[steps > 1e-9 * (np.ptp(values) + 1e-300)]
+    count = float(np.min(moved)) if len(moved) else 0.0
+    if count > 0.0:
+        counts = moved / count
+        if len(moved) > 10 and np.mean(np.abs(counts - np.round(counts)) < WHOLE * np.maximum(counts, 1.0)) > 0.99:
+            return max(count / math.sqrt(12.0), least)
+    thirds = np.abs(np.diff(values, 3))
+    return max(float(np.median(thirds)) / (0.6745 * math.sqrt(20.0)), least)
+
+
+def measured_tests(logs: Sequence[TestLog]) -> Measured:
+    """Return the tests of all logs; refuse logs of several plants or periods, and a log that lacks a reading or is too short."""
+    if not logs:
+        raise UsageError("no tests: give a run folder, a folder of logs, or log files")
+    refuse_mixed_plants(logs)
+    plant = plant_of(logs[0].metadata, str(logs[0].path))
+    period = logs[0].period
+    for log in logs:
+        if abs(log.period / period - 1.0) > RATE_TOLERANCE:
+            raise UsageError(
+                f"{log.path}: one sample each {log.period:g} s, but each {period:g} s in {logs[0].path}; "
+                "analyse tests of one sampling period together"
+            )
+    present = [name for name in plant.measured if all(name in log.columns for log in logs)]
+    if not present:
+        raise UsageError(f"{logs[0].path}: none of the channels of plant {plant.name}: {', '.join(plant.measured)}")
+    units = [unit_of_field(name, f"plant {plant.name}") for name in present]
+    sensors = tuple(Sensor(name, unit.shown, unit.scale) for name, unit in zip(present, units, strict=True))
+    columns = tuple(list(plant.measured).index(name) for name in present)
+    return Measured(plant, period, sensors, columns, tuple(_test(log, plant, sensors) for log in logs))
+
+
+def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> MeasuredTest:
+    columns = log.command_phase
+    where = str(log.path or log.condition_key)
+    samples = len(columns["time_s"])
+    if samples < FEWEST_SAMPLES:
+        raise UsageError(f"{where}: {samples} samples; at least {FEWEST_SAMPLES} are needed")
+    readings = np.column_stack([columns[one.field] / one.scale for one in sensors])
+    inputs = []
+    for item in plant.inputs.values():
+        if item.name in ("time", "direction"):
+            continue
+        field = item.field or ("" if item.name in ALWAYS else field_of(item.name, item.unit, f"plant {plant.name}"))
+        if field in columns:
+            inputs.append(columns[field] / unit_of_field(field, where).scale)
+        elif field and item.required:
+            raise UsageError(f"{where}: field '{field}' is missing, the input '{item.name}' of plant {plant.name}")
+        else:
+            inputs.append(np.full(samples, item.default))
+    whole = np.column_stack([readings, *inputs])
+    if not np.all(np.isfinite(whole)):
+        row = int(np.argmin(np.all(np.isfinite(whole), axis=1)))
+        raise UsageError(
+            f"{where}: sample {row} (at {columns['time_s'][row]:g} s) is not finite; see hjcamp log verify"
+        )
+    name = log.path.stem if log.path else log.condition_key
+    return MeasuredTest(
+        name, log.condition_key, columns["time_s"] - columns["time_s"][0], np.column_stack(inputs), readings,
+        _given(plant, log.metadata, where), log,
+    )  # fmt: skip
+
+
+def _given(plant: type[Plant], metadata: Mapping[str, str], where: str) -> tuple[tuple[str, float], ...]:
+    """Return the parameters of the plant that a test's metadata give, SI."""
+    found = []
+    for name, item in plant.parameters.items():
+        if item.given and item.given in metadata:
+            try:
+                number = finite_number(float(metadata[item.given]))
+            except ValueError:
+                number = None
+            if number is None:
+                raise UsageError(
+                    f"{where}: its metadata give {item.given} = {metadata[item.given]!r:.40}; a number is needed"
+                )
+            found.append((name, number / unit_of_field(item.given, where).scale))
+    return tuple(found)

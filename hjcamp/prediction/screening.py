@@ -1,0 +1,203 @@
+"""Screen effects by finite responses: what each would gain beside the base, if it acted linearly, over a grid of its shapes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Parameter
+from hjcamp.prediction.fitting import Fitted, Free
+from hjcamp.prediction.likelihood import loss, whitener
+from hjcamp.prediction.unknown_laws import AMPLITUDES
+from hjcamp.prediction.unknowns import Unknown
+from hjcamp.prediction.windows import Windows
+
+Array = NDArray[np.float64]
+# Values tried of each shape, between bounds or within this factor of the usual value; all of them for two shapes at most.
+SHAPES = 4
+FACTOR = 8.0
+MOST_SHAPES = 2
+# An unknown's knots are probed at this share of the usual size of what they add to.
+SMALL = 0.05
+
+
+@dataclass(frozen=True)
+class Probe:
+    """One effect at one setting of its shapes: its responses (windows, d, amplitudes) to ``sizes`` of its amplitudes."""
+
+    effect: str
+    setting: Mapping[str, float]
+    amplitudes: tuple[str, ...]
+    sizes: Array
+    one_sided: bool
+    responses: Array
+
+
+@dataclass(frozen=True)
+class Promise:
+    """What an effect promises: its gain (log-likelihood) if it acted linearly, and the model at which."""
+
+    effect: str
+    gain: float
+    candidate: Candidate
+
+
+def amplitudes_of(effect: type[Effect]) -> tuple[str, ...]:
+    """Return the parameters at whose ``off`` value the effect is absent; all that are no shape where it declares none."""
+    found = tuple(name for name, item in effect.parameters.items() if item.off is not None)
+    return found or tuple(name for name, item in effect.parameters.items() if not item.shape)
+
+
+def shape_grid(effect: type[Effect]) -> Iterator[dict[str, float]]:
+    """Yield settings of the effect's shapes: its usual values, and a grid about them."""
+    shapes = [item for item in effect.parameters.values() if item.shape][:MOST_SHAPES]
+    yield {}
+    for values in itertools.product(*(_tried(item) for item in shapes)) if shapes else ():
+        yield {item.name: value for item, value in zip(shapes, values, strict=True)}
+
+
+def _tried(item: Parameter) -> list[float]:
+    low, high = item.bounds
+    if item.cyclic:
+        return [0.0, math.pi / 2.0]
+    if item.prior != "uniform" or (low > 0.0 and high / low > 30.0):
+        bottom, top = max(low, item.default / FACTOR), min(high, item.default * FACTOR)
+        return [float(x) for x in np.geomspace(bottom, top, SHAPES)]
+    reach = FACTOR / 2.0 * abs(item.default) if item.default else high
+    bottom, top = max(low, item.default - reach), min(high, item.default + reach)
+    return [float(x) for x in np.linspace(bottom, top, SHAPES + 2)[1:-1]]
+
+
+def probes_of(windows: Windows, start: Candidate, base: Array, effect: type[Effect]) -> Iterator[Probe]:
+    """Yield the probes of a named effect, of its first amplitude, about a model whose features are ``base``."""
+    amplitudes = amplitudes_of(effect)[:1]
+    sided = all(effect.parameters[name].bounds[0] >= (effect.parameters[name].off or 0.0) for name in amplitudes)
+    for setting in shape_grid(effect):
+        values = {**effect.defaults(), **setting}
+        columns, sizes = [], []
+        for name in amplitudes:
+            size = values[name] - (effect.parameters[name].off or 0.0)
+            if size == 0.0:
+                size = 0.1 * _reach(effect.parameters[name])
+            own = {**values, name: (effect.parameters[name].off or 0.0) + size}
+            columns.append(windows.features(start.with_effect(effect.name, own)) - base)
+            sizes.append(size)
+        responses = np.stack(columns, axis=2)
+        if np.all(np.isfinite(responses)):
+            yield Probe(effect.name, values, amplitudes, np.array(sizes), sided, responses)
+
+
+def _reach(item: Parameter) -> float:
+    finite = [abs(one) for one in item.bounds if math.isfinite(one) and one != 0.0]
+    return min(finite) if finite else 1.0
+
+
+def probes_of_unknown(windows: Windows, start: Candidate, base: Array, unknown: Unknown) -> Iterator[Probe]:
+    """Yield the probe of an unknown: one response for each of its knots."""
+    ends, size = {"low": unknown.low, "high": unknown.high}, SMALL * unknown.usual
+    columns = []
+    for name in AMPLITUDES:
+        own = {**ends, **dict.fromkeys(AMPLITUDES, 0.0), name: size}
+        columns.append(windows.features(start.with_effect(unknown.effect.name, own)) - base)
+    responses = np.stack(columns, axis=2)
+    if np.all(np.isfinite(responses)):
+        yield Probe(unknown.effect.name, ends, AMPLITUDES, np.full(len(AMPLITUDES), size), False, responses)
+
+
+class Projection:
+    """The features of a fitted model, white, without what its free parameters could still explain."""
+
+    def __init__(self, fitted: Fitted) -> None:
+        self.fitted = fitted
+        self.whitener = whitener(fitted.features)
+        self._back = np.linalg.inv(self.whitener)
+        white = np.einsum("wfp,fg->wgp", fitted.slopes, self.whitener)
+        known = np.diag([one.slope for one in fitted.free])
+        self._rows = known.shape[0]
+        self._slopes = np.concatenate([white.reshape(-1, white.shape[2]), known])
+        stacked = self._slopes
+        u, s, _ = np.linalg.svd(stacked, full_matrices=False) if self._rows else (stacked, np.zeros(0), None)
+        self._span = u[:, s > 1e-8 * s[0]] if len(s) and s[0] > 0.0 else np.zeros((len(stacked), 0))
+
+    def free_of_base(self, features: Array) -> Array:
+        """Return features (windows, d) or responses (windows, d, k), white and projected, as columns (n, k)."""
+        shaped = features if features.ndim == 3 else features[:, :, None]
+        white = np.einsum("wfk,fg->wgk", shaped, self.whitener).reshape(-1, shaped.shape[2])
+        full = np.concatenate([white, np.zeros((self._rows, white.shape[1]))])
+        return np.asarray(full - self._span @ (self._span.T @ full))
+
+    def basis(self, probe: Probe) -> Array:
+        """Return an orthonormal basis (n, k) of what a probe adds."""
+        columns = self.free_of_base(probe.responses)
+        norms = np.linalg.norm(columns, axis=0)
+        before = np.linalg.norm(
+            np.einsum("wfk,fg->wgk", probe.responses, self.whitener).reshape(-1, columns.shape[1]), axis=0
+        )
+        keep = norms > 1e-3 * np.maximum(before, 1e-300)
+        if not keep.any():
+            return np.zeros((len(columns), 0))
+        u, s, _ = np.linalg.svd(columns[:, keep] / norms[keep], full_matrices=False)
+        return np.asarray(u[:, s > 1e-3 * s[0]])
+
+    def promise(self, probe: Probe, effect: type[Effect]) -> Promise:
+        """Return what a probe promises, its amplitudes within their bounds."""
+        left = self.free_of_base(self.fitted.features)[:, 0]
+        columns = self.free_of_base(probe.responses)
+        found = np.linalg.lstsq(columns, -left, rcond=1e-6)[0]
+        parameters, share = dict(probe.setting), np.zeros(len(found))
+        for k, name in enumerate(probe.amplitudes):
+            item = effect.parameters[name]
+            off = item.off or 0.0
+            parameters[name] = min(max(off + found[k] * probe.sizes[k], item.bounds[0]), item.bounds[1])
+            share[k] = (parameters[name] - off) / probe.sizes[k]
+        after = left + columns @ share
+        n = self.fitted.features.size
+        gain = self._loss(left[:n]) - self._loss(after[:n])
+        return Promise(probe.effect, gain if np.any(share != 0.0) else 0.0, self._beside(probe, parameters, share))
+
+    def _beside(self, probe: Probe, parameters: dict[str, float], share: Array) -> Candidate:
+        """Return the model with the effect, its other free parameters moved to where they fit best beside it."""
+        fitted = self.fitted
+        target = np.einsum("wfk,k,fg->wg", probe.responses, share, self.whitener).ravel()
+        target = np.concatenate([target, np.zeros(self._rows)])
+        steps = np.linalg.lstsq(self._slopes, -target, rcond=1e-8)[0] if self._rows else ()
+        candidate = fitted.candidate
+        for one, step in zip(fitted.free, steps, strict=True):
+            candidate = one.into(candidate, one.of(candidate) + float(np.clip(step, -1.0, 1.0)))
+        return candidate.with_effect(probe.effect, parameters)
+
+    def _loss(self, white: Array) -> float:
+        # in white coordinates the sensors' noise is (whitener' whitener): the loss is that of the features
+        return loss(white.reshape(self.fitted.features.shape) @ self._back)
+
+
+def best_promises(promises: Sequence[Promise]) -> dict[str, Promise]:
+    """Return the best promise of each effect, the best effect first."""
+    best: dict[str, Promise] = {}
+    for one in promises:
+        if one.effect not in best or one.gain > best[one.effect].gain:
+            best[one.effect] = one
+    return dict(sorted(best.items(), key=lambda pair: -pair[1].gain))
+
+
+def free_of_effect(effect: type[Effect]) -> list[Free]:
+    """Return the free parameters of a named effect."""
+    found = []
+    for name, item in effect.parameters.items():
+        low, high = item.bounds
+        log = item.prior != "uniform" and low > 0.0
+        found.append(Free(effect.name, name, abs(item.default) or _reach(item) * 0.1, low, high, log))
+    return found
+
+
+def free_of_unknown(unknown: Unknown) -> list[Free]:
+    """Return the free parameters of an unknown: its knots."""
+    most = 1e3 * unknown.usual
+    return [Free(unknown.effect.name, name, unknown.usual, -most, most) for name in AMPLITUDES]

@@ -1,0 +1,181 @@
+"""Forward selection of what a model misses: named effects and unknowns compete, step by step, until nothing matters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.effect import Effect
+from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
+from hjcamp.prediction.chapters import better, left_out_scores
+from hjcamp.prediction.fitting import Fitted, Free, fit, settled
+from hjcamp.prediction.floor import motion_of
+from hjcamp.prediction.levels import FITTED, FITTED_UNKNOWNS, LEVEL, MATTERS, STEPS
+from hjcamp.prediction.likelihood import size
+from hjcamp.prediction.screening import (
+    Probe,
+    Projection,
+    Promise,
+    best_promises,
+    free_of_effect,
+    free_of_unknown,
+    probes_of,
+    probes_of_unknown,
+)
+from hjcamp.prediction.unknowns import Unknown
+from hjcamp.prediction.windows import Windows
+
+Array = NDArray[np.float64]
+Report = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Scored:
+    """A fitted model with what it was made of, its chapters' scores (chapters,) and its size on chapters left out."""
+
+    names: tuple[str, ...]
+    fitted: Fitted
+    scores: Array
+    left_out: float
+
+
+@dataclass(frozen=True)
+class Step:
+    """One look at what is missing beside ``before``: chance of the best gain, and every model that was fitted."""
+
+    before: Scored
+    p_value: float
+    chance: Array
+    gain: float
+    promises: Mapping[str, Promise]
+    named: tuple[Scored, ...]
+    unknown: tuple[Scored, ...]
+
+
+@dataclass
+class Search:
+    """What a search needs: the windows, the effects that may be missing, the unknowns, the chapters, the base's parameters."""
+
+    windows: Windows
+    library: Mapping[str, type[Effect]]
+    unknowns: Mapping[str, Unknown]
+    chapters: NDArray[np.int64]
+    base_free: Sequence[Free]
+    seed: int = 1
+    report: Report = lambda text, share: None
+    steps: list[Step] = field(default_factory=list)
+
+    def scored(self, fitted: Fitted) -> Scored:
+        """Return a fit with its scores on chapters that it does not know."""
+        scores, features = left_out_scores(fitted, self.chapters)
+        return Scored(tuple(fitted.candidate.effects), fitted, scores, size(features))
+
+    def free_of(self, candidate: Candidate) -> list[Free]:
+        """Return all free parameters of a candidate."""
+        found = list(self.base_free)
+        for name in candidate.effects:
+            found += (
+                free_of_unknown(self.unknowns[name]) if name in self.unknowns else free_of_effect(self.library[name])
+            )
+        return found
+
+    def fitted(self, start: Candidate) -> Scored:
+        """Return the fit of a model from ``start``."""
+        return self.scored(fit(self.windows, start, self.free_of(start)))
+
+    def look(self, before: Scored) -> Step:
+        """Return what a model may miss: screen everything, then fit what promises most."""
+        fitted = before.fitted
+        projection = Projection(fitted)
+        probes: list[Probe] = []
+        names = [name for name in self.library if name not in fitted.candidate.effects]
+        number = len(names) + len(self.unknowns)
+        for done, name in enumerate(names):
+            self.report(f"screening {name}", done / number)
+            probes += list(probes_of(self.windows, fitted.candidate, fitted.features, self.library[name]))
+        for done, (name, unknown) in enumerate(self.unknowns.items()):
+            if name not in fitted.candidate.effects:
+                self.report("screening unknowns", (len(names) + done) / number)
+                probes += list(probes_of_unknown(self.windows, fitted.candidate, fitted.features, unknown))
+        layout = self.windows.layout
+        orders = moved_orders(layout.of_test, motion_of(layout), self.seed + len(self.steps))
+        gain, chance = chance_gains(projection, probes, orders)
+        effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
+        promises = best_promises([projection.promise(probe, effects[probe.effect]) for probe in probes])
+        first = [one for name, one in promises.items() if name in self.library and one.gain > 0.0][:FITTED]
+        others = [one for name, one in promises.items() if name in self.unknowns][:FITTED_UNKNOWNS]
+        named: list[Scored] = []
+        unknown_fits: list[Scored] = []
+        for done, one in enumerate([*first, *others]):
+            self.report(f"fitting {one.effect}", done / (len(first) + len(others)))
+            (named if one.effect in self.library else unknown_fits).append(self.fitted_beside(fitted, one))
+        named.sort(key=lambda model: model.scores.sum())
+        unknown_fits.sort(key=lambda model: model.scores.sum())
+        step = Step(before, p_value(gain, chance), chance, gain, promises, tuple(named), tuple(unknown_fits))
+        self.steps.append(step)
+        return step
+
+    def fitted_beside(self, fitted: Fitted, promise: Promise) -> Scored:
+        """Return the better fit of two starts: what is promised, and the same beside the base as it was (an unknown from 0)."""
+        [added] = set(promise.candidate.effects) - set(fitted.candidate.effects)
+        found = self.fitted(promise.candidate)
+        if found.fitted.loss < fitted.loss and added not in self.unknowns:
+            return found
+        small = dict(promise.candidate.effects[added])
+        if added in self.unknowns:
+            small |= dict.fromkeys(self.unknowns[added].amplitudes, 0.0)
+        again = self.fitted(fitted.candidate.with_effect(added, small))
+        return again if again.fitted.loss < found.fitted.loss else found
+
+    def matters(self, model: Scored, before: Scored) -> bool:
+        """Whether a model takes a share of the error that matters, and does so chapter by chapter."""
+        return self.beats(model, before) and model.left_out <= (1.0 - MATTERS) * before.left_out
+
+    def beats(self, model: Scored, other: Scored) -> bool:
+        """Whether a model is better on chapters that it does not know, at the level of all claims."""
+        return better(model.scores, other.scores) > critical(len(model.scores))
+
+    def resettled(self, model: Scored) -> Scored:
+        """Return a model with the windows' starts moved to where it fits best."""
+        return self.scored(settled(self.windows, model.fitted.candidate, self.free_of(model.fitted.candidate)))
+
+    def run(self, base: Scored) -> Scored:
+        """Return the model with all named effects that matter, one added at a time; ``steps`` tells each look."""
+        model = base
+        for _ in range(STEPS):
+            step = self.look(model)
+            if step.p_value > LEVEL or not step.named:
+                break
+            best = step.named[0]
+            if not self.matters(best, model):
+                break
+            before, kept = model, self.windows.starts.copy()
+            model = self.resettled(best)
+            if model.left_out > best.left_out:
+                self.windows.starts = kept
+                self.windows.move_starts(before.fitted.candidate, rounds=0)
+                model = best
+            model = self.thinned(model)
+        return model
+
+    def thinned(self, model: Scored) -> Scored:
+        """Return the model without effects that it can do without (backward elimination)."""
+        while len(model.names) > 1:
+            less = [self.fitted(model.fitted.candidate.without([name])) for name in model.names]
+            best = min(less, key=lambda one: one.scores.sum())
+            if self.matters(model, best):
+                break
+            model = best
+        return model
+
+
+def critical(chapters: int) -> float:
+    """Return the one-sided critical value of Student's t at the level of all claims."""
+    from scipy.stats import t
+
+    return float(t.ppf(1.0 - LEVEL, chapters - 1)) if chapters > 1 else math.inf

@@ -1,0 +1,113 @@
+"""What may be said of the tests: nothing is missing, this effect, one of these, something outside the library, or cannot tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from hjcamp.prediction.analysis import Analysis, what_lacks
+from hjcamp.prediction.levels import LEVEL, MOST_OF_IT
+from hjcamp.prediction.selection import Scored, Step
+
+NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict with the model behind it.
+
+    ``effects`` are what to add, or the group that cannot be told apart; ``confidence_set`` every set of names that the
+    tests do not rule out; ``law_left`` the share that the named laws leave of what the freest law takes;
+    ``unknown`` the unknown that takes it.
+    """
+
+    word: str
+    effects: tuple[str, ...]
+    model: Scored
+    p_value: float
+    confidence_set: tuple[tuple[str, ...], ...]
+    law_left: float
+    unknown: Scored | None
+    lacking: tuple[str, ...]
+
+
+def judged(analysis: Analysis) -> Verdict:
+    """Search for what is missing, and return what may be said."""
+    search, base = analysis.search, analysis.base
+    lacking = tuple(what_lacks(analysis.measured, analysis.windows.layout))
+    if lacking:
+        return Verdict(CANNOT_TELL, (), base, 1.0, ((),), 0.0, None, lacking)
+    model = search.run(base)
+    added = tuple(name for name in model.names if name not in base.names)
+    last = next((step for step in reversed(search.steps) if step.before is model), None) or search.look(model)
+    first = search.steps[0]
+    unknown = _left(analysis, model, last)
+    p_value = first.p_value
+    if not added:
+        if unknown is None:
+            return Verdict(NOTHING, (), base, p_value, ((),), 0.0, None, ())
+        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
+    models = _confidence_set(analysis, model, added)
+    law_left = 0.0
+    if unknown is not None:
+        law_left = 1.0 - _taken(base, model) / max(_taken(base, unknown), 1e-12)
+    # one free law that does as well with no more parameters: the names are not the simpler explanation
+    freedom = len(model.fitted.free)
+    alone = next(
+        (one for one in first.unknown if len(one.fitted.free) <= freedom and not search.beats(model, one)), None
+    )
+    if alone is not None:
+        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, alone, ())
+    if unknown is not None and law_left > 1.0 - MOST_OF_IT and not _needed(analysis, unknown, added):
+        return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, ())
+    sets = tuple(tuple(name for name in one.names if name not in base.names) for one in models)
+    if len(sets) > 1:
+        group = tuple(dict.fromkeys(name for one in sets for name in one))
+        return Verdict(ONE_OF, group, model, p_value, sets, max(law_left, 0.0), unknown, ())
+    return Verdict(EFFECT, added, model, p_value, sets, max(law_left, 0.0), unknown, ())
+
+
+def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:
+    """Return the best unknown that still takes a share that matters beside the model."""
+    if last.p_value > LEVEL:
+        return None
+    found = [one for one in last.unknown if analysis.search.matters(one, model)]
+    return min(found, key=lambda one: one.scores.sum()) if found else None
+
+
+def _taken(base: Scored, model: Scored) -> float:
+    """Return the logarithm of the factor by which a model makes the error of left-out chapters smaller."""
+    return math.log(base.left_out / model.left_out)
+
+
+def _needed(analysis: Analysis, unknown: Scored, added: tuple[str, ...]) -> bool:
+    """Whether each named effect is needed beside the unknown, too."""
+    search = analysis.search
+    less = [search.fitted(unknown.fitted.candidate.without([name])) for name in added]
+    return all(search.matters(unknown, one) for one in less)
+
+
+def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...]) -> list[Scored]:
+    """Return the model and every model with one name exchanged that is not worse at the level of all claims."""
+    search, found = analysis.search, [model]
+    for step in search.steps:
+        here = [
+            name for name in added if any(name in one.names for one in step.named) and name not in step.before.names
+        ]
+        for one in step.named:
+            [other] = [name for name in one.names if name not in step.before.names]
+            for name in here:
+                if other in model.names or search.beats(_of(step, name), one):
+                    continue
+                exchanged = model.fitted.candidate.without([name]).with_effect(
+                    other, one.fitted.candidate.effects[other]
+                )
+                rival = search.fitted(exchanged)
+                known = {frozenset(each.names) for each in found}
+                if frozenset(rival.names) not in known and not search.beats(model, rival):
+                    found.append(rival)
+    return found
+
+
+def _of(step: Step, name: str) -> Scored:
+    return next(one for one in step.named if name in one.names)

@@ -1,0 +1,195 @@
+r"""Residuals over windows: each begins at states of its own, and only what those states cannot explain is kept.
+
+In window w a model gives the readings :math:`y_w(x_w, \theta)` from the state :math:`x_w` with which it begins. With the
+sensitivities :math:`S_w = \partial y_w / \partial x_w`, what counts is the residual's part orthogonal to S_w: a wrong start
+changes nothing to first order (variable projection; multiple shooting of Bock 1983). It is written as coefficients of
+Legendre polynomials in units of the sensor's noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.simulator import Given
+from hjcamp.prediction.kernels import Kernels
+from hjcamp.prediction.measured import Measured
+
+Array = NDArray[np.float64]
+ORDERS = 8
+STEP = 1e-3
+# A start is free in directions that the window tells at all.
+TOLD = 1e-6
+DELAY = "delay."
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Tests cut into windows of ``width`` samples; what is left at the end of a test belongs to none."""
+
+    measured: Measured
+    width: int
+
+    @cached_property
+    def counts(self) -> list[int]:
+        """Number of windows of each test."""
+        return [test.samples // self.width for test in self.measured.tests]
+
+    @cached_property
+    def of_test(self) -> NDArray[np.int64]:
+        """The position of the test that each window belongs to (windows,)."""
+        return np.repeat(np.arange(len(self.counts)), self.counts)
+
+    @cached_property
+    def begins(self) -> NDArray[np.int64]:
+        """1 where a test begins, 2 where another window of it does, else 0 (n,)."""
+        marks = np.zeros(len(self.of_test) * self.width, dtype=np.int64)
+        marks[:: self.width] = 2
+        first = np.concatenate([[0], np.cumsum(self.counts)])[:-1]
+        marks[first[np.array(self.counts) > 0] * self.width] = 1
+        return marks
+
+    def joined(self, columns: Sequence[Array]) -> Array:
+        """Return one array of each test (samples, ...), cut to whole windows and joined (n, ...)."""
+        return np.concatenate([one[: count * self.width] for one, count in zip(columns, self.counts, strict=True)])
+
+    @cached_property
+    def readings(self) -> Array:
+        """What was measured (n, sensors), SI."""
+        return self.joined([test.readings for test in self.measured.tests])
+
+    @cached_property
+    def time(self) -> Array:
+        """Time since the beginning of its test (n,), s."""
+        return self.joined([test.time for test in self.measured.tests])
+
+    @cached_property
+    def inputs(self) -> Array:
+        """The given inputs (n, inputs of the plant)."""
+        return self.joined([test.inputs for test in self.measured.tests])
+
+    def delayed(self, delays: Mapping[str, float]) -> Array:
+        """Return the inputs (n, inputs), each later by its delay (s): whole samples, and the fraction of one as a mean."""
+        names = [name for name in self.measured.plant.inputs if name not in ("time", "direction")]
+        late = {names.index(name): delay for name, delay in delays.items() if delay != 0.0}
+        if not late:
+            return self.inputs
+        columns = []
+        for test in self.measured.tests:
+            moved = test.inputs.copy()
+            for place, delay in late.items():
+                whole, part = divmod(delay / self.measured.period, 1.0)
+                rows = np.arange(test.samples) - int(whole)
+                now, before = test.inputs[np.maximum(rows, 0), place], test.inputs[np.maximum(rows - 1, 0), place]
+                moved[:, place] = (1.0 - part) * now + part * before
+            columns.append(moved)
+        return self.joined(columns)
+
+    @cached_property
+    def groups(self) -> list[tuple[dict[str, float], NDArray[np.bool_]]]:
+        """The parameters that the tests are given, and the windows (windows,) of the tests with each set of them."""
+        found: dict[tuple[tuple[str, float], ...], list[int]] = {}
+        for place, test in enumerate(self.measured.tests):
+            found.setdefault(test.given, []).append(place)
+        return [(dict(given), np.isin(self.of_test, places)) for given, places in found.items()]
+
+    @cached_property
+    def basis(self) -> Array:
+        """Legendre polynomials over a window, orthonormal (width, orders)."""
+        orders = min(ORDERS, self.width // 4)
+        return np.asarray(np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, self.width), orders, increasing=True))[0])
+
+    def coefficients(self, residuals: Array) -> Array:
+        """Return the coefficients (windows, sensors, orders) of residuals (n, sensors), in units of the sensor's noise."""
+        shaped = residuals.reshape(-1, self.width, residuals.shape[1]) / self.measured.noise
+        return np.asarray(np.einsum("wts,to->wso", shaped, self.basis))
+
+
+@dataclass
+class Windows:
+    """The residuals of models over the windows of a layout; ``starts`` (windows, states) are moved as the tests tell."""
+
+    layout: Layout
+    kernels: Kernels
+    starts: Array
+    sizes: Array
+    lowest: Array
+
+    def readings(self, candidate: Candidate, starts: Array | None = None) -> tuple[Array, Array]:
+        """Return the predicted readings (n, sensors) and states (n, states of the plant), SI; may hold NaN where it diverges."""
+        layout, measured = self.layout, self.layout.measured
+        begin = self.starts if starts is None else starts
+        inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
+        model, values = self.kernels.model(candidate)
+        out, states = np.empty((len(layout.time), len(measured.sensors))), np.empty((len(layout.time), begin.shape[1]))
+        for given, windows in layout.groups:
+            rows = np.repeat(windows, layout.width)
+            p = model.vector({**values, **given})
+            course = Given(measured.period, layout.begins[rows], layout.time[rows], inputs[rows], begin[windows])
+            shown, passed = model.run_free(p, course)
+            out[rows], states[rows] = shown[:, measured.columns], passed[:, : begin.shape[1]]
+        return out, states
+
+    def errors(self, candidate: Candidate) -> Array:
+        """Return measured less predicted readings (n, sensors), SI, from the present starts."""
+        return self.layout.readings - self.readings(candidate)[0]
+
+    def move_starts(self, candidate: Candidate, rounds: int = 2) -> None:
+        """Move each window's start to where its readings are met best, and renew the sensitivities."""
+        for _ in range(rounds):
+            self.__dict__.pop("_free", None)
+            error = self.layout.coefficients(self.errors(candidate))
+            slopes = self._sensitivities(candidate)
+            left = error.reshape(len(error), -1)
+            moved = np.zeros_like(self.starts)
+            for w in range(len(left)):
+                if np.all(np.isfinite(slopes[w])) and np.all(np.isfinite(left[w])):
+                    moved[w] = _bounded_solution(slopes[w], left[w])
+            tried = np.maximum(self.starts + np.clip(moved, -3.0, 3.0) * self.sizes, self.lowest)
+            before = np.sum(left**2, axis=1)
+            kept, self.starts = self.starts, tried
+            after = np.sum(self.layout.coefficients(self.errors(candidate)).reshape(len(left), -1) ** 2, axis=1)
+            better = after < before
+            self.starts = np.where(better[:, None], tried, kept)
+        self._renew(candidate)
+
+    def _renew(self, candidate: Candidate) -> None:
+        slopes = self._sensitivities(candidate)
+        rank = slopes.shape[2]
+        self._spans = np.zeros_like(slopes)
+        for w in range(len(slopes)):
+            if not np.all(np.isfinite(slopes[w])):
+                continue
+            u, s, _ = np.linalg.svd(slopes[w], full_matrices=False)
+            keep = s > max(TOLD * s[0], 1.0) if len(s) else s > 0
+            self._spans[w, :, : min(rank, len(s))] = u * keep
+
+    def _sensitivities(self, candidate: Candidate) -> Array:
+        """Return what a change of each start by its usual size changes (windows, coefficients, states)."""
+        base = self.readings(candidate)[0]
+        columns = []
+        for k, size in enumerate(self.sizes):
+            moved = self.starts.copy()
+            step = STEP * size
+            moved[:, k] += step
+            changed = self.readings(candidate, moved)[0]
+            columns.append(self.layout.coefficients((changed - base) / STEP).reshape(len(self.starts), -1))
+        return np.stack(columns, axis=2)
+
+    def features(self, candidate: Candidate) -> Array:
+        """Return what no start explains (windows, features), in units of the sensors' noise; NaN where the model diverges."""
+        found = self.layout.coefficients(self.errors(candidate)).reshape(len(self.starts), -1)
+        along = np.einsum("wfs,wf->ws", self._spans, found)
+        return np.asarray(found - np.einsum("wfs,ws->wf", self._spans, along))
+
+
+def _bounded_solution(slopes: Array, left: Array) -> Array:
+    """Return the least squares solution in the directions that the window tells."""
+    u, s, v = np.linalg.svd(slopes, full_matrices=False)
+    keep = s > max(TOLD * s[0], 1.0) if len(s) else s > 0
+    return np.asarray(v.T @ (np.where(keep, 1.0 / np.where(keep, s, 1.0), 0.0) * (u.T @ left)))
