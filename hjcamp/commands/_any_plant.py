@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,6 +54,7 @@ def diagnose_any(
         from hjcamp.effects import load_effects
         from hjcamp.prediction.analysis import calibrated
         from hjcamp.prediction.answer import answer
+        from hjcamp.prediction.floor import not_above
         from hjcamp.prediction.model_file import load_model
         from hjcamp.prediction.verdict import judged
 
@@ -63,6 +65,7 @@ def diagnose_any(
         report("compiling, once for this plant and its effects", 0.02)
         analysis = calibrated(measured, chosen, start, report, seed)
         verdict = judged(analysis)
+        analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
         content = answer(analysis, verdict, time.perf_counter() - began)
         write_answer(json, content)
         report("drawing", 0.99)

@@ -14,7 +14,6 @@ from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.likelihood import size
 from hjcamp.prediction.selection import Scored, critical
-from hjcamp.prediction.unknown_laws import AMPLITUDES
 from hjcamp.prediction.verdict import Verdict
 from hjcamp.prediction.windows import DELAY
 
@@ -192,10 +191,10 @@ def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
     """Return an unknown's law over its driver with its 95 % band, SI."""
     known = analysis.search.unknowns[name]
     own = {one.name: one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name}
-    knots = np.linspace(known.low, known.high, len(AMPLITUDES))
+    knots = np.linspace(known.low, known.high, len(known.amplitudes))
     x = np.linspace(known.low, known.high, CURVE)
     values, low, high = (
-        np.interp(x, knots, [getattr(own[knot], key) for knot in AMPLITUDES]) for key in ("value", "low", "high")
+        np.interp(x, knots, [getattr(own[knot], key) for knot in known.amplitudes]) for key in ("value", "low", "high")
     )
     parameters = known.effect.parameters
     return {

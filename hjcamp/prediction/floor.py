@@ -31,6 +31,19 @@ class Floor:
         return in_units(np.diag(self.moments), layout)
 
 
+def not_above(floor: Floor, features: Array) -> Floor:
+    """Return the floor, or that of the sensors where a model leaves less (features (windows, d)) than alike moments differ by.
+
+    Then the moments were not alike enough to say anything.
+    """
+    if floor.source != "near_replicates":
+        return floor
+    left = features.T @ features / len(features) + np.eye(features.shape[1])
+    if np.linalg.slogdet(left)[1] >= np.linalg.slogdet(floor.moments)[1]:
+        return floor
+    return Floor("sensor", np.eye(features.shape[1]))
+
+
 def in_units(squares: Array, layout: Layout) -> Array:
     """Return the rms (sensors,), SI, of mean squares of features (d,)."""
     each = squares.reshape(len(layout.measured.sensors), -1).sum(axis=1)

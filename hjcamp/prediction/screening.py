@@ -15,7 +15,6 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter
 from hjcamp.prediction.fitting import Fitted, Free
 from hjcamp.prediction.likelihood import loss, whitener
-from hjcamp.prediction.unknown_laws import AMPLITUDES
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.windows import Windows
 
@@ -24,6 +23,8 @@ Array = NDArray[np.float64]
 SHAPES = 4
 FACTOR = 8.0
 MOST_SHAPES = 2
+# Of its usual size: an effect so small is absent, and one so stiff costs time for nothing.
+NEGLIGIBLE = 0.03
 # An unknown's knots are probed at this share of the usual size of what they add to.
 SMALL = 0.05
 
@@ -63,11 +64,33 @@ def shape_grid(effect: type[Effect]) -> Iterator[dict[str, float]]:
         yield {item.name: value for item, value in zip(shapes, values, strict=True)}
 
 
+def neighbours_of(effect: type[Effect], setting: Mapping[str, float], share: float) -> Iterator[dict[str, float]]:
+    """Yield settings with one shape moved to either side by a share of the range that is tried of it."""
+    for item in effect.parameters.values():
+        if not item.shape:
+            continue
+        now, (low, high) = setting[item.name], item.bounds
+        for sign in (1.0, -1.0):
+            if item.cyclic:
+                moved = (now + sign * share * math.tau + math.pi) % math.tau - math.pi
+            elif _is_log(item):
+                moved = now * FACTOR ** (2.0 * sign * share)
+            else:
+                moved = now + sign * share * (max(_tried(item)) - min(_tried(item)))
+            if low <= moved <= high:
+                yield {**setting, item.name: moved}
+
+
+def _is_log(item: Parameter) -> bool:
+    low, high = item.bounds
+    return item.prior != "uniform" or (low > 0.0 and high / low > 30.0)
+
+
 def _tried(item: Parameter) -> list[float]:
     low, high = item.bounds
     if item.cyclic:
-        return [0.0, math.pi / 2.0]
-    if item.prior != "uniform" or (low > 0.0 and high / low > 30.0):
+        return [0.0, math.pi / 2.0, -math.pi / 2.0, 0.999 * math.pi]
+    if _is_log(item):
         bottom, top = max(low, item.default / FACTOR), min(high, item.default * FACTOR)
         return [float(x) for x in np.geomspace(bottom, top, SHAPES)]
     reach = FACTOR / 2.0 * abs(item.default) if item.default else high
@@ -77,21 +100,42 @@ def _tried(item: Parameter) -> list[float]:
 
 def probes_of(windows: Windows, start: Candidate, base: Array, effect: type[Effect]) -> Iterator[Probe]:
     """Yield the probes of a named effect, of its first amplitude, about a model whose features are ``base``."""
+    for setting in shape_grid(effect):
+        yield from _probe(windows, start, base, effect, setting)
+
+
+def _probe(
+    windows: Windows, start: Candidate, base: Array, effect: type[Effect], setting: Mapping[str, float]
+) -> Iterator[Probe]:
+    """Yield the probe at one setting of the shapes; none where the model diverges."""
     amplitudes = amplitudes_of(effect)[:1]
     sided = all(effect.parameters[name].bounds[0] >= (effect.parameters[name].off or 0.0) for name in amplitudes)
-    for setting in shape_grid(effect):
-        values = {**effect.defaults(), **setting}
-        columns, sizes = [], []
-        for name in amplitudes:
-            size = values[name] - (effect.parameters[name].off or 0.0)
-            if size == 0.0:
-                size = 0.1 * _reach(effect.parameters[name])
-            own = {**values, name: (effect.parameters[name].off or 0.0) + size}
-            columns.append(windows.features(start.with_effect(effect.name, own)) - base)
-            sizes.append(size)
-        responses = np.stack(columns, axis=2)
-        if np.all(np.isfinite(responses)):
-            yield Probe(effect.name, values, amplitudes, np.array(sizes), sided, responses)
+    values = {**effect.defaults(), **setting}
+    columns, sizes = [], []
+    for name in amplitudes:
+        size = values[name] - (effect.parameters[name].off or 0.0)
+        if size == 0.0:
+            size = 0.1 * _reach(effect.parameters[name])
+        own = {**values, name: (effect.parameters[name].off or 0.0) + size}
+        columns.append(windows.features(start.with_effect(effect.name, own)) - base)
+        sizes.append(size)
+    responses = np.stack(columns, axis=2)
+    if np.all(np.isfinite(responses)):
+        yield Probe(effect.name, values, amplitudes, np.array(sizes), sided, responses)
+
+
+def refined(windows: Windows, projection: Projection, effect: type[Effect], first: Promise, base: Array) -> Promise:
+    """Return a promise with the effect's shapes moved to where it promises most, in ever smaller steps (pattern search)."""
+    start, best = projection.fitted.candidate, first
+    for share in (0.25, 0.12, 0.06):
+        setting = {
+            name: best.candidate.effects[effect.name][name] for name, item in effect.parameters.items() if item.shape
+        }
+        for tried in neighbours_of(effect, setting, share):
+            for probe in _probe(windows, start, base, effect, tried):
+                promise = projection.promise(probe, effect)
+                best = promise if promise.gain > best.gain else best
+    return best
 
 
 def _reach(item: Parameter) -> float:
@@ -103,12 +147,14 @@ def probes_of_unknown(windows: Windows, start: Candidate, base: Array, unknown: 
     """Yield the probe of an unknown: one response for each of its knots."""
     ends, size = {"low": unknown.low, "high": unknown.high}, SMALL * unknown.usual
     columns = []
-    for name in AMPLITUDES:
-        own = {**ends, **dict.fromkeys(AMPLITUDES, 0.0), name: size}
+    for name in unknown.amplitudes:
+        own = {**ends, **dict.fromkeys(unknown.amplitudes, 0.0), name: size}
         columns.append(windows.features(start.with_effect(unknown.effect.name, own)) - base)
     responses = np.stack(columns, axis=2)
     if np.all(np.isfinite(responses)):
-        yield Probe(unknown.effect.name, ends, AMPLITUDES, np.full(len(AMPLITUDES), size), False, responses)
+        yield Probe(
+            unknown.effect.name, ends, unknown.amplitudes, np.full(len(unknown.amplitudes), size), False, responses
+        )
 
 
 class Projection:
@@ -157,6 +203,8 @@ class Projection:
             off = item.off or 0.0
             parameters[name] = min(max(off + found[k] * probe.sizes[k], item.bounds[0]), item.bounds[1])
             share[k] = (parameters[name] - off) / probe.sizes[k]
+        if np.all(np.abs(share) < NEGLIGIBLE):
+            share[:] = 0.0
         after = left + columns @ share
         n = self.fitted.features.size
         gain = self._loss(left[:n]) - self._loss(after[:n])
@@ -192,6 +240,8 @@ def free_of_effect(effect: type[Effect]) -> list[Free]:
     found = []
     for name, item in effect.parameters.items():
         low, high = item.bounds
+        if item.off is not None and low >= item.off:
+            low = max(low, item.off + NEGLIGIBLE * (item.default - item.off))
         log = item.prior != "uniform" and low > 0.0
         found.append(Free(effect.name, name, abs(item.default) or _reach(item) * 0.1, low, high, log))
     return found
@@ -200,4 +250,4 @@ def free_of_effect(effect: type[Effect]) -> list[Free]:
 def free_of_unknown(unknown: Unknown) -> list[Free]:
     """Return the free parameters of an unknown: its knots."""
     most = 1e3 * unknown.usual
-    return [Free(unknown.effect.name, name, unknown.usual, -most, most) for name in AMPLITUDES]
+    return [Free(unknown.effect.name, name, unknown.usual, -most, most) for name in unknown.amplitudes]

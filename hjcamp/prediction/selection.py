@@ -26,6 +26,7 @@ from hjcamp.prediction.screening import (
     free_of_unknown,
     probes_of,
     probes_of_unknown,
+    refined,
 )
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.windows import Windows
@@ -107,7 +108,11 @@ class Search:
         gain, chance = chance_gains(projection, probes, orders)
         effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
         promises = best_promises([projection.promise(probe, effects[probe.effect]) for probe in probes])
-        first = [one for name, one in promises.items() if name in self.library and one.gain > 0.0][:FITTED]
+        able = [one for name, one in promises.items() if name in self.library and one.gain > 0.0][: 2 * FITTED]
+        for done, one in enumerate(able):
+            self.report(f"looking closer at {one.effect}", done / len(able))
+            able[done] = refined(self.windows, projection, self.library[one.effect], one, fitted.features)
+        first = sorted(able, key=lambda one: -one.gain)[:FITTED]
         others = [one for name, one in promises.items() if name in self.unknowns][:FITTED_UNKNOWNS]
         named: list[Scored] = []
         unknown_fits: list[Scored] = []

@@ -1,4 +1,4 @@
-"""Unknowns: laws without a form, six hats over what may drive them. They compete with the named effects and are never named.
+"""Unknowns: laws without a form, hats over what may drive them. They compete with the named effects and are never named.
 
 Each gives a place what no law says: a force over position, friction over speed, a loss over level
 (Kennedy & O'Hagan 2001, doi:10.1111/1467-9868.00294, with a piecewise linear basis instead of a Gaussian process).
@@ -9,8 +9,6 @@ from __future__ import annotations
 from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter
 
-KNOTS = 6
-AMPLITUDES = tuple(f"a{k}" for k in range(KNOTS))
 BIG = (-1e9, 1e9)
 
 
@@ -19,7 +17,7 @@ class ForceOverPosition(Effect):
 
     .. math:: F \mathrel{+}= h(x)
 
-    piecewise linear through six knots from ``low`` to ``high``.
+    piecewise linear through twelve knots from ``low`` to ``high``.
     """
 
     acts_on = "body"
@@ -31,11 +29,17 @@ class ForceOverPosition(Effect):
     a3 = Parameter("force", 0.0, BIG, off=0.0)
     a4 = Parameter("force", 0.0, BIG, off=0.0)
     a5 = Parameter("force", 0.0, BIG, off=0.0)
+    a6 = Parameter("force", 0.0, BIG, off=0.0)
+    a7 = Parameter("force", 0.0, BIG, off=0.0)
+    a8 = Parameter("force", 0.0, BIG, off=0.0)
+    a9 = Parameter("force", 0.0, BIG, off=0.0)
+    a10 = Parameter("force", 0.0, BIG, off=0.0)
+    a11 = Parameter("force", 0.0, BIG, off=0.0)
 
     @staticmethod
-    def force(position, low, high, a0, a1, a2, a3, a4, a5):
+    def force(position, low, high, a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11):
         """Value at this position."""
-        w = 5.0 * min(max((position - low) / (high - low), 0.0), 1.0)
+        w = 11.0 * min(max((position - low) / (high - low), 0.0), 1.0)
         return (
             a0 * max(0.0, 1.0 - abs(w))
             + a1 * max(0.0, 1.0 - abs(w - 1.0))
@@ -43,6 +47,12 @@ class ForceOverPosition(Effect):
             + a3 * max(0.0, 1.0 - abs(w - 3.0))
             + a4 * max(0.0, 1.0 - abs(w - 4.0))
             + a5 * max(0.0, 1.0 - abs(w - 5.0))
+            + a6 * max(0.0, 1.0 - abs(w - 6.0))
+            + a7 * max(0.0, 1.0 - abs(w - 7.0))
+            + a8 * max(0.0, 1.0 - abs(w - 8.0))
+            + a9 * max(0.0, 1.0 - abs(w - 9.0))
+            + a10 * max(0.0, 1.0 - abs(w - 10.0))
+            + a11 * max(0.0, 1.0 - abs(w - 11.0))
         )
 
 
@@ -115,7 +125,7 @@ class FrictionOverTravel(Effect):
 
     .. math:: F_s, F_c \mathrel{+}= h(x)
 
-    piecewise linear through six knots from ``low`` to ``high``.
+    piecewise linear through twelve knots from ``low`` to ``high``.
     """
 
     acts_on = "contact"
@@ -127,11 +137,17 @@ class FrictionOverTravel(Effect):
     a3 = Parameter("coulomb", 0.0, BIG, off=0.0)
     a4 = Parameter("coulomb", 0.0, BIG, off=0.0)
     a5 = Parameter("coulomb", 0.0, BIG, off=0.0)
+    a6 = Parameter("coulomb", 0.0, BIG, off=0.0)
+    a7 = Parameter("coulomb", 0.0, BIG, off=0.0)
+    a8 = Parameter("coulomb", 0.0, BIG, off=0.0)
+    a9 = Parameter("coulomb", 0.0, BIG, off=0.0)
+    a10 = Parameter("coulomb", 0.0, BIG, off=0.0)
+    a11 = Parameter("coulomb", 0.0, BIG, off=0.0)
 
     @staticmethod
-    def static(travel, low, high, a0, a1, a2, a3, a4, a5):
+    def static(travel, low, high, a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11):
         """Value at this travel."""
-        w = 5.0 * min(max((travel - low) / (high - low), 0.0), 1.0)
+        w = 11.0 * min(max((travel - low) / (high - low), 0.0), 1.0)
         return (
             a0 * max(0.0, 1.0 - abs(w))
             + a1 * max(0.0, 1.0 - abs(w - 1.0))
@@ -139,12 +155,18 @@ class FrictionOverTravel(Effect):
             + a3 * max(0.0, 1.0 - abs(w - 3.0))
             + a4 * max(0.0, 1.0 - abs(w - 4.0))
             + a5 * max(0.0, 1.0 - abs(w - 5.0))
+            + a6 * max(0.0, 1.0 - abs(w - 6.0))
+            + a7 * max(0.0, 1.0 - abs(w - 7.0))
+            + a8 * max(0.0, 1.0 - abs(w - 8.0))
+            + a9 * max(0.0, 1.0 - abs(w - 9.0))
+            + a10 * max(0.0, 1.0 - abs(w - 10.0))
+            + a11 * max(0.0, 1.0 - abs(w - 11.0))
         )
 
     @staticmethod
-    def coulomb(travel, low, high, a0, a1, a2, a3, a4, a5):
+    def coulomb(travel, low, high, a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11):
         """Value at this travel."""
-        w = 5.0 * min(max((travel - low) / (high - low), 0.0), 1.0)
+        w = 11.0 * min(max((travel - low) / (high - low), 0.0), 1.0)
         return (
             a0 * max(0.0, 1.0 - abs(w))
             + a1 * max(0.0, 1.0 - abs(w - 1.0))
@@ -152,6 +174,12 @@ class FrictionOverTravel(Effect):
             + a3 * max(0.0, 1.0 - abs(w - 3.0))
             + a4 * max(0.0, 1.0 - abs(w - 4.0))
             + a5 * max(0.0, 1.0 - abs(w - 5.0))
+            + a6 * max(0.0, 1.0 - abs(w - 6.0))
+            + a7 * max(0.0, 1.0 - abs(w - 7.0))
+            + a8 * max(0.0, 1.0 - abs(w - 8.0))
+            + a9 * max(0.0, 1.0 - abs(w - 9.0))
+            + a10 * max(0.0, 1.0 - abs(w - 10.0))
+            + a11 * max(0.0, 1.0 - abs(w - 11.0))
         )
 
 
@@ -380,7 +408,7 @@ class ReadingOverTrue(Effect):
 
     .. math:: y \mathrel{+}= h(x)
 
-    piecewise linear through six knots from ``low`` to ``high``.
+    piecewise linear through twelve knots from ``low`` to ``high``.
     """
 
     acts_on = "sensor"
@@ -392,11 +420,17 @@ class ReadingOverTrue(Effect):
     a3 = Parameter("reading", 0.0, BIG, off=0.0)
     a4 = Parameter("reading", 0.0, BIG, off=0.0)
     a5 = Parameter("reading", 0.0, BIG, off=0.0)
+    a6 = Parameter("reading", 0.0, BIG, off=0.0)
+    a7 = Parameter("reading", 0.0, BIG, off=0.0)
+    a8 = Parameter("reading", 0.0, BIG, off=0.0)
+    a9 = Parameter("reading", 0.0, BIG, off=0.0)
+    a10 = Parameter("reading", 0.0, BIG, off=0.0)
+    a11 = Parameter("reading", 0.0, BIG, off=0.0)
 
     @staticmethod
-    def reading(reading, true, low, high, a0, a1, a2, a3, a4, a5):
+    def reading(reading, true, low, high, a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11):
         """Value at this true."""
-        w = 5.0 * min(max((true - low) / (high - low), 0.0), 1.0)
+        w = 11.0 * min(max((true - low) / (high - low), 0.0), 1.0)
         return (
             reading
             + a0 * max(0.0, 1.0 - abs(w))
@@ -405,6 +439,12 @@ class ReadingOverTrue(Effect):
             + a3 * max(0.0, 1.0 - abs(w - 3.0))
             + a4 * max(0.0, 1.0 - abs(w - 4.0))
             + a5 * max(0.0, 1.0 - abs(w - 5.0))
+            + a6 * max(0.0, 1.0 - abs(w - 6.0))
+            + a7 * max(0.0, 1.0 - abs(w - 7.0))
+            + a8 * max(0.0, 1.0 - abs(w - 8.0))
+            + a9 * max(0.0, 1.0 - abs(w - 9.0))
+            + a10 * max(0.0, 1.0 - abs(w - 10.0))
+            + a11 * max(0.0, 1.0 - abs(w - 11.0))
         )
 
 
@@ -412,3 +452,8 @@ LAWS: tuple[type[Effect], ...] = (
     ForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
     FrictionOverLoad, LossOverLevel, FlowOverUpstream, CommandOverDemand, ReadingOverTrue,
 )  # fmt: skip
+
+
+def amplitudes_of_law(law: type[Effect]) -> tuple[str, ...]:
+    """Return the names of the values at a law's knots, in order."""
+    return tuple(name for name in law.parameters if name[1:].isdigit())

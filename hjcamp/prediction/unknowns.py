@@ -19,7 +19,7 @@ from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction import unknown_laws
-from hjcamp.prediction.unknown_laws import AMPLITUDES
+from hjcamp.prediction.unknown_laws import amplitudes_of_law
 
 Array = NDArray[np.float64]
 LOOKED_AT = 400
@@ -41,7 +41,7 @@ class Unknown:
     @property
     def amplitudes(self) -> tuple[str, ...]:
         """The names of its parameters that are fitted."""
-        return AMPLITUDES
+        return amplitudes_of_law(self.effect)
 
 
 def unknowns_of(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from hjcamp.prediction.analysis import Analysis, what_lacks
 from hjcamp.prediction.levels import LEVEL, MOST_OF_IT
 from hjcamp.prediction.selection import Scored, Step
@@ -44,7 +46,7 @@ def judged(analysis: Analysis) -> Verdict:
     unknown = _left(analysis, model, last)
     p_value = first.p_value
     if not added:
-        if unknown is None:
+        if unknown is None and not _far_above_floor(analysis, base):
             return Verdict(NOTHING, (), base, p_value, ((),), 0.0, None, ())
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
     models = _confidence_set(analysis, model, added)
@@ -65,6 +67,15 @@ def judged(analysis: Analysis) -> Verdict:
         group = tuple(dict.fromkeys(name for one in sets for name in one))
         return Verdict(ONE_OF, group, model, p_value, sets, max(law_left, 0.0), unknown, ())
     return Verdict(EFFECT, added, model, p_value, sets, max(law_left, 0.0), unknown, ())
+
+
+def _far_above_floor(analysis: Analysis, model: Scored) -> bool:
+    """Whether most of what a model leaves is shared by repetitions: a thing is missing, whatever it depends on."""
+    floor = analysis.floor
+    if floor.source != "repetitions":
+        return False
+    least = math.exp(0.5 * float(np.linalg.slogdet(floor.moments)[1]) / len(floor.moments))
+    return least < (1.0 - MOST_OF_IT) * model.left_out
 
 
 def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:

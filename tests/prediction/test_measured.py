@@ -1,0 +1,61 @@
+"""What logs say before any model: noise, states, what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from carriage import COUNT, measured_log
+
+from hjcamp.errors import UsageError
+from hjcamp.plants import find_plant
+from hjcamp.prediction.measured import measured_tests, noise_of
+from hjcamp.prediction.starts import estimated, rate_of, slope
+
+
+def test_noise_of_a_counter_and_of_an_analog_sensor() -> None:
+    time = np.linspace(0.0, 10.0, 5000)
+    counted = np.round(np.sin(time) / 0.01) * 0.01
+    assert noise_of(counted) == pytest.approx(0.01 / np.sqrt(12.0), rel=1e-6)
+    analog = np.sin(time) + np.random.default_rng(1).normal(0.0, 0.02, len(time))
+    assert noise_of(analog) == pytest.approx(0.02, rel=0.1)
+    assert noise_of(np.sin(time)) < 1e-5
+
+
+def test_a_slope_is_exact_for_a_parabola() -> None:
+    time = np.arange(200) * 0.01
+    values = 1.0 + 2.0 * time + 3.0 * time**2
+    assert np.allclose(slope(values, 8, 0.01)[8:-8], (2.0 + 6.0 * time)[8:-8], atol=1e-9)
+    assert np.allclose(slope(values, 8, 0.01, order=2)[8:-8], 6.0, atol=1e-6)
+
+
+def test_rates_follow_from_the_equations(axis: Path) -> None:
+    plant = find_plant("axis")
+    assert rate_of(plant) == {"velocity": "position"}
+    log = measured_log(seconds=4.0)
+    states, error = estimated(measured_tests([log]))
+    position = states[0][:, 0]
+    assert np.array_equal(position, log.columns["position_m"])
+    assert error[0] == pytest.approx(COUNT / np.sqrt(12.0), rel=1e-3)
+    expected = np.gradient(log.columns["position_m"], 2e-3)
+    moving = np.abs(expected) > 0.02
+    assert np.abs(states[0][moving, 1] - expected[moving]).max() < 0.02
+
+
+def test_what_cannot_be_analysed_is_refused(axis: Path) -> None:
+    log = measured_log(seconds=2.0)
+    with pytest.raises(UsageError, match="no tests"):
+        measured_tests([])
+    with pytest.raises(UsageError, match=r"voltage_v.*is missing"):
+        measured_tests([replace(log, columns={k: v for k, v in log.columns.items() if k != "voltage_v"})])
+    with pytest.raises(UsageError, match="one sample each"):
+        measured_tests([log, replace(log, metadata={**log.metadata, "period_s": "0.004"})])
+    short = {name: values[:20] for name, values in log.columns.items()}
+    with pytest.raises(UsageError, match="20 samples"):
+        measured_tests([replace(log, columns=short)])
+    bad = log.columns["position_m"].copy()
+    bad[7] = np.nan
+    with pytest.raises(UsageError, match="sample 7"):
+        measured_tests([replace(log, columns={**log.columns, "position_m": bad})])

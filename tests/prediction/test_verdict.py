@@ -1,0 +1,64 @@
+"""Hidden forces on a carriage that shares no code with the program: named, outside, or nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from carriage import measured_log, nothing
+
+from hjcamp.effects import load_effects
+from hjcamp.prediction.analysis import calibrated
+from hjcamp.prediction.answer import answer
+from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.verdict import judged
+
+LIBRARY = ("constant_force", "quadratic_drag", "spring")
+HIDDEN = {
+    "spring": lambda x, v: -150.0 * (x - 0.03),
+    "quadratic_drag": lambda x, v: -900.0 * v * abs(v),
+    # two waves along the travel: no law of the library has that
+    "outside": lambda x, v: 8.0 * np.sin(2.0 * np.pi * x / 0.06),
+    "nothing": nothing,
+}
+
+
+def asked(force) -> dict:  # type: ignore[no-untyped-def, type-arg]
+    measured = measured_tests([measured_log(force, seconds=24.0)])
+    library = load_effects(plant=measured.plant)
+    analysis = calibrated(measured, {name: library[name] for name in LIBRARY})
+    return json.loads(json.dumps(answer(analysis, judged(analysis), 0.0), allow_nan=False))
+
+
+@pytest.mark.parametrize("name", ["spring", "quadratic_drag"])
+def test_the_hidden_effect_is_named(axis: Path, name: str) -> None:
+    found = asked(HIDDEN[name])
+    assert (found["verdict"], found["effects"]) == ("effect", [name])
+    assert found["error"]["augmented"] < 0.5 * found["error"]["baseline"]
+    if name == "spring":
+        row = found["candidates"][0]["parameters"]["stiffness"]
+        assert row["value"] == pytest.approx(150.0, rel=0.01)
+        assert row["ci95"][1] - row["ci95"][0] < 0.1 * 150.0
+
+
+def test_nothing_is_missing(axis: Path) -> None:
+    found = asked(HIDDEN["nothing"])
+    assert found["verdict"] == "nothing_missing" and found["effects"] == [] and found["unknowns"] == []
+
+
+def test_what_no_law_has_is_outside_and_its_curve_is_drawn(axis: Path) -> None:
+    found = asked(HIDDEN["outside"])
+    assert found["verdict"] == "outside_library"
+    assert found["drivers"][0] in ("velocity_position", "friction_travel")
+    curve = found["unknowns"][0]["curve"]
+    assert len(curve["x"]) == len(curve["y"]) and curve["x_unit"] == "m" and curve["y_unit"] == "N"
+
+
+def test_few_tests_cannot_tell(axis: Path) -> None:
+    measured = measured_tests([measured_log(seconds=0.8)])
+    library = load_effects(plant=measured.plant)
+    analysis = calibrated(measured, {"spring": library["spring"]}, unknowns=False)
+    found = answer(analysis, judged(analysis), 0.0)
+    assert found["verdict"] == "cannot_tell" and found["lacking"]

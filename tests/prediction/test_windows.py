@@ -1,0 +1,64 @@
+"""Residuals over windows do not depend on where a window begins, and vanish on the model's own motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from carriage import COULOMB, MASS, PERIOD, VISCOUS, measured_log
+
+from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.analysis import Analysis, calibrated, what_lacks, width_of
+from hjcamp.prediction.fitting import Free
+from hjcamp.prediction.intervals import intervals
+from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.windows import Layout
+
+
+@pytest.fixture
+def analysis(axis: Path) -> Analysis:
+    return calibrated(measured_tests([measured_log()]), {}, unknowns=False)
+
+
+def test_a_window_forgives_its_start(analysis: Analysis) -> None:
+    windows, model = analysis.windows, analysis.base.fitted.candidate
+    before = windows.features(model)
+    errors = windows.errors(model)
+    generator = np.random.default_rng(2)
+    moving = np.abs(windows.starts[:, 1]) > 0.05
+    windows.starts[moving] += 1e-4 * windows.sizes * generator.normal(size=(int(moving.sum()), 2))
+    assert np.abs(windows.errors(model) - errors).max() > 1e-5
+    # what the wrong starts bring is a thousand times what stays of it
+    assert np.abs(windows.features(model) - before)[moving].max() < 0.3
+
+
+def test_base_parameters_are_found_where_an_independent_solution_has_them(analysis: Analysis) -> None:
+    found = {one.name: one for one in intervals(analysis.base.fitted, analysis.search.chapters)}
+    for name, true in (("mass", MASS), ("coulomb", COULOMB), ("viscous", VISCOUS)):
+        assert found[name].value == pytest.approx(true, rel=0.01), name
+        assert found[name].high - found[name].low < 0.1 * true, name
+    assert found["delay.voltage"].value < 0.1 * PERIOD
+
+
+def test_a_delayed_input_is_a_mean_of_two_samples(axis: Path) -> None:
+    measured = measured_tests([measured_log(seconds=2.0)])
+    layout = Layout(measured, 50)
+    late = layout.delayed({"voltage": 1.25 * PERIOD})
+    volts = measured.tests[0].inputs[: len(late), 0]
+    assert np.allclose(late[2:, 0], 0.75 * volts[1:-1] + 0.25 * volts[:-2])
+    assert layout.delayed({"voltage": 0.0}) is layout.inputs
+
+
+def test_tests_that_are_too_short_say_what_they_lack(axis: Path) -> None:
+    measured = measured_tests([measured_log(seconds=0.6)])
+    layout = Layout(measured, width_of(measured))
+    assert any("windows" in one for one in what_lacks(measured, layout))
+
+
+def test_a_free_parameter_stays_within_its_bounds() -> None:
+    one = Free("", "mass", 10.0, 5.0, 20.0)
+    model = Candidate({"mass": 10.0})
+    assert one.into(model, 9.0).base["mass"] == 20.0 and one.into(model, -3.0).base["mass"] == 5.0
+    log = Free("", "mass", 10.0, 5.0, 20.0, log=True)
+    assert log.into(model, np.log(7.0)).base["mass"] == pytest.approx(7.0)
