@@ -177,8 +177,13 @@ def log_paths(words: Sequence[str]) -> list[Path]:
 
 
 def next_any(paths: list[Path]) -> None:
-    """Refuse to propose tests from a menu that a plant does not have; say what kind of test would tell."""
+    """Refuse to propose tests from a menu that a plant does not have; say where the kinds of test that tell are found."""
+    from hjcamp.records.find import find_logs
+    from hjcamp.records.of_plant import PLANT_KEY
+    from hjcamp.records.read import read_log
+
+    name = read_log(find_logs(paths)[0]).metadata.get(PLANT_KEY)
     raise UsageError(
-        "the tests that a rig of this plant can run are not known, so none can be proposed by name. "
-        "hjcamp diagnose says which kinds of test would tell its candidates apart"
+        f"plant {name} has no menu of tests, so none can be proposed by name; hjcamp diagnose says in words which kinds of "
+        "test would tell its candidates apart"
     )

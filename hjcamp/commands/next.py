@@ -39,6 +39,7 @@ def next_(
 ) -> None:
     """Propose the tests that best separate the explanations that remain, as a campaign that runs as it is."""
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._any_plant import is_of_another_plant, next_any
     from hjcamp.commands._session import check_answer_file, check_seed, folder_for, progress_of, write_answer
 
     began = time.perf_counter()
@@ -46,6 +47,9 @@ def next_(
     if not 1 <= tests <= MOST_TESTS:
         raise UsageError(f"--tests {tests}: give a number from 1 to {MOST_TESTS}")
     check_seed(seed)
+    logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
+    if logs and is_of_another_plant(logs):
+        next_any(logs)
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.commands._next_answer import answer, comment_of, draw, names_of, tell

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import calibration, channel_rows, floor_size, removed
+from hjcamp.prediction.floor import not_above
 from hjcamp.prediction.intervals import intervals
 from hjcamp.prediction.measured import Measured
 from hjcamp.prediction.model_file import hashes_of
@@ -53,7 +54,8 @@ def added(
         else:
             model = search.fitted(fitted.candidate.with_effect(name, library[name].defaults()))
     settled = search.resettled(model)
-    return Addition(analysis, settled, tuple(names))
+    floor = not_above(analysis.floor, settled.fitted.features)
+    return Addition(replace(analysis, floor=floor), settled, tuple(names))
 
 
 def answer(found: Addition, name: str, path: str) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import floor_size
-from hjcamp.prediction.floor import in_units
+from hjcamp.prediction.floor import Floor, in_units, not_above
 from hjcamp.prediction.likelihood import size
 from hjcamp.prediction.measured import Measured
 
@@ -55,14 +55,29 @@ def compared(
     last = list(models.values())[-1]
     analysis = calibrated(measured, chosen, last, report, unknowns=False)
     kept = analysis.windows.starts.copy()
+    analysis = replace(analysis, floor=_least(analysis, models))
     rows = []
     for done, (name, model) in enumerate(models.items()):
         report(f"predicting with {name}", 0.5 + 0.4 * done / len(models))
-        base = {**{one: measured.plant.parameters[one].default for one in measured.plant.base_parameters}, **model.base}
-        rows.append(_shown(analysis, name, Candidate(base, model.effects)))
+        rows.append(_shown(analysis, name, _whole(measured, model)))
     analysis.windows.starts = kept
     fitted = _shown(analysis, "calibrated here", analysis.base.fitted.candidate)
     return Comparison(analysis, tuple(rows), fitted)
+
+
+def _whole(measured: Measured, model: Candidate) -> Candidate:
+    """Return a model with every base parameter given, as declared where it has none."""
+    declared = {one: measured.plant.parameters[one].default for one in measured.plant.base_parameters}
+    return Candidate({**declared, **model.base}, model.effects)
+
+
+def _least(analysis: Analysis, models: Mapping[str, Candidate]) -> Floor:
+    """Return the floor, which no model on these tests lies below."""
+    floor = not_above(analysis.floor, analysis.base.fitted.features)
+    for model in models.values():
+        analysis.windows.move_starts(_whole(analysis.measured, model))
+        floor = not_above(floor, analysis.windows.features(_whole(analysis.measured, model)))
+    return floor
 
 
 def _shown(analysis: Analysis, name: str, candidate: Candidate) -> Shown:

@@ -1,0 +1,83 @@
+"""The commands on tests of a user's plant: from two CSV files to a model whose error falls on a log that it does not know."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from hjcamp.cli import app
+from hjcamp.errors import UsageError
+
+SAMPLES = Path(__file__).parents[2] / "docs" / "own_plant"
+run = CliRunner().invoke
+
+
+@pytest.fixture
+def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    assert run(app, ["plants", "new", "stage"]).exit_code == 0
+    files = [str(SAMPLES / f"{name}.csv") for name in ("train", "held_out")]
+    done = run(app, ["import", *files, "--map", str(SAMPLES / "map.yaml"), "--into", "logs"])
+    assert done.exit_code == 0, done.output
+    return tmp_path
+
+
+def test_the_tour_of_an_own_plant(stage: Path) -> None:
+    done = run(
+        app, ["diagnose", "logs/train.mcap", "--only", "spring,constant_force,quadratic_drag", "--json", "a.json"]
+    )
+    assert done.exit_code == 0, done.output
+    answer = json.loads((stage / "a.json").read_text(encoding="utf-8"))
+    assert (answer["schema"], answer["plant"]) == ("hjcamp.diagnosis/2", "stage")
+    assert (answer["verdict"], answer["effects"]) == ("effect", ["spring"])
+    page = (stage / "diagnose" / "index.html").read_text(encoding="utf-8")
+    assert "spring" in page and "<svg" in page and "http://" not in page.replace("http://www.w3.org", "")
+    done = run(app, ["add", "spring", "logs/train.mcap", "--as", "with_spring", "--json", "b.json"])
+    assert done.exit_code == 0, done.output
+    saved = yaml.safe_load((stage / "conf/model/with_spring.yaml").read_text(encoding="utf-8"))
+    assert saved["plant"] == "stage"
+    assert saved["effects"]["spring"]["stiffness"] == pytest.approx(140.0, rel=0.02)
+    assert saved["parameters"]["mass"] == pytest.approx(80.0, rel=0.02)
+    assert json.loads((stage / "b.json").read_text(encoding="utf-8"))["helps"] is True
+    models = ["--model", "published", "--model", "with_spring"]
+    done = run(app, ["compare", "logs/held_out.mcap", *models, "--json", "c.json"])
+    assert done.exit_code == 0, done.output
+    declared, added = json.loads((stage / "c.json").read_text(encoding="utf-8"))["models"]
+    assert added["error"]["position_m"]["rms"] < 0.2 * declared["error"]["position_m"]["rms"]
+
+
+def test_calibrate_saves_the_base_of_any_plant(stage: Path) -> None:
+    done = run(app, ["calibrate", "logs/train.mcap", "--as", "mine"])
+    assert done.exit_code == 0, done.output
+    saved = yaml.safe_load((stage / "conf/model/mine.yaml").read_text(encoding="utf-8"))
+    assert set(saved["parameters"]) == {"mass", "coulomb", "viscous", "delay.voltage"} and saved["effects"] == {}
+    refused = run(app, ["calibrate", "logs/train.mcap", "--as", "mine"])
+    assert isinstance(refused.exception, UsageError) and "exists already" in str(refused.exception)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["diagnose", "logs", "--model", "none"], "unknown model 'none'"),
+        (["diagnose", "logs", "--only", "sprong"], "spring"),
+        (["diagnose", "logs", "--only", "leakage"], "leakage"),
+        (["add", "spring", "spring", "logs", "--as", "x"], "each effect once"),
+        (["add", "sprong", "logs", "--as", "x"], "spring"),
+        (["add", "spring", "logs", "--as", "published"], "exists already"),
+        (["compare", "logs", "--model", "other"], "plant pump_joint"),
+        (["compare", "logs", "--model", "broken"], "mass"),
+        (["next", "logs"], "stage"),
+    ],
+)
+def test_what_is_refused_says_why(stage: Path, words: list[str], said: str) -> None:
+    folder = stage / "conf" / "model"
+    folder.mkdir(parents=True)
+    (folder / "other.yaml").write_text("name: other\nparameters: {}\neffects: {}\n", encoding="utf-8")
+    (folder / "broken.yaml").write_text("plant: stage\nparameters: {mass: -3}\neffects: {}\n", encoding="utf-8")
+    done = run(app, words)
+    assert isinstance(done.exception, UsageError), done.output
+    assert said in str(done.exception)
