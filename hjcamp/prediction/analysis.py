@@ -117,6 +117,11 @@ def calibrated(
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
     search = Search(windows, library, found, chapters_of(layout), free, seed, report)
     fitted = settled(windows, candidate, search.free_of(candidate))
+    if not np.isfinite(fitted.loss):
+        raise UsageError(
+            f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "
+            "check their values and the units of the logs"
+        )
     kernels.add({name: one.effect for name, one in found.items()})
     return Analysis(windows, search, candidate, search.scored(fitted), floor_of(layout, fitted.features))
 

@@ -92,7 +92,8 @@ def slopes_of(windows: Windows, candidate: Candidate, free: Sequence[Free], base
             moved = one.into(candidate, x - step)
         change = one.of(moved) - x
         columns.append((windows.features(moved) - base) / change if change else np.zeros_like(base))
-    return np.stack(columns, axis=2) if columns else np.zeros((*base.shape, 0))
+    # a parameter on the edge of where the model diverges is not moved
+    return np.nan_to_num(np.stack(columns, axis=2), posinf=0.0, neginf=0.0) if columns else np.zeros((*base.shape, 0))
 
 
 def fit(windows: Windows, start: Candidate, free: Sequence[Free], rounds: int = ROUNDS) -> Fitted:
@@ -106,7 +107,6 @@ def fit(windows: Windows, start: Candidate, free: Sequence[Free], rounds: int = 
             break
         w = whitener(features)
         white, left = np.einsum("wfp,fg->wgp", slopes, w), features @ w
-        white = np.where(np.isfinite(white), white, 0.0)
         surprise = np.array([one.surprise(candidate) for one in free])
         pull = np.array([one.slope for one in free])
         curvature = np.einsum("wgp,wgq->pq", white, white) + np.diag(pull**2)

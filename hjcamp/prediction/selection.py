@@ -73,6 +73,9 @@ class Search:
 
     def scored(self, fitted: Fitted) -> Scored:
         """Return a fit with its scores on chapters that it does not know."""
+        if not np.isfinite(fitted.loss):
+            worst = np.full(len(np.unique(self.chapters)), np.inf)
+            return Scored(tuple(fitted.candidate.effects), fitted, worst, math.inf)
         scores, features = left_out_scores(fitted, self.chapters)
         return Scored(tuple(fitted.candidate.effects), fitted, scores, size(features))
 
@@ -118,7 +121,9 @@ class Search:
         unknown_fits: list[Scored] = []
         for done, one in enumerate([*first, *others]):
             self.report(f"fitting {one.effect}", done / (len(first) + len(others)))
-            (named if one.effect in self.library else unknown_fits).append(self.fitted_beside(fitted, one))
+            model = self.fitted_beside(fitted, one)
+            if np.isfinite(model.left_out):
+                (named if one.effect in self.library else unknown_fits).append(model)
         named.sort(key=lambda model: model.scores.sum())
         unknown_fits.sort(key=lambda model: model.scores.sum())
         step = Step(before, p_value(gain, chance), chance, gain, promises, tuple(named), tuple(unknown_fits))
@@ -134,6 +139,8 @@ class Search:
         small = dict(promise.candidate.effects[added])
         if added in self.unknowns:
             small |= dict.fromkeys(self.unknowns[added].amplitudes, 0.0)
+        elif not np.isfinite(found.fitted.loss):
+            small = dict(self.library[added].defaults())
         again = self.fitted(fitted.candidate.with_effect(added, small))
         return again if again.fitted.loss < found.fitted.loss else found
 
@@ -143,6 +150,8 @@ class Search:
 
     def beats(self, model: Scored, other: Scored) -> bool:
         """Whether a model is better on chapters that it does not know, at the level of all claims."""
+        if not math.isfinite(model.left_out) or not math.isfinite(other.left_out):
+            return math.isfinite(model.left_out)
         return better(model.scores, other.scores) > critical(len(model.scores))
 
     def resettled(self, model: Scored) -> Scored:
