@@ -28,6 +28,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--menu", choices=list(MENUS), default="standard")
     parser.add_argument("--repetitions", type=int)
     parser.add_argument("--contact", choices=CONTACTS, default="asperities", help="the law of dry friction")
+    parser.add_argument("--form", help="the law of effects that have several: its name, or random")
     parser.add_argument("--payload", choices=["none", "brass_8p5g"], default="none")
     parser.add_argument("--orientation", choices=["horizontal", "vertical"], default="horizontal")
     parser.add_argument("--phases", choices=["command", "all"], default="command")
@@ -49,6 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
         phases=options.phases,
         conditions=read_campaign(options.campaign) if options.campaign else (),
         contact=options.contact,
+        form=options.form,
     )
     print(f"logs in {options.folder}, sealed answer in {answer}")
     return 0

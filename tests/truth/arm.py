@@ -11,7 +11,7 @@ from truth.plant import PULLEY_RADIUS, Plant
 def arm_load(travel: float, speed: float, time: float, plant: Plant) -> float:
     """Return the sum of outside forces at the pulley's pitch line (N, positive in positive direction).
 
-    Weight: -(m g r/r_p) sin(angle + phase). Stray spring: -k (y - y_0). Soft stop: a damped rubber spring beyond its
+    Weight: -(m g r/r_p) sin(angle + phase). Stray spring: -k (y - y_0), or its cube. Soft stop: a damped rubber spring beyond its
     angle. Vibration: A sin(2 pi f t + phase). Statics of the arm; pitch radius r_p = 3.41 mm.
     """
     angle = travel / PULLEY_RADIUS
@@ -19,7 +19,11 @@ def arm_load(travel: float, speed: float, time: float, plant: Plant) -> float:
     if plant.weight_force != 0.0:
         force -= plant.weight_force * math.sin(angle + plant.weight_phase)
     if plant.spring_stiffness != 0.0:
-        force -= plant.spring_stiffness * (travel - plant.spring_centre)
+        distance = travel - plant.spring_centre
+        if plant.spring_form != 0.0:
+            # as strong as the linear one at half a radian
+            distance *= (distance / (0.5 * PULLEY_RADIUS)) ** 2
+        force -= plant.spring_stiffness * distance
     if plant.stop_stiffness != 0.0:
         depth = travel - plant.stop_angle * PULLEY_RADIUS
         if depth > 0.0:

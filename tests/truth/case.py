@@ -10,6 +10,7 @@ import numpy as np
 
 from truth.controller import Procedure
 from truth.hidden import EFFECTS, LIBRARY_NAMES
+from truth.hidden_law import chosen_law, with_law
 from truth.logs import write_log
 from truth.menu import MENUS, Condition, vary
 from truth.plant import BASE_FIELDS, Plant, draw_rig
@@ -19,7 +20,7 @@ from truth.simulate import COLUMNS, run
 # Samples that the phases before and after the command may take at most.
 OTHER_PHASES = 1600
 BRASS_MASS, BRASS_WEIGHT = 0.292, 0.49
-CONTACTS = ("asperities", "bristles", "smooth")
+CONTACTS = ("asperities", "bristles", "smooth", "sharp")
 
 
 @dataclass(frozen=True)
@@ -47,11 +48,13 @@ def build_case(
     orientation: str = "horizontal",
     conditions: Sequence[Condition] = (),
     contact: str = "asperities",
+    form: str | None = None,
 ) -> Case:
     """Draw a rig and a campaign from the seed and hide the named effects in it; no effect gives a null.
 
     ``conditions`` are tests that somebody asked for on the same rig later, in place of the menu; ``contact`` is one of
-    CONTACTS.
+    CONTACTS. ``form`` is the law of effects that have several (`hidden_law.LAWS`): its name, "random" for one drawn by the
+    seed, the first one where it is None.
     """
     unknown = [name for name in effects if name not in EFFECTS]
     if unknown:
@@ -66,7 +69,7 @@ def build_case(
         effect = EFFECTS[name]
         # the same draw for every strength, so that strengths of one seed differ in amplitude alone
         random = np.random.default_rng([seed, 109, list(EFFECTS).index(name)])
-        changes[name] = effect.build(effect.level(strength), random)
+        changes[name] = with_law(name, chosen_law(name, form, seed), effect.build(effect.level(strength), random))
         plant = plant._replace(**changes[name])
     if payload == "brass_8p5g":
         plant = plant._replace(load_mass=plant.load_mass + BRASS_MASS)
@@ -121,18 +124,20 @@ def write_case(
     phases: str = "command",
     conditions: Sequence[Condition] = (),
     contact: str = "asperities",
+    form: str | None = None,
 ) -> Path:
     """Write a case's logs `<condition>_r<k>.mcap` into `folder`; return the answer file, `<folder>.answer.json`."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    case = build_case(effects, strength, seed, menu, repetitions, payload, orientation, conditions, contact)
+    case = build_case(effects, strength, seed, menu, repetitions, payload, orientation, conditions, contact, form)
     for index, condition in enumerate(case.conditions):
         for repetition in range(case.repetitions):
             rows = simulate_test(case, index, repetition, phases)
             metadata = _metadata(case, condition, repetition)
             write_log(folder / f"{condition.name}_r{repetition + 1}.mcap", list(COLUMNS), rows, metadata)
     answer = folder.parent / f"{folder.name}.answer.json"
-    answer.write_text(json.dumps(sealed_answer(case, strength, menu), indent=2) + "\n", encoding="utf-8")
+    forms = {"forms": {name: chosen_law(name, form, seed) for name in effects}} if form else {}
+    answer.write_text(json.dumps(sealed_answer(case, strength, menu) | forms, indent=2) + "\n", encoding="utf-8")
     return answer
 
 

@@ -1,6 +1,7 @@
 """Dry friction of the joint: elastic-plastic asperities whose strength weakens with slip and heals at rest.
 
-Two other contacts can take their place, so that no answer hangs on one law: LuGre's bristles, and a force smooth in speed.
+Three other contacts can take their place, so that no answer hangs on one law: LuGre's bristles, a force smooth in speed,
+and a sharp sign.
 """
 
 import math
@@ -76,15 +77,33 @@ def smooth_speed(
 
 
 @njit
+def sharp_speed(
+    speed: float, push: float, upper: float, lower: float, viscous: float, mass: float, step: float
+) -> tuple[float, float]:
+    """Return the speed after a step and the friction F sign(v) in it, which holds exactly at rest.
+
+    Implicit in the friction's impulse: Moreau 1988, Unilateral contact and dry friction in finite freedom dynamics.
+    """
+    share = 1 + step * viscous / mass
+    free = (speed + step / mass * push) / share
+    impulse = min(max(free, -step / mass * lower / share), step / mass * upper / share)
+    return free - impulse, impulse * share * mass / step
+
+
+@njit
 def contact_step(contact: float, age: float, slip_speed: float, plant: Plant, step: float) -> tuple[float, float]:
     """Advance the state of the contact: 1 healed, 0 weakened, and its age (s).
 
     c' = [(1 - c) - (v/v_w)^2 c]/tau, so that sliding steadily c = 1/(1 + (v/v_w)^2), the curve of Hess and Soom 1990
-    (doi:10.1115/1.2920239). Age: psi' = 1 - |v| psi/D, the ageing law of Dieterich 1979 (doi:10.1029/JB084iB05p02161).
+    (doi:10.1115/1.2920239); in the other form c = exp(-(v/v_w)^2).
+    Age: psi' = 1 - |v| psi/D, the ageing law of Dieterich 1979 (doi:10.1029/JB084iB05p02161).
     """
     ratio = slip_speed / plant.weakening_speed
     rate = step / HEALING_TIME
-    contact = (contact + rate) / (1 + rate * (1 + ratio * ratio))
+    weakening = ratio * ratio
+    if plant.weakening_form != 0.0:
+        weakening = math.exp(min(weakening, 20.0)) - 1
+    contact = (contact + rate) / (1 + rate * (1 + weakening))
     age = (age + step) / (1 + step * slip_speed / AGEING_SLIP)
     return contact, age
 
@@ -93,11 +112,15 @@ def contact_step(contact: float, age: float, slip_speed: float, plant: Plant, st
 def surface_level(angle: float, worked: float, plant: Plant) -> float:
     """Return the factor on all dry friction at an arm angle (rad) after `worked` joules of friction.
 
-    A misaligned rod presses its bushing in step with the pulley: a fundamental and a weaker second harmonic.
+    A misaligned rod presses its bushing in step with the pulley: a fundamental and a weaker second harmonic; in the
+    other form a burr makes one broad bump.
     Warming: the shaft and bushing approach a new level as the friction work fills their heat capacity.
     """
     level = 1.0
-    if plant.angle_amplitude != 0.0:
+    if plant.angle_amplitude != 0.0 and plant.angle_form != 0.0:
+        distance = (angle - 0.15 * plant.angle_phase) / 0.2
+        level += 2 * plant.angle_amplitude * math.exp(-0.5 * distance * distance)
+    elif plant.angle_amplitude != 0.0:
         harmonic = math.sin(angle + plant.angle_phase) + 0.25 * math.sin(2 * angle + 1.7 * plant.angle_phase)
         level += plant.angle_amplitude * harmonic
     if plant.warming_share != 0.0:

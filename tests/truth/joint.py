@@ -15,6 +15,7 @@ from truth.friction import (
     bristle_step,
     contact_step,
     dry_strength,
+    sharp_speed,
     smooth_speed,
     surface_level,
 )
@@ -98,7 +99,7 @@ def joint_step(
         )
         friction, sliding = bristles[0, -1] * stretch[0, 0], True
         damping += micro * math.exp(-abs(speed) / BRISTLE_DAMPING_SPEED)
-    elif plant.contact_law == 2.0:
+    elif plant.contact_law >= 2.0:
         friction, sliding = 0.0, True
     else:
         friction, sliding = asperity_step(stretch[0], speed * step, share * upper, share * lower, bristles[0])
@@ -123,6 +124,8 @@ def joint_step(
     if plant.contact_law == 2.0:
         speed = smooth_speed(speed, force, share * upper, share * lower, damping, mass, step)
         friction = share * (upper if speed > 0 else lower) * math.tanh(speed / SMOOTH_SPEED)
+    elif plant.contact_law == 3.0:
+        speed, friction = sharp_speed(speed, force, share * upper, share * lower, damping, mass, step)
     else:
         speed = (speed + step / mass * force) / (1 + step * damping / mass)
     travel += step * speed

@@ -42,7 +42,7 @@ class Plant(NamedTuple):
     kink_resistance: float = 0.0
     kink_angle: float = 0.35
     stiffness_decay: float = 0.0
-    # what holds the contact: 0 asperities, 1 bristles, 2 a force smooth in speed (friction.py)
+    # what holds the contact: 0 asperities, 1 bristles, 2 a force smooth in speed, 3 a sharp sign (friction.py)
     contact_law: float = 0.0
     # friction: positive then negative direction
     static_positive: float = 7.20
@@ -52,9 +52,11 @@ class Plant(NamedTuple):
     coulomb_negative: float = 2.97
     viscous_negative: float = 17.2
     weakening_speed: float = 0.12e-3
+    weakening_form: float = 0.0
     bristle_travel: float = 2e-6
     angle_amplitude: float = 0.0
     angle_phase: float = 0.0
+    angle_form: float = 0.0
     seal_coefficient: float = 0.0
     seal_reference_pressure: float = 0.8e6
     ageing_per_decade: float = 0.0
@@ -73,6 +75,7 @@ class Plant(NamedTuple):
     weight_phase: float = 0.0
     spring_stiffness: float = 0.0
     spring_centre: float = 0.0
+    spring_form: float = 0.0
     stop_stiffness: float = 0.0
     stop_angle: float = 0.6
     vibration_force: float = 0.0
