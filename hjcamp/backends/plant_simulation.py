@@ -150,7 +150,9 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
 
 def start_of(config: Mapping[str, Any], plant: type[Plant]) -> dict[str, float]:
     """Return the plant's states at the begin of a test: as configured, else as declared, else 0."""
-    declared = {name: state.start if isinstance(state.start, int | float) else 0.0 for name, state in plant.states.items()}
+    declared = {
+        name: state.start if isinstance(state.start, int | float) else 0.0 for name, state in plant.states.items()
+    }
     return {name: float(value) for name, value in {**declared, **(config.get("start") or {})}.items()}
 
 

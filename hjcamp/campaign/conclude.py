@@ -12,6 +12,7 @@ from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
 from hjcamp.errors import HjcampError, RigStopped, UsageError
+from hjcamp.plants import DEFAULT
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -79,11 +80,13 @@ def _report(folder: RunFolder, console: Console) -> None:
 
 def next_commands(folder: RunFolder, report: Report) -> list[str]:
     """Return what helps now, each command whole and fit to be run: the tests of one rig, and no check that must fail."""
-    from hjcamp.records.find import HARDWARE
+    from hjcamp.records.find import ANALYSED, HARDWARE
     from hjcamp.report.check import check
 
     run = shlex.quote(str(folder.path))
     conditions = folder.plan.conditions
+    if any((one.config.get("plant") or {}).get("name", DEFAULT) not in ANALYSED for one in conditions):
+        return []
     rigs = {tuple((group, one.choices.get(group)) for group in HARDWARE): None for one in conditions}
     first = next(iter(rigs))
     if folder.plan.campaign in IDENTIFIED:

@@ -109,7 +109,11 @@ def _of_plant(config: Mapping[str, Any]) -> dict[str, str]:
     plant = plant_in(config)
     values = model_of(config, plant)[1]
     told = {item.given: values.get(name, item.default) for name, item in plant.parameters.items() if item.given}
-    return {PLANT_KEY: plant.name, PERIOD_KEY: f"{plant.period:g}", **{name: f"{value:g}" for name, value in told.items()}}
+    return {
+        PLANT_KEY: plant.name,
+        PERIOD_KEY: f"{plant.period:g}",
+        **{name: f"{value:g}" for name, value in told.items()},
+    }
 
 
 def execute(job: Job) -> Outcome:

@@ -162,7 +162,9 @@ class Composer:
     def _refuse_unfit(self, overrides: Sequence[str]) -> None:
         """Raise ``UsageError`` for a controller that does not fit the plant: its values may follow hardware that is not there."""
         chosen = dict(line.partition("=")[::2] for line in overrides if line.startswith(("plant=", "controller=")))
-        if chosen.get("plant") not in self.options("plant") or chosen.get("controller") not in self.options("controller"):
+        if chosen.get("plant") not in self.options("plant") or chosen.get("controller") not in self.options(
+            "controller"
+        ):
             return
         from hjcamp.configuration.plant_settings import refuse_unfit
 

@@ -29,6 +29,7 @@ class Controller(Law):
     uses_feedforward = False
     uses_arm = True
     planned: ClassVar[tuple[str, ...]] = ()
+    tuned: ClassVar[tuple[str, ...]] = ()  # what `hjcamp tune` seeks on another plant than the pump joint
 
     @staticmethod
     def plan(
