@@ -105,7 +105,8 @@ def simulator_of(config: Mapping[str, Any]) -> LoopSimulator:
     """Return the simulator that a configuration asks for."""
     plant = plant_in(config)
     law, chosen = law_of(config)
-    return _simulator(plant, tuple(model_of(config, plant)[0]), law, chosen)
+    hashable: tuple[Any, Any] = (plant, law)
+    return _simulator(hashable[0], tuple(model_of(config, plant)[0]), hashable[1], chosen)
 
 
 def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
@@ -129,7 +130,7 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
         planned = law.plan(reference, gains, known, plant.period)
         reference = np.column_stack([reference, planned])
     inputs = np.tile(simulator.inputs(), (len(rows), 1))
-    scatter = plant.friction_scatter.factors(generator, len(rows), plant.period)
+    scatter = plant.friction_varies.factors(generator, len(rows), plant.period)
     inputs[:, simulator.composition.inputs.index("friction_scatter")] = scatter ** float(again["scatter"])
     start = start_of(config, plant)
     for name, state in plant.states.items():
@@ -191,7 +192,7 @@ def log_columns(config: Mapping[str, Any], prepared: Prepared, recorded: Mapping
     count = len(test.inputs)
     place = np.arange(count)
     found: dict[str, Array] = {
-        "time_s": (place - test.first) * plant.period,
+        "time_s": np.asarray((place - test.first) * plant.period, dtype=np.float64),
         "phase": np.where(place < test.first, REST, np.where(place < test.last, CONTROL, AFTER)),
     }
     field, unit = followed_unit(config, plant)

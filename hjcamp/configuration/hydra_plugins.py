@@ -109,6 +109,11 @@ class PlantSource(ConfigSource):
         """Return the scheme of the search path entries, ``plants://FOLDER``."""
         return "plants"
 
+    def _names(self) -> list[str]:
+        from hjcamp.plants import plant_names
+
+        return plant_names(Path(self.path))
+
     def load_config(self, config_path: str) -> ConfigResult:
         """Return what the configuration of a test of this plant begins with; see `plant_settings`."""
         from hjcamp.configuration.plant_settings import plant_settings
@@ -116,7 +121,7 @@ class PlantSource(ConfigSource):
         if not self.is_config(config_path):
             raise ConfigLoadError(f"Config not found : {config_path}")
         content = OmegaConf.create(plant_settings(self._name(config_path)))
-        header = {"package": "_global_"}
+        header: dict[str, str | None] = {"package": "_global_"}
         return ConfigResult(config=content, path=str(Path(self.path)), provider=self.provider, header=header)
 
     def available(self) -> bool:
@@ -139,11 +144,6 @@ class PlantSource(ConfigSource):
         if config_path.strip("/") != PLANT or results_filter == ObjectType.GROUP:
             return []
         return self._names()
-
-    def _names(self) -> list[str]:
-        from hjcamp.plants import plant_names
-
-        return plant_names(Path(self.path))
 
     def _name(self, config_path: str) -> str:
         group, _, name = config_path.partition("/")

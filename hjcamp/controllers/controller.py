@@ -24,8 +24,8 @@ class Controller(Law):
     ``uses_arm`` False says that the law does not look at the arm: nothing then makes the arm follow the reference.
     """
 
-    samples = ("reference", "velocity", "acceleration", "arm", "feedforward", "period", "index")
-    results = ("pid", "feedforward")
+    samples: ClassVar[tuple[str, ...]] = ("reference", "velocity", "acceleration", "arm", "feedforward", "period", "index")
+    results: ClassVar[tuple[str, ...]] = ("pid", "feedforward")
     uses_feedforward = False
     uses_arm = True
     planned: ClassVar[tuple[str, ...]] = ()

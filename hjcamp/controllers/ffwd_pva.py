@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ class FfwdPva(Pva):
     something to be robust against. Thesis 2.4 names the law; the equations are those of `ValveJoint`, inverted.
     """
 
-    tuned = ("kp", "kv", "ka", "gain")
+    tuned: ClassVar[tuple[str, ...]] = ("kp", "kv", "ka", "gain")
 
     kp = Parameter("1/rad", 3.3, (0.0, 1e3), text="duty for one rad of error")
     ka = Parameter("s^2/rad", 5.7e-5, (0.0, 1.0), text="duty for one rad/s^2")

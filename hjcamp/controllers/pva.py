@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ class Pva(Controller):
     samples = ("reference", "arm", "feedforward1", "feedforward2", "period", "index")
     results = ("duty1", "duty2", "carrier")
     planned = ("feedforward1", "feedforward2")
-    tuned = ("kp", "kv", "ka")
+    tuned: ClassVar[tuple[str, ...]] = ("kp", "kv", "ka")
 
     kp = Parameter("1/rad", 5.6, (0.0, 1e3), text="duty for one rad of error")
     kv = Parameter("s/rad", 0.0126, (0.0, 10.0), text="duty for one rad/s")

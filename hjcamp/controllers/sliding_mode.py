@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from hjcamp.controllers.ffwd_pva import FfwdPva
 from hjcamp.model.parameter import Parameter
 
@@ -14,7 +16,7 @@ class SlidingMode(FfwdPva):
     Thesis 2.4 couples the three and prints no equation; the form of s is that of three-mode valve control.
     """
 
-    tuned = ("kp", "kv", "ka", "gain", "ks", "phi", "frequency")
+    tuned: ClassVar[tuple[str, ...]] = ("kp", "kv", "ka", "gain", "ks", "phi", "frequency")
 
     kp = Parameter("1/rad", 2.3, (0.0, 1e3), text="duty for one rad of error")
     kv = Parameter("s/rad", 8e-3, (0.0, 10.0), text="duty for one rad/s")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from hjcamp.controllers.controller import Controller
 from hjcamp.model.law import Memory
 from hjcamp.model.parameter import Parameter
@@ -18,7 +20,7 @@ class ThreeMode(Controller):
 
     samples = ("reference", "arm", "period", "index")
     results = ("duty1", "duty2", "carrier")
-    tuned = ("dead_zone", "frequency", "damping")
+    tuned: ClassVar[tuple[str, ...]] = ("dead_zone", "frequency", "damping")
 
     dead_zone = Parameter("rad", 0.0646, (1e-4, 1.0), text="half width of the zone in which all valves are closed")
     frequency = Parameter("rad/s", 1000.0, (0.1, 1e5), text="how fast the error decays on the surface")

@@ -32,7 +32,7 @@ class Plant:
     ``loop`` is "foreign" where somebody else's controller holds the measured motion: then forces are judged.
     A test follows ``controlled``, a measured field (the first one unless named), with ``choices`` of groups where nothing
     else is said; ``actuation`` is the law between what a controller returns and the inputs. What differs from test to test:
-    friction by the factors of ``friction_scatter``, starts by the ``scatter`` of a state, the ``drawn`` parameters.
+    friction by ``friction_varies``, starts by the ``scatter`` of a state, the ``drawn`` parameters.
     ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
     """
 
@@ -61,7 +61,7 @@ class Plant:
     controlled: ClassVar[str] = ""
     choices: ClassVar[Mapping[str, str]] = {}
     actuation: ClassVar[type[Law] | None] = None
-    friction_scatter: ClassVar[FrictionScatter] = FrictionScatter()
+    friction_varies: ClassVar[FrictionScatter] = FrictionScatter()
     drawn: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:

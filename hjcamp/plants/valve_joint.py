@@ -30,7 +30,7 @@ class ValveJoint(Plant):
     controlled = "arm_deg"
     choices = {"controller": "pva", "procedure": "valve", "trajectory": "ramp_pos"}  # noqa: RUF012
     actuation = Valves
-    friction_scatter = FrictionScatter(0.03, 0.03, 0.2)  # as the pump joint's rig
+    friction_varies = FrictionScatter(0.03, 0.03, 0.2)  # as the pump joint's rig
     drawn = ("tooth_phase",)
     subsystems = ("valves", "lines", "joint", "sensors")
     fields = (
