@@ -87,12 +87,12 @@ def input_field(plant: type[Plant], name: str) -> str:
     return given.field or field_of(name, given.unit, f"plant {plant.name}")
 
 
-def reference_of(config: Mapping[str, Any], plant: type[Plant]) -> Array:
-    """Return the reference (n, 3): value, velocity and acceleration in SI, one row for each sample of the trajectory."""
+def reference_of(config: Mapping[str, Any], plant: type[Plant]) -> tuple[Array, float]:
+    """Return the reference (n, 3): value, velocity and acceleration in SI; and the direction of the first motion."""
     _, unit = followed_unit(config, plant)
     trajectory = build_trajectory(config["trajectory"], unit=unit)
     time = np.arange(max(round(trajectory.duration / plant.period), 1)) * plant.period
-    return np.column_stack(trajectory.reference(time)) * (np.degrees(1.0) / unit.scale)
+    return np.column_stack(trajectory.reference(time)) * (np.degrees(1.0) / unit.scale), trajectory.first_direction
 
 
 @functools.lru_cache(maxsize=16)
@@ -122,17 +122,19 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
         values.setdefault(name, drawn)
     p = simulator.vector(values)
     known = dict(zip(simulator.composition.parameters, p, strict=True))
-    reference = reference_of(config, plant)
+    reference, direction = reference_of(config, plant)
     rest, after = (round(float(config["procedure"][key]) * 1e-3 / plant.period) for key in ("rest_ms", "after_ms"))
     rows = np.clip(np.arange(rest + len(reference) + after) - rest, 0, len(reference) - 1)
     gains = law_values(config, law)
+    if "first_direction" in gains:
+        gains["first_direction"] = direction
     if law.planned:
         planned = law.plan(reference, gains, known, plant.period)
         reference = np.column_stack([reference, planned])
     inputs = np.tile(simulator.inputs(), (len(rows), 1))
     scatter = plant.friction_varies.factors(generator, len(rows), plant.period)
     inputs[:, simulator.composition.inputs.index("friction_scatter")] = scatter ** float(again["scatter"])
-    start = start_of(config, plant)
+    start = start_of(config, plant, law.begin(gains, known))
     for name, state in plant.states.items():
         start[name] += state.scatter * float(again["scatter"]) * generator.standard_normal()
     counts, noise = sensors_of(plant, known)
@@ -149,12 +151,12 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
     return Prepared(simulator, p, start, test)
 
 
-def start_of(config: Mapping[str, Any], plant: type[Plant]) -> dict[str, float]:
-    """Return the plant's states at the begin of a test: as configured, else as declared, else 0."""
+def start_of(config: Mapping[str, Any], plant: type[Plant], brought: Mapping[str, float]) -> dict[str, float]:
+    """Return the plant's states at the begin of a test: as configured, else as ``brought`` there, else as declared, else 0."""
     declared = {
         name: state.start if isinstance(state.start, int | float) else 0.0 for name, state in plant.states.items()
     }
-    return {name: float(value) for name, value in {**declared, **(config.get("start") or {})}.items()}
+    return {name: float(value) for name, value in {**declared, **brought, **(config.get("start") or {})}.items()}
 
 
 def sensors_of(plant: type[Plant], values: Mapping[str, float]) -> tuple[Array, Array]:
@@ -200,14 +202,15 @@ def log_columns(config: Mapping[str, Any], prepared: Prepared, recorded: Mapping
     wanted = next((name for name in (f"reference_{field}", f"reference_{unit.suffix}") if name in table.names), None)
     if wanted is not None:
         found[wanted] = test.reference[:, 0] * unit.scale
-    shown = prepared.simulator.composition.measured
-    for name, signal in zip(measured_fields(plant), shown, strict=True):
+    shown, shown_fields = prepared.simulator.composition.measured, measured_fields(plant)
+    for name, signal in zip(shown_fields, shown, strict=True):
         found[name] = recorded[f"reading.{signal}"] * unit_of_field(name, plant.name).scale
     for name in (one for one in prepared.simulator.composition.inputs if one not in ALWAYS):
         given = input_field(plant, name)
         found.setdefault(given, recorded[name] * unit_of_field(given, plant.name).scale)
     answers = {name.partition(".")[2]: values for name, values in recorded.items() if name.startswith("answer.")}
     for name in table.names:
-        if name not in found and "_" in name and (answer := quantity(name)) in answers:
+        # what the law asks for stands before what arrives after a delay
+        if "_" in name and (answer := quantity(name)) in answers and name not in shown_fields:
             found[name] = answers[answer] * unit_of_field(name, plant.name).scale
     return {name: np.asarray(found[name], dtype=np.float64) for name in table.names if name in found}

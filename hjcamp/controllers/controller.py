@@ -24,16 +24,32 @@ class Controller(Law):
     ``uses_arm`` False says that the law does not look at the arm: nothing then makes the arm follow the reference.
     """
 
-    samples: ClassVar[tuple[str, ...]] = ("reference", "velocity", "acceleration", "arm", "feedforward", "period", "index")
+    samples: ClassVar[tuple[str, ...]] = (
+        "reference",
+        "velocity",
+        "acceleration",
+        "arm",
+        "feedforward",
+        "period",
+        "index",
+    )
     results: ClassVar[tuple[str, ...]] = ("pid", "feedforward")
     uses_feedforward = False
     uses_arm = True
     planned: ClassVar[tuple[str, ...]] = ()
     tuned: ClassVar[tuple[str, ...]] = ()  # what `hjcamp tune` seeks on another plant than the pump joint
 
-    @staticmethod
+    @classmethod
+    def begin(cls, parameter: Mapping[str, float], plant: Mapping[str, float]) -> dict[str, float]:
+        """Return the states, SI, to which the plant is brought before a test under this law; none by default.
+
+        ``parameter`` are those of the law, ``plant`` those of the plant as configured.
+        """
+        return {}
+
+    @classmethod
     def plan(
-        reference: NDArray[np.float64], parameter: Mapping[str, float], plant: Mapping[str, float], period: float
+        cls, reference: NDArray[np.float64], parameter: Mapping[str, float], plant: Mapping[str, float], period: float
     ) -> NDArray[np.float64]:
         """Return the ``planned`` columns (n, planned) for a reference (n, 3): value, velocity and acceleration, SI.
 

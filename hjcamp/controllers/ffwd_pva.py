@@ -34,9 +34,9 @@ class FfwdPva(Pva):
         "N", 1.22, (0.0, 60.0), text="Coulomb friction of its model: the new joint's first state (4.5.1)"
     )
 
-    @staticmethod
+    @classmethod
     def plan(
-        reference: NDArray[np.float64], parameter: Mapping[str, float], plant: Mapping[str, float], period: float
+        cls, reference: NDArray[np.float64], parameter: Mapping[str, float], plant: Mapping[str, float], period: float
     ) -> NDArray[np.float64]:
         """Return the feedforward duties of both cylinders (n, 2)."""
         lead = round(0.5 * parameter["carrier_samples"] + plant["opening_delay"] / period)

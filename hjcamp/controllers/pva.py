@@ -34,9 +34,9 @@ class Pva(Controller):
     begun = Memory()
     errors = Memory(size=32)
 
-    @staticmethod
+    @classmethod
     def plan(
-        reference: NDArray[np.float64], parameter: Mapping[str, float], plant: Mapping[str, float], period: float
+        cls, reference: NDArray[np.float64], parameter: Mapping[str, float], plant: Mapping[str, float], period: float
     ) -> NDArray[np.float64]:
         """Return no feedforward (n, 2)."""
         return np.zeros((len(reference), 2))
