@@ -1,6 +1,8 @@
 """Write docs/further_plants.md and its figures from runs of the campaigns previous_joint, valve_timing and two_pumps.
 
-python -m benchmarks.further_plants runs/previous_joint/X runs/valve_timing/X runs/two_pumps/X
+python -m benchmarks.further_plants previous_joint three_mode valve_timing two_pumps    (four run folders)
+
+``three_mode`` is a run of `campaign=previous_joint controller=three_mode`.
 """
 
 from __future__ import annotations
@@ -89,6 +91,21 @@ def draw_timing(rows: dict[float, dict[str, tuple[float, float]]]) -> None:
     figure.savefig(IMAGES / "valve_timing.svg", metadata={"Date": None})
 
 
+def valve_cycles(runs: list[Path]) -> list[str]:
+    """Return a table of RMSE and of how often a valve opens in a second, mean of the four valves."""
+    found: dict[str, list[tuple[float, float]]] = {}
+    for path in sorted(path for run in runs for path in (run / "logs").glob("*/*.mcap")):
+        log = read_log(path)
+        phase = log.command_phase
+        opened = [np.sum(np.diff((phase[f"valve{k}_ratio"] > 0.0).astype(int)) == 1) for k in range(1, 5)]
+        error = phase["reference_deg"] - phase["arm_deg"]
+        rates = float(np.mean(opened)) / (len(error) * 1e-3)
+        found.setdefault(log.metadata["controller"], []).append((float(np.sqrt(np.mean(error**2))), rates))
+    lines = ["| law | RMSE, deg | openings of a valve in 1 s |", "|---|---:|---:|"]
+    means = {law: np.mean(pairs, axis=0) for law, pairs in found.items()}
+    return [*lines, *(f"| {law} | {means[law][0]:.2f} | {means[law][1]:.1f} |" for law in (*LAWS, "three_mode"))]
+
+
 def pressures(run: Path) -> pl.DataFrame:
     """Return one row for each log of ``two_pumps``: tracking and what the lines went through."""
     rows: list[dict[str, Any]] = []
@@ -148,7 +165,7 @@ def draw_pressures(run: Path) -> None:
 def main() -> None:
     """Read three run folders and write the page."""
     parser = argparse.ArgumentParser(description=__doc__)
-    for name in ("previous_joint", "valve_timing", "two_pumps"):
+    for name in ("previous_joint", "three_mode", "valve_timing", "two_pumps"):
         parser.add_argument(name, type=Path)
     given = parser.parse_args()
     before, timing = (
@@ -166,6 +183,7 @@ def main() -> None:
     text = Path(__file__).with_name("further_plants_reading.md").read_text()
     for mark, lines in (
         ("<!-- table -->", [table]), ("<!-- criteria -->", judged(before)), ("<!-- timing -->", times),
+        ("<!-- cycles -->", valve_cycles([given.previous_joint, given.three_mode])),
         ("<!-- pumps -->", two_pumps_table(frame)),
     ):  # fmt: skip
         text = text.replace(mark, "\n".join(lines))

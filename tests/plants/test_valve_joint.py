@@ -129,6 +129,30 @@ def test_a_pulse_keeps_its_volume_and_loses_what_the_valve_is_late() -> None:
     assert short.sum() * PERIOD == pytest.approx((1e-3) ** 2 / 4e-3)
 
 
+def test_the_mean_opening_of_a_sample_stands_for_the_trapezoid_within_it(joint: Simulator) -> None:
+    """Pulses with a fraction of a sample as dead time and 1 ms of travel, against openings every 20 us: within 1 % of the travel."""
+    pulses = np.tile(np.r_[np.ones(5), np.zeros(11)], 8)
+    coarse = opened(pulses, opening_delay=2.4e-3, closing_delay=2.4e-3, valve_travel=1e-3)
+    start = (0.3e6, 0.3e6, 0.0, 0.0)
+    found = run(joint, (len(coarse) - 1) * PERIOD, coarse[:, None] * np.array([1.0, 0.0, 0.0, 1.0]), SMOOTH, start)
+    fine = 2e-5
+    time = np.arange(round((len(coarse) - 1) * PERIOD / fine) + 1) * fine + 0.5 * fine
+    corners = [
+        (16e-3 * k + 2.4e-3 + at, level) for k in range(8) for at, level in ((0, 0), (1e-3, 1), (5e-3, 1), (6e-3, 0))
+    ]
+    profile = np.interp(time, *np.array(corners).T)
+    assert np.sum(profile) * fine == pytest.approx(np.sum(coarse) * PERIOD, rel=1e-3)
+    inputs = np.tile(joint.inputs(), (len(time), 1))
+    for k in (1, 4):
+        inputs[:, joint.composition.inputs.index(f"valve{k}")] = profile
+    begins = np.zeros(len(time), dtype=np.int64)
+    begins[0] = 1
+    states = joint.run_free(joint.vector(SMOOTH), Given(fine, begins, time, inputs, np.array([start])))[1]
+    exact = states[:: round(PERIOD / fine), joint.states.index("rack_position")]
+    assert np.ptp(exact) > 1e-3
+    assert np.max(np.abs(found["rack_position"] - exact)) < 0.01 * np.ptp(exact)
+
+
 def test_a_large_supply_makes_position_control_a_first_order_lag(joint: Simulator) -> None:
     """With fast valves and no friction a duty Kp e gives a lag of 1 / (Kp x speed at full duty)."""
     values = FREE | {"supply": 5e6, "moving_mass": 1e-3, "line_stiffness": 1e15}
