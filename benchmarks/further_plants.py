@@ -133,11 +133,11 @@ def two_pumps_table(frame: pl.DataFrame) -> list[str]:
         "|---|---|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for layout in LAYOUTS:
-        for air in ("none", "half_percent"):
+        for air, share in (("none", "none"), ("tenth_percent", "0.1 %"), ("half_percent", "0.5 %")):
             one = frame.filter((pl.col("layout") == layout) & (pl.col("air") == air))
             mean = one.select(pl.col("rmse", "e_max", "below", "above", "drift").mean()).row(0, named=True)
             lines.append(
-                f"| {layout} | {'0.5 %' if air == 'half_percent' else 'none'} | {mean['rmse']:.2f} | {mean['e_max']:.1f} | "
+                f"| {layout} | {share} | {mean['rmse']:.2f} | {mean['e_max']:.1f} | "
                 f"{one['lowest'].min():.3f} | {one['highest'].max():.3f} | "
                 f"{mean['below']:.2f} | {mean['above']:.2f} | {mean['drift']:+.3f} |"
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 
@@ -18,6 +19,15 @@ from hjcamp.plants.pump_joint import PumpJoint
 
 LINE = 2.57e13 * math.pi / 4 * 6.35e-3**2 * 1e-3 / (2 * math.pi)  # Pa for one rad of a pump motor
 JOINT_AREA = math.pi / 4 * 4e-3**2
+
+
+@functools.lru_cache(maxsize=64)
+def _feedforward(
+    reference: bytes, known: tuple[tuple[str, float], ...], pressures: tuple[float, float], direction: float, gain: float
+) -> NDArray[np.float64]:
+    rows = np.frombuffer(reference).reshape(-1, 3)
+    law = Feedforward(gain, False, "positive")
+    return law.command(Simulator(Composition(PumpJoint)), dict(known), rows, pressures, direction)
 
 
 class SumDifference(Pid):
@@ -69,12 +79,11 @@ class SumDifference(Pid):
         cls, reference: NDArray[np.float64], parameter: Mapping[str, float], plant: Mapping[str, float], period: float
     ) -> NDArray[np.float64]:
         """Return the feedforward (n, 1) of 5.3.3, rad: the pump joint's, which is half the difference of two pumps."""
-        known = {name: plant[name] for name in PumpJoint.parameters if name in plant}
+        known = tuple((name, plant[name]) for name in PumpJoint.parameters if name in plant)
         start = cls.begin(parameter, plant)
-        law = Feedforward(parameter["feedforward_gain"], False, "positive")
-        model = Simulator(Composition(PumpJoint))
         pressures = (start["pressure1"], start["pressure2"])
-        return law.command(model, known, reference, pressures, parameter["first_direction"])[:, None]
+        direction, gain = parameter["first_direction"], parameter["feedforward_gain"]
+        return _feedforward(reference.tobytes(), known, pressures, direction, gain)[:, None]
 
     @staticmethod
     def step(sample, parameter, memory):  # type: ignore[no-untyped-def]
