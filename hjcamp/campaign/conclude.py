@@ -85,7 +85,7 @@ def next_commands(folder: RunFolder, report: Report) -> list[str]:
 
     run = shlex.quote(str(folder.path))
     conditions = folder.plan.conditions
-    if any((one.config.get("plant") or {}).get("name", DEFAULT) not in ANALYSED for one in conditions):
+    if any((one.choices.get("plant") or DEFAULT) not in ANALYSED for one in conditions):
         return []
     rigs = {tuple((group, one.choices.get(group)) for group in HARDWARE): None for one in conditions}
     first = next(iter(rigs))
