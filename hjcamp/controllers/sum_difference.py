@@ -23,7 +23,11 @@ JOINT_AREA = math.pi / 4 * 4e-3**2
 
 @functools.lru_cache(maxsize=64)
 def _feedforward(
-    reference: bytes, known: tuple[tuple[str, float], ...], pressures: tuple[float, float], direction: float, gain: float
+    reference: bytes,
+    known: tuple[tuple[str, float], ...],
+    pressures: tuple[float, float],
+    direction: float,
+    gain: float,
 ) -> NDArray[np.float64]:
     rows = np.frombuffer(reference).reshape(-1, 3)
     law = Feedforward(gain, False, "positive")
