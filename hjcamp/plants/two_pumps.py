@@ -60,8 +60,8 @@ class TwoPumps(Plant):
     slider_position = State("m", 1e-9, 1e-3, text="travel of the sliders")
     slider_velocity = State("m/s", 2e-6, 0.01, text="speed of the sliders")
 
-    command1 = Input("rad", field="command1_deg", text="command to pump 1, after the delay")
-    command2 = Input("rad", field="command2_deg", text="command to pump 2, after the delay")
+    command1 = Input("rad", typical=10.0, field="command1_deg", text="command to pump 1, after the delay")
+    command2 = Input("rad", typical=10.0, field="command2_deg", text="command to pump 2, after the delay")
 
     pump_delay = TwoDelays.pump_delay
     pump_gain, pump_a2, pump_a1, pump_a0 = (ONE[name] for name in ("pump_gain", "pump_a2", "pump_a1", "pump_a0"))
