@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.backends import plant_simulation
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.feedforward import Feedforward
@@ -200,6 +201,8 @@ def prepare(config: Mapping[str, Any], seed: int, whole: bool = True) -> Prepare
 
 def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     """Return the kernels that a test needs: what each is in words, its text, and the function that is compiled last."""
+    if config.get("plant"):
+        return plant_simulation.kernel_texts(config)
     law: Any = find_controller(config["controller"]["name"])
     effects = tuple(chosen_effects(model_values(config)[1])[0])
     names = ", ".join(effect.name for effect in effects) or "no effect"
@@ -216,6 +219,8 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
     The same configuration and seed give the same columns bit for bit, in any process. Raises ``HjcampError`` where the
     test does not come to its end, or where the arm goes where none can.
     """
+    if config.get("plant"):
+        return plant_simulation.run_test(config, seed)
     prepared = prepare(config, seed, whole=False)
     try:
         recorded = prepared.simulator.run(prepared.start, prepared.p, prepared.test)

@@ -12,6 +12,7 @@ from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
 from hjcamp.errors import HjcampError, RigStopped, UsageError
+from hjcamp.plants import DEFAULT
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -34,7 +35,8 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
     console.print(f"[bold]{folder.path}[/bold]   {total} tests, {len(result.failures)} failed{kept}")
     for text, count in grouped(result.warnings)[:SHOWN]:
         console.print(f"  note    {text} ({count} test{'s' * (count != 1)})", style="yellow", markup=False)
-    for slip in dict.fromkeys(string_warning(one.config) for one in folder.plan.conditions):
+    joints = [one.config for one in folder.plan.conditions if not one.config.get("plant")]
+    for slip in dict.fromkeys(map(string_warning, joints)):
         if slip:
             console.print(f"  note    {slip}", style="yellow", markup=False)
     if result.done + result.kept:
@@ -78,11 +80,13 @@ def _report(folder: RunFolder, console: Console) -> None:
 
 def next_commands(folder: RunFolder, report: Report) -> list[str]:
     """Return what helps now, each command whole and fit to be run: the tests of one rig, and no check that must fail."""
-    from hjcamp.records.find import HARDWARE
+    from hjcamp.records.find import ANALYSED, HARDWARE
     from hjcamp.report.check import check
 
     run = shlex.quote(str(folder.path))
     conditions = folder.plan.conditions
+    if any((one.choices.get("plant") or DEFAULT) not in ANALYSED for one in conditions):
+        return []
     rigs = {tuple((group, one.choices.get(group)) for group in HARDWARE): None for one in conditions}
     first = next(iter(rigs))
     if folder.plan.campaign in IDENTIFIED:

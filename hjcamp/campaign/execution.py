@@ -84,16 +84,35 @@ def metadata_of(plan: Plan, condition: Condition, test: PlannedTest, program: Ma
 
     It holds no time and no host: equal tests give equal logs, whenever and wherever they are made.
     """
-    choices = {group: condition.choices.get(group) or condition.config[group]["name"] for group in CHOICES}
+    config = condition.config
+    present = [group for group in CHOICES if config.get(group)]
+    choices = {group: condition.choices.get(group) or config[group]["name"] for group in present}
     return {
         "campaign": plan.campaign,
         "condition": condition.name,
         **choices,
         "repetition": str(test.repetition),
         "seed": str(test.seed),
-        "preload_mpa": str(condition.config["procedure"].get("preload_mpa")),
+        **_of_plant(config),
         "config_sha256": condition.sha256,
         **program,
+    }
+
+
+def _of_plant(config: Mapping[str, Any]) -> dict[str, str]:
+    """Return what the metadata say of the plant: its name, period and given parameters; of the pump joint its preload."""
+    if not config.get("plant"):
+        return {"preload_mpa": str(config["procedure"].get("preload_mpa"))}
+    from hjcamp.backends.plant_simulation import model_of, plant_in
+    from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY
+
+    plant = plant_in(config)
+    values = model_of(config, plant)[1]
+    told = {item.given: values.get(name, item.default) for name, item in plant.parameters.items() if item.given}
+    return {
+        PLANT_KEY: plant.name,
+        PERIOD_KEY: f"{plant.period:g}",
+        **{name: f"{value:g}" for name, value in told.items()},
     }
 
 

@@ -21,7 +21,9 @@ def free_place(name: str, replace: bool) -> Path:
     return path
 
 
-def write_gains(name: str, gains: Mapping[str, Mapping[str, float]], source: Sequence[str], replace: bool) -> Path:
+def write_gains(
+    name: str, gains: Mapping[str, Mapping[str, float] | float], source: Sequence[str], replace: bool
+) -> Path:
     """Write ``conf/controller/gains/NAME.yaml`` in the working folder; ``source`` are lines that say where it is from.
 
     Raises ``UsageError`` where the file exists and is not to be replaced, or the name is none for a file.
@@ -29,6 +31,9 @@ def write_gains(name: str, gains: Mapping[str, Mapping[str, float]], source: Seq
     path = free_place(name, replace)
     lines = ["# @package controller", *(f"# {line}" for line in source)]
     for side, group in gains.items():
+        if not isinstance(group, Mapping):
+            lines.append(f"{side}: {group:.4g}")
+            continue
         lines.append(f"{side}: {{" + ", ".join(f"{key}: {value:.4g}" for key, value in group.items()) + "}")
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, "\n".join(lines) + "\n")

@@ -13,7 +13,7 @@ from hjcamp.configuration.run_keys import RunKeys, read_run_keys
 from hjcamp.errors import UsageError, nearest, shown, unknown
 from hjcamp.records.plan import Condition, Plan, config_sha256, plan_sha256, planned_tests
 from hjcamp.schema import naming
-from hjcamp.trajectories import build_trajectory
+from hjcamp.trajectories import Trajectory, build_trajectory
 
 if TYPE_CHECKING:
     from hjcamp.configuration.composer import Composer, Composition
@@ -89,18 +89,28 @@ def _condition(draft: Draft, composition: Composition, repetitions: int, seed: i
     choices = {group: choice for group, choice in composition.choices.items() if choice and group != "campaign"}
     where = f"condition '{draft.name}'"
     check_configuration(config, where)
-    with naming(where):
-        config["controller_model"] = composer.model(str(config["controller"].get("model")))
-    duration = float(build_trajectory(config["trajectory"]).duration)
+    if not config.get("plant"):
+        with naming(where):
+            config["controller_model"] = composer.model(str(config["controller"].get("model")))
+    duration = trajectory_of(config).duration
     config |= {"repetitions": repetitions, "seed": seed}
     return Condition(draft.name, choices, config, duration, config_sha256(config))
+
+
+def trajectory_of(config: Mapping[str, Any]) -> Trajectory:
+    """Return the trajectory of a resolved configuration, in the unit that its plant follows."""
+    if not config.get("plant"):
+        return build_trajectory(config["trajectory"])
+    from hjcamp.backends.plant_simulation import followed_unit, plant_in
+
+    return build_trajectory(config["trajectory"], unit=followed_unit(config, plant_in(config))[1])
 
 
 def _refuse_too_many(drafts: Sequence[Draft], run: RunKeys, composer: Composer) -> None:
     count = len(drafts) * run.repetitions
     if count > run.most_tests:
         first = composer.compose(drafts[0].overrides).config
-        days = count * build_trajectory(first["trajectory"]).duration / 86400
+        days = count * trajectory_of(first).duration / 86400
         conditions = f"{len(drafts)} condition{'s' * (len(drafts) != 1)}"
         raise UsageError(
             f"{conditions} x {run.repetitions} repetitions = {count} tests, some {days:.3g} days of motion; "

@@ -98,10 +98,13 @@ def tune_campaign(
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer
 
+    plan = compose_plan(lines, config_dir)
+    if plan.conditions[0].config.get("plant"):
+        tune_laws(plan, lines, name, replace, console)
+        return
     config = Composer(folder=config_dir).compose([f"controller/gains={start}"]).config
     check_configuration(config, f"--from {start}")
     first = gains_of(config, f"--from {start}")
-    plan = compose_plan(lines, config_dir)
     cases = cases_of(plan)
     if name is not None and len(cases) > 1:
         raise UsageError(f"--as names one gain set, but there are {len(cases)} cases: {', '.join(cases)}")
@@ -123,6 +126,38 @@ def tune_campaign(
         path = write_gains(case, result.gains, source, replace)
         console.print(f"  mean RMSE1 {result.before:.4f} -> {result.after:.4f} deg, {result.evaluations} evaluations")
         console.print(f"  {_shown(result.gains)}", markup=False)
+        console.print(f"  saved   {path}: use controller/gains={case}", markup=False)
+
+
+def tune_laws(plan: Plan, lines: list[str], name: str | None, replace: bool, console: Console) -> None:
+    """Tune the controllers of a campaign of another plant, one parameter set for each case, and save them."""
+    from hjcamp.campaign.compiling import Doing, kernels_of, status
+    from hjcamp.campaign.gains_file import free_place, write_gains
+    from hjcamp.campaign.retune_law import FACTOR, retune_law
+
+    cases = cases_of(plan)
+    if name is not None and len(cases) > 1:
+        raise UsageError(f"--as names one gain set, but there are {len(cases)} cases: {', '.join(cases)}")
+    plant = plan.conditions[0].config["plant"]["name"]
+    named = {name or f"{plant}_{case}": conditions for case, conditions in cases.items()}
+    for case in named:
+        free_place(case, replace)
+    for case, conditions in named.items():
+        console.print(f"[bold]{case}[/bold]   {', '.join(one.name for one in conditions)}")
+        doing = Doing("searching for the smallest mean error")
+        with status(console, kernels_of(one.config for one in conditions), doing):
+            result = retune_law(conditions, plan.tests, plan.seed)
+        source = [
+            f"Tuned by: hjcamp tune {' '.join(lines)} (campaign '{plan.campaign}', seed {plan.seed})",
+            f"Smallest mean RMSE over {', '.join(result.conditions)}, simulated with scatter, {plan.repetitions} tests each, SI: "
+            f"{result.before:.5g} -> {result.after:.5g}.",
+            f"{result.evaluations} evaluations of a seeded search, each between 1/{FACTOR:g} and {FACTOR:g} times its start: "
+            + ", ".join(f"{key} {value:.4g}" for key, value in result.start.items())
+            + ".",
+        ]
+        path = write_gains(case, result.found, source, replace)
+        console.print(f"  mean error {result.before:.5g} -> {result.after:.5g} (SI), {result.evaluations} evaluations")
+        console.print(f"  {', '.join(f'{key} {value:.4g}' for key, value in result.found.items())}", markup=False)
         console.print(f"  saved   {path}: use controller/gains={case}", markup=False)
 
 

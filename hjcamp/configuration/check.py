@@ -8,8 +8,10 @@ from typing import Any
 from pydantic import Field
 
 from hjcamp.backends.rig_schema import Backend, Rig
+from hjcamp.configuration.plant_settings import check_plant_configuration
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
 from hjcamp.controllers import find_controller
+from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.schema import controller_schema
 from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, shown, unknown
@@ -40,6 +42,11 @@ def check_configuration(config: Mapping[str, Any], where: str = "") -> None:
     Keys of the run are checked where they are there, and so is the model with which a controller calculates.
     """
     with naming(where):
+        if config.get("plant"):
+            check_plant_configuration(config, ("campaign", *RunKeys.model_fields))
+            if "repetitions" in config:
+                read_run_keys(config)
+            return
         _check_keys(config)
         check_hardware(config)
         backend = checked(Backend, config["backend"], "backend")
@@ -61,6 +68,11 @@ def check_configuration(config: Mapping[str, Any], where: str = "") -> None:
 def check_controller(given: Mapping[str, Any]) -> None:
     """Raise ``UsageError`` for a setting that the chosen control law does not have, and for a value out of bounds."""
     law: Any = find_controller(str(given.get("name")))
+    if law.results != Controller.results:
+        raise UsageError(
+            f"controller {law.name} does not fit plant pump_joint: it gives {', '.join(law.results)}; "
+            f"{' and '.join(Controller.results)} of the pump command are needed"
+        )
     checked(controller_schema(law), given, "controller")
 
 

@@ -33,13 +33,14 @@ from hjcamp.configuration.search_path import packaged_root
 from hjcamp.configuration.trust import check_overrides
 from hjcamp.configuration.variation import Loaded, NotJoinedError, Variations
 from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.model.field_unit import FIELD_UNITS
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
 COMPOSE_ERRORS = (
     HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError, RecursionError
 )  # fmt: skip
 MAIN = "config"
-FREE_KEYS = ("effects.", "model.effects.", "model.parameters.")
+FREE_KEYS = ("effects.", "model.effects.", "model.parameters.", "parameters.", "start.")
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,7 @@ class Composer:
 
         check_overrides(overrides, parse_overrides)
         self.refuse_bundles(overrides)
+        self._refuse_unfit(overrides)
         try:
             found = self._variations.compose([_parsed(line) for line in overrides])
             return self._named(found.config, found.choices)
@@ -156,6 +158,17 @@ class Composer:
             if choice is not None and isinstance(config.get(group), dict) and group != "campaign":
                 config[group].setdefault("name", choice)
         return Composition(config, choices)
+
+    def _refuse_unfit(self, overrides: Sequence[str]) -> None:
+        """Raise ``UsageError`` for a controller that does not fit the plant: its values may follow hardware that is not there."""
+        chosen = dict(line.partition("=")[::2] for line in overrides if line.startswith(("plant=", "controller=")))
+        if chosen.get("plant") not in self.options("plant") or chosen.get("controller") not in self.options(
+            "controller"
+        ):
+            return
+        from hjcamp.configuration.plant_settings import refuse_unfit
+
+        refuse_unfit(chosen["controller"], chosen["plant"])
 
     def refuse_bundles(self, overrides: Sequence[str]) -> None:
         """Raise ``UsageError`` for a group that is given a list or a mapping in the place of one choice."""
@@ -276,7 +289,7 @@ def key_of(override: Override) -> str:
 def as_override(key: str, value: Any) -> str:
     """Return ``key=value`` in Hydra's grammar; a key of a free mapping (effects) may be new, others must exist."""
     bare = key.lstrip("+")
-    sign = "++" if bare.startswith(FREE_KEYS) else key[: len(key) - len(bare)]
+    sign = "++" if _may_be_new(bare) else key[: len(key) - len(bare)]
     return f"{sign}{bare}={as_value(value)}"
 
 
@@ -300,4 +313,10 @@ def as_value(value: Any) -> str:
 
 def free(line: str) -> str:
     """Return an override of the command line, with ``++`` put before a key of a free mapping (``effects.``)."""
-    return f"++{line}" if line.startswith(FREE_KEYS) else line
+    return f"++{line}" if _may_be_new(line.partition("=")[0]) else line
+
+
+def _may_be_new(key: str) -> bool:
+    """Return whether a key is of a free mapping, or a size of a trajectory in another unit than deg (``amplitude_mm``)."""
+    of_trajectory = key.startswith("trajectory.") and "_" in key
+    return key.startswith(FREE_KEYS) or (of_trajectory and key.rpartition("_")[2] in {*FIELD_UNITS} - {"deg", "s"})

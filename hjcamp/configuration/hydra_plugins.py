@@ -1,4 +1,4 @@
-"""What hjcamp adds to Hydra: campaign files as a configuration group, the user's folders first, two resolvers, and what is trusted."""
+"""What hjcamp adds to Hydra: campaigns and plants as configuration groups, the user's folders first, two resolvers, and trust."""
 
 from __future__ import annotations
 
@@ -21,9 +21,12 @@ from omegaconf import OmegaConf
 from hjcamp.configuration.search_path import campaign_folders, configuration_folders, packaged_root
 from hjcamp.configuration.trust import check_file, check_group, with_our_hydra
 from hjcamp.errors import UsageError
+from hjcamp.model.user_folders import extension_folders
+from hjcamp.plants import OWN_PLANTS
 from hjcamp.yaml_file import check_yaml
 
 GROUP = "campaign"
+PLANT = "plant"
 PRIMARY = "config"
 
 
@@ -98,6 +101,55 @@ class CampaignSource(ConfigSource):
         return Path(self.path) / f"{name.removesuffix('.yaml')}.yaml"
 
 
+class PlantSource(ConfigSource):
+    """A folder of plants, seen by Hydra as the group ``plant``: ``plant=NAME`` is ``NAME.py``, which is loaded when chosen."""
+
+    @staticmethod
+    def scheme() -> str:
+        """Return the scheme of the search path entries, ``plants://FOLDER``."""
+        return "plants"
+
+    def _names(self) -> list[str]:
+        from hjcamp.plants import plant_names
+
+        return plant_names(Path(self.path))
+
+    def load_config(self, config_path: str) -> ConfigResult:
+        """Return what the configuration of a test of this plant begins with; see `plant_settings`."""
+        from hjcamp.configuration.plant_settings import plant_settings
+
+        if not self.is_config(config_path):
+            raise ConfigLoadError(f"Config not found : {config_path}")
+        content = OmegaConf.create(plant_settings(self._name(config_path)))
+        header: dict[str, str | None] = {"package": "_global_"}
+        return ConfigResult(config=content, path=str(Path(self.path)), provider=self.provider, header=header)
+
+    def available(self) -> bool:
+        """Return whether the folder exists."""
+        return Path(self.path).is_dir()
+
+    def is_group(self, config_path: str) -> bool:
+        """Return whether the path is the group itself."""
+        return config_path.strip("/") in ("", PLANT)
+
+    def is_config(self, config_path: str) -> bool:
+        """Return whether the folder holds a plant of that name."""
+        name = self._name(config_path)
+        return name != "" and name in self._names()
+
+    def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:
+        """Return the names of the plants, or of the one group."""
+        if config_path.strip("/") == "":
+            return [] if results_filter == ObjectType.CONFIG else [PLANT]
+        if config_path.strip("/") != PLANT or results_filter == ObjectType.GROUP:
+            return []
+        return self._names()
+
+    def _name(self, config_path: str) -> str:
+        group, _, name = config_path.partition("/")
+        return name.removesuffix(".yaml") if group == PLANT and "/" not in name else ""
+
+
 class UserFoldersFirst(SearchPathPlugin):
     """Put the user's configuration and campaigns before ours, and our campaigns beside our configuration."""
 
@@ -110,6 +162,8 @@ class UserFoldersFirst(SearchPathPlugin):
         for folder in configuration_folders():
             search_path.prepend("user", f"file://{folder}", anchor="main")
         search_path.append("hjcamp", f"campaigns://{packaged_root() / 'campaigns'}", anchor=SearchPathQuery("main"))
+        for folder in (*extension_folders("plants"), OWN_PLANTS):
+            search_path.append("plants", f"plants://{folder}")
 
 
 def milli(value: float) -> float:
@@ -140,6 +194,7 @@ def register() -> None:
     # Hydra has no way to exchange a source; under another name it would take its own for a second one.
     SourcesRegistry.instance().types["file"] = FileConfigSource
     plugins.register(CampaignSource)
+    plugins.register(PlantSource)
     plugins.register(UserFoldersFirst)
     OmegaConf.register_new_resolver("milli", milli, replace=True)
     OmegaConf.register_new_resolver("first", first, replace=True)

@@ -14,6 +14,7 @@ from omegaconf import OmegaConf
 
 PLAIN_KEY = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 INTERPOLATED = "${"
+PLANT = "plant"
 
 
 class NotJoinedError(Exception):
@@ -52,10 +53,12 @@ class Variations:
                 chosen.setdefault(_group(override.key_or_group), []).append(override)
             else:
                 raise NotJoinedError
-        base, _ = self._part([])
+        # another plant has other groups: it is the base of all that varies with it
+        plant = chosen.pop(PLANT, [])
+        base, _ = self._part(plant, [])
         config, choices = dict(base.config), _by_group(base.choices)
-        for groups in self._together(chosen):
-            loaded, changed = self._part([override for group in groups for override in chosen[group]])
+        for groups in self._together(plant, chosen):
+            loaded, changed = self._part(plant, [override for group in groups for override in chosen[group]])
             config |= {key: loaded.config[key] for key in changed}
             own = _by_group(loaded.choices)
             choices |= {group: own[group] for group in groups}
@@ -64,11 +67,11 @@ class Variations:
             _set(config, override)
         return Loaded(resolved(config), {name: choice for found in choices.values() for name, choice in found.items()})
 
-    def _together(self, chosen: Mapping[str, list[Override]]) -> list[list[str]]:
+    def _together(self, plant: list[Override], chosen: Mapping[str, list[Override]]) -> list[list[str]]:
         """Return the groups whose choices change the same part of the configuration, together; others alone."""
         parts: list[tuple[list[str], frozenset[str]]] = []
         for group, overrides in chosen.items():
-            groups, changed = [group], self._part(overrides)[1]
+            groups, changed = [group], self._part(plant, overrides)[1]
             for other in [part for part in parts if part[1] & changed]:
                 parts.remove(other)
                 groups = [*other[0], *groups]
@@ -76,14 +79,14 @@ class Variations:
             parts.append((groups, changed))
         return [groups for groups, _ in parts]
 
-    def _part(self, overrides: Sequence[Override]) -> tuple[Loaded, frozenset[str]]:
-        """Return what is composed of the overrides, and the keys of the configuration that differ from the base."""
-        key = tuple(override.input_line or "" for override in overrides)
+    def _part(self, plant: Sequence[Override], overrides: Sequence[Override]) -> tuple[Loaded, frozenset[str]]:
+        """Return what is composed of a plant and overrides, and the keys that differ from the base: the plant alone."""
+        key = tuple(override.input_line or "" for override in (*plant, *overrides))
         if key not in self._loaded:
-            loaded = self._load(overrides)
+            loaded = self._load([*plant, *overrides])
             changed: frozenset[str] = frozenset()
             if overrides:
-                base, _ = self._part([])
+                base, _ = self._part(plant, [])
                 if list(base.config) != list(loaded.config):
                     raise NotJoinedError
                 changed = frozenset(

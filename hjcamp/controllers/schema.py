@@ -40,6 +40,7 @@ class ControllerSettings(Group):
     model: str = "published"
     gain_direction_at_rest: Literal["last_commanded"] = "last_commanded"
     dither: Dither | None = None
+    input: str | None = None
 
 
 @functools.lru_cache(maxsize=64)

@@ -83,7 +83,7 @@ class State:
 
     ``resolution`` is the local error that one sample may make (a millionth of ``typical`` unless given), ``typical`` the
     size at which the model is linearised. ``low`` is what it cannot fall below (a level, an absolute pressure).
-    ``start`` may be "unknown": each test then has a value of its own.
+    ``start`` may be "unknown": each test then has a value of its own; ``scatter`` is its standard deviation from test to test.
     An effect's state that is ``known`` at rest starts anew where the observed states are set to measurements at rest.
     """
 
@@ -94,6 +94,7 @@ class State:
     text: str = ""
     known: bool = False
     low: float = float("-inf")
+    scatter: float = 0.0
     name: str = ""
 
     def __post_init__(self) -> None:

@@ -8,8 +8,10 @@ from typing import ClassVar
 from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.field_table import Field
 from hjcamp.model.instance import Instance
+from hjcamp.model.law import Law
 from hjcamp.model.parameter import Channel, Contact, Cut, Input, Measured, Parameter, State, declared
 from hjcamp.model.port import Port
+from hjcamp.model.scatter import FrictionScatter
 
 # What every plant's equations may use: the regime of its one contact, the time, and what friction scatters by.
 ALWAYS = {
@@ -28,6 +30,9 @@ class Plant:
     ``instances`` are the generic effects that have names and numbers of their own here: such an effect then acts at
     their places only. ``covers`` says of a generic effect why the plant needs none: what holds it already.
     ``loop`` is "foreign" where somebody else's controller holds the measured motion: then forces are judged.
+    A test follows ``controlled``, a measured field (the first one unless named), with ``choices`` of groups where nothing
+    else is said; ``actuation`` is the law between what a controller returns and the inputs. What differs from test to test:
+    friction by ``friction_varies``, starts by the ``scatter`` of a state, the ``drawn`` parameters.
     ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
     """
 
@@ -53,6 +58,11 @@ class Plant:
     covers: ClassVar[Mapping[str, str]] = {}
     fields: ClassVar[tuple[Field, ...]] = ()
     one_of: ClassVar[tuple[str, ...]] = ()
+    controlled: ClassVar[str] = ""
+    choices: ClassVar[Mapping[str, str]] = {}
+    actuation: ClassVar[type[Law] | None] = None
+    friction_varies: ClassVar[FrictionScatter] = FrictionScatter()
+    drawn: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()

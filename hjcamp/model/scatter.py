@@ -21,6 +21,20 @@ class Scatter:
 
 
 @dataclass(frozen=True)
+class FrictionScatter:
+    """How friction differs from test to test and within one: relative standard deviations and correlation time, s."""
+
+    between: float = 0.0
+    within: float = 0.0
+    correlation: float = 0.2
+
+    def factors(self, generator: np.random.Generator, samples: int, period: float) -> Array:
+        """Return the factor on static and Coulomb friction at each sample (samples,)."""
+        between = np.exp(self.between * generator.standard_normal())
+        return np.asarray(between * np.exp(self.within * coloured(generator, samples, self.correlation / period)))
+
+
+@dataclass(frozen=True)
 class Draw:
     """What one seed gives for one test: factors on friction (n), noise (n, channels), offsets of pressures, counts."""
 

@@ -11,12 +11,20 @@ from hjcamp.model.plant import Plant
 from hjcamp.model.user_folders import extension_folders
 
 DEFAULT = "pump_joint"
+OWN_PLANTS = Path(__file__).parent
 
 
 def load_plants(folders: Sequence[Path] | None = None) -> dict[str, type[Plant]]:
     """Return every plant by name, ours and the user's; a faulty file is refused, saying what is allowed."""
     chosen = extension_folders("plants") if folders is None else list(folders)
-    return scan(Path(__file__).parent, __name__, Plant, chosen)
+    return scan(OWN_PLANTS, __name__, Plant, chosen)
+
+
+def plant_names(folder: Path) -> list[str]:
+    """Return the plants of a folder by name; a user's files are not run for it."""
+    if folder == OWN_PLANTS:
+        return sorted(load_plants([]))
+    return sorted(path.stem for path in folder.glob("*.py") if not path.stem.startswith("_"))
 
 
 def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | None = None) -> type[Plant]:

@@ -61,7 +61,7 @@ def build_report(
     are read one after the other. `UsageError` where there is no log, a log that cannot be read, or an unknown
     ``against`` or table.
     """
-    from hjcamp.records.find import refuse_unanalysed, tell
+    from hjcamp.records.find import refuse_mixed_plants, tell
     from hjcamp.records.run_folder import refuse_links_out
     from hjcamp.records.stored import stored_logs
 
@@ -82,7 +82,7 @@ def build_report(
     found = list(logs) if logs is not None else stored_logs([run_dir], leave_out)
     if not found:
         raise UsageError(f"{run_dir}: there are no test logs to report on")
-    refuse_unanalysed(found, "the report")
+    refuse_mixed_plants(found)
     found = in_plan_order(found, origin)
     indicators, spreads = _condensed(found, origin, run_dir)
     definitions = _with_rows(declared_tables(origin.tables), indicators)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hjcamp.model.field_unit import unit_of_field
 from hjcamp.report.spread import SIGNALS, Condition
 
 # Colours of Okabe and Ito, told apart by colour-blind readers; the page puts its own shades in their place.
@@ -18,6 +19,7 @@ GRID = "#d0d4d9"
 BLUE = "#0072b2"
 RED = "#d55e00"
 GREEN = "#009e73"
+COLOURS = (BLUE, RED, GREEN, "#cc79a7", "#e69f00", "#56b4e9")
 PAPER = "#fffffe"  # white that nothing else is: the page puts its own in its place
 WIDTH, HEIGHT = 7.4, 6.6
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.1, 0.98, 0.965, 0.065, 0.045
@@ -55,6 +57,23 @@ PANELS = (
 )
 
 
+def panels_by_unit(signals: Sequence[str]) -> list[Panel]:
+    """Return one panel for each unit of the signals of another plant, the curves in their order."""
+    units: dict[str, list[str]] = {}
+    for name in signals:
+        units.setdefault(unit_of_field(name, "a figure").shown, []).append(name)
+    panels = []
+    for unit, names in units.items():
+        curves = [
+            Curve(name, name.rpartition("_")[0], INK if name.startswith("reference_") else COLOURS[k % len(COLOURS)],
+                  name.startswith("reference_"))
+            for k, name in enumerate(names)
+        ]  # fmt: skip
+        title = names[0].rpartition("_")[0].replace("_", " ") if len(names) == 1 else "signals"
+        panels.append(Panel(f"{title} ({unit})", tuple(curves)))
+    return panels
+
+
 # Every text, line and ground that matplotlib draws by itself has one of our colours, so that the page can take them over.
 SETTINGS: dict[str, Any] = {
     "svg.fonttype": "none", "font.size": 9.0, "path.simplify_threshold": 0.2,
@@ -70,7 +89,7 @@ def draw_condition(condition: Condition) -> str:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     with matplotlib.rc_context(SETTINGS | {"svg.hashsalt": condition.name}):  # type: ignore[arg-type]
-        figure = _frame(tuple(name for name in SIGNALS if name in condition.signals), condition.tests > 1)
+        figure = _frame(tuple(condition.signals), condition.tests > 1)
         figure.show(condition)
         buffer = io.StringIO()
         canvas = FigureCanvasSVG(figure.figure)
@@ -89,6 +108,7 @@ class Frame:
         self._lines: dict[str, Any] = {}
         self._bands: dict[str, Any] = {}
         panels = [panel for panel in PANELS if any(curve.signal in signals for curve in panel.curves)]
+        panels += panels_by_unit([name for name in signals if name not in SIGNALS])
         shares = sum(panel.share for panel in panels)
         usable = TOP - BOTTOM - GAP * (len(panels) - 1)
         bottom = TOP + GAP

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError
+from hjcamp.records.of_plant import PLANT_KEY
 from hjcamp.yaml_file import yaml_values
 
 if TYPE_CHECKING:
@@ -48,13 +49,15 @@ def indicators_of(log: TestLog) -> dict[str, Any]:
     row |= _error_indicators(log, row["trajectory"] or "")
     from hjcamp.report.published import cell_key
 
-    return row | {STANDING: _standing(log.attachments.get("config.yaml", b""), *cell_key(row))}
+    # another plant has no such groups: its printed cells are those of a bare, horizontal joint
+    bare = {"payload": "none", "orientation": "horizontal"} if log.metadata.get(PLANT_KEY) else {}
+    return row | {STANDING: _standing(log.attachments.get("config.yaml", b""), *cell_key(row | bare))}
 
 
 def _error_indicators(log: TestLog, trajectory: str) -> dict[str, float | None]:
     values: dict[str, float | None] = dict.fromkeys(INDICATORS)
     command = log.command_phase
-    if "reference_deg" not in command or not len(command["time_s"]):
+    if not {"reference_deg", "arm_deg"} <= set(command) or not len(command["time_s"]):
         return values
     time, reference = command["time_s"], command["reference_deg"]
     error = reference - command["arm_deg"]

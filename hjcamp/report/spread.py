@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.records.of_plant import PLANT_KEY
+
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
 
@@ -69,6 +71,8 @@ class Gathering:
         if self._tests == 1:
             self._time = phase["time_s"].copy()
             there = [name for name in SIGNALS if name in phase]
+            if log.metadata.get(PLANT_KEY):
+                there += [name for name in phase if name not in (*SIGNALS, "time_s", "phase")]
             self._so_far = {name: (phase[name].copy(), phase[name].copy(), phase[name].copy()) for name in there}
             return
         samples = min(len(self._time), len(phase["time_s"]))
@@ -112,7 +116,9 @@ def gather(name: str, logs: Iterable[TestLog], most_points: int = MOST_POINTS) -
 
 def with_error(phase: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
     """Return the columns with ``error_deg`` = reference - arm added, where there is a reference."""
-    error = {"error_deg": phase["reference_deg"] - phase["arm_deg"]} if "reference_deg" in phase else {}
+    error = (
+        {"error_deg": phase["reference_deg"] - phase["arm_deg"]} if {"reference_deg", "arm_deg"} <= set(phase) else {}
+    )
     return {**phase, **error}
 
 

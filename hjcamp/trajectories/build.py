@@ -11,18 +11,23 @@ from types import ModuleType
 from typing import Any
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.model.field_unit import FieldUnit
 from hjcamp.model.user_file import load_module
 from hjcamp.model.user_folders import extension_folders
 from hjcamp.trajectories.base import Trajectory
 
+DEGREES = "deg"
 OWN_FOLDER = Path(__file__).parent
 
 
-def build_trajectory(config: Mapping[str, Any], folders: Sequence[Path] | None = None) -> Trajectory:
+def build_trajectory(
+    config: Mapping[str, Any], folders: Sequence[Path] | None = None, unit: FieldUnit | None = None
+) -> Trajectory:
     """Return the trajectory that a resolved ``trajectory`` group describes: ``kind``, ``name`` and parameters.
 
     ``folders`` are the folders of kinds beside our own, by default the user's ``trajectories``. `UsageError` for an
     unknown kind or parameter, a missing one, or a value that is not allowed.
+    With a ``unit`` other than deg the parameters are named by it (``amplitude_mm``), and its numbers stand for degrees.
     """
     if not isinstance(config, Mapping):
         raise UsageError(f"trajectory is {config!r}; a kind with its parameters is needed")
@@ -34,6 +39,8 @@ def build_trajectory(config: Mapping[str, Any], folders: Sequence[Path] | None =
         raise unknown("trajectory kind", str(kind), kinds, "trajectory.kind")
     chosen = kinds[kind]
     parameters = {name: value for name, value in config.items() if name not in ("name", "kind")}
+    if unit is not None and unit.suffix != DEGREES:
+        parameters = _in_degrees(parameters, unit.suffix)
     known = {field.name: field for field in fields(chosen) if field.init}
     for name in parameters:
         if name not in known:
@@ -42,6 +49,23 @@ def build_trajectory(config: Mapping[str, Any], folders: Sequence[Path] | None =
         if name not in parameters and field.default is MISSING and field.default_factory is MISSING:
             raise UsageError(f"trajectory.{name} is missing; kind '{kind}' needs it")
     return chosen(**parameters)
+
+
+def _in_degrees(parameters: Mapping[str, Any], suffix: str) -> dict[str, Any]:
+    """Return parameters with names in a unit as names in deg: ``amplitude_mm`` takes the place of ``amplitude_deg``."""
+    found: dict[str, Any] = {}
+    for name, value in parameters.items():
+        if name == "segments" and isinstance(value, Sequence) and not isinstance(value, str):
+            value = [_in_degrees(one, suffix) if isinstance(one, Mapping) else one for one in value]
+        if name.endswith(f"_{suffix}"):
+            name = f"{name[: -len(suffix) - 1]}_{DEGREES}"
+        elif name.endswith(f"_{DEGREES}") and value != 0.0:
+            wanted = f"{name[: -len(DEGREES) - 1]}_{suffix}"
+            if wanted not in parameters:
+                raise UsageError(f"trajectory.{name}: this plant's trajectory is in {suffix}; write {wanted}=VALUE")
+            continue
+        found.setdefault(name, value)
+    return found
 
 
 def find_kinds(folders: Sequence[Path] = ()) -> dict[str, type[Trajectory]]:

@@ -57,7 +57,7 @@ def test_the_pieces_of_bash_are_words_again(pieces: list[str], words: list[str],
     ("pieces", "answers"),
     [
         (["run", "campaign", "=", "ro"], ["robustness_horizontal", "robustness_vertical"]),
-        (["plan", "controller", "=", "ff"], ["ffwd_pid"]),
+        (["plan", "controller", "=", "ff"], ["ffwd_pid", "ffwd_pva"]),
         (["plan", "+effects.x", "=", "1", "controller", "=", "pi"], ["pid"]),
         (["run", "controller.positive.k"], [f"controller.positive.{gain}=" for gain in ("kd", "ki", "kp")]),
         (["compare", "--model", "pub"], ["published"]),

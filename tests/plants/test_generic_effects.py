@@ -81,7 +81,7 @@ def test_signs_are_bounds() -> None:
         ("leakage", "tanks", "plant tanks has it as leakage_at_upper, leakage_at_lower"),
         ("sensor_lag", "pump_joint", "plant pump_joint has it as encoder_lag"),
         ("constant_force", "pump_joint", "needs none: .* base parameters"),
-        ("presliding", "pump", "did you mean 'pump_joint'"),
+        ("presliding", "pump_join", "did you mean 'pump_joint'"),
         ("springs", "axis", "did you mean 'spring'"),
     ],
 )

@@ -238,7 +238,7 @@ def test_info_and_verify_show_the_fields_of_the_plant(plants: Path, capsys: pyte
 
 COMMANDS = (
     ["compare", "logs"], ["diagnose", "logs"], ["add", "leakage", "logs", "--as", "more"], ["next", "logs"],
-    ["calibrate", "logs", "--as", "mine"], ["report", "logs"],
+    ["calibrate", "logs", "--as", "mine"],
 )  # fmt: skip
 
 

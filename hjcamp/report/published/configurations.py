@@ -13,6 +13,7 @@ import yaml
 
 from hjcamp.configuration.composer import Composer, as_override
 from hjcamp.configuration.search_path import packaged_root
+from hjcamp.plants import OWN_PLANTS
 from hjcamp.report.published import CONDITION, cell_key
 
 #: The campaigns whose conditions are the tests of a published table.
@@ -23,6 +24,7 @@ CAMPAIGNS = {
     "5.5.2": ("robustness_horizontal", "robustness_vertical"),
     "5.6.1": ("friction_compliance",),
     "5.3.2": ("feedforward_simulation",),
+    "6.3.1": ("previous_joint",),
 }
 #: What does not decide the physics of a test: who carries it out, how often, and with which draws.
 NO_PHYSICS = ("backend", "rig", "repetitions", "seed")
@@ -106,7 +108,8 @@ def _published(campaign: str, key: tuple[str, ...]) -> dict[str, Any] | None:
     for settings in conditions_of(campaign):
         if choices_of(settings) == key:
             config = composer.compose([as_override(name, value) for name, value in settings.items()]).config
-            config["controller_model"] = composer.model(str(config["controller"].get("model")))
+            if not config.get("plant"):
+                config["controller_model"] = composer.model(str(config["controller"].get("model")))
             return {name: value for name, value in config.items() if isinstance(value, Mapping)}
     return None
 
@@ -114,8 +117,8 @@ def _published(campaign: str, key: tuple[str, ...]) -> dict[str, Any] | None:
 @lru_cache(maxsize=1)
 def _composer() -> Composer:
     # Our own files alone: a user's group of the same name must not pass for the published one.
-    folders = ("pkg://hydra.conf", f"file://{packaged_root() / 'conf'}", "structured://")
-    return Composer(zip(("hydra", "main", "schema"), folders, strict=True))
+    folders = ("pkg://hydra.conf", f"file://{packaged_root() / 'conf'}", f"plants://{OWN_PLANTS}", "structured://")
+    return Composer(zip(("hydra", "main", "plants", "schema"), folders, strict=True))
 
 
 @lru_cache(maxsize=16)

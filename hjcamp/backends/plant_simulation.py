@@ -1,0 +1,216 @@
+"""Any plant on the simulator: one resolved configuration with a ``plant`` and one seed give the columns of one test log."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.controllers import find_controller
+from hjcamp.controllers.controller import Controller
+from hjcamp.controllers.fit import commanded, controlled_field, measured_fields, quantity, sources
+from hjcamp.effects import chosen_effects
+from hjcamp.model.closed_loop import LoopSimulator, LoopTest, loop_simulator
+from hjcamp.model.compose import Composition
+from hjcamp.model.field_table import fields_of
+from hjcamp.model.field_unit import FieldUnit, field_of, unit_of_field
+from hjcamp.model.plant import ALWAYS, Plant
+from hjcamp.plants import find_plant
+from hjcamp.trajectories import build_trajectory
+
+Array = NDArray[np.float64]
+REST, CONTROL, AFTER = 2.0, 3.0, 4.0
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """All that one test needs: the simulator, its parameter vector, the start of the plant's states, and the test."""
+
+    simulator: LoopSimulator
+    p: Array
+    start: dict[str, float]
+    test: LoopTest
+
+
+def plant_in(config: Mapping[str, Any]) -> type[Plant]:
+    """Return the plant that a configuration names."""
+    return find_plant(str(config["plant"]["name"]), "plant")
+
+
+def model_of(config: Mapping[str, Any], plant: type[Plant]) -> tuple[list[Any], dict[str, float]]:
+    """Return the effects of a configuration, and the values of plant and effects under their full names, SI."""
+    model = config["model"]
+    given = {name: dict(values or {}) for name, values in (model.get("effects") or {}).items()}
+    for name, values in (config.get("effects") or {}).items():
+        given[name] = {**given.get(name, {}), **(values or {})}
+    effects, parameters = chosen_effects(given, plant=plant)
+    values = {**(model.get("parameters") or {}), **(config.get("parameters") or {})}
+    full = {name: float(value) for name, value in values.items()}
+    for effect, own in parameters.items():
+        full |= {f"{effect}.{name}": value for name, value in own.items()}
+    return effects, full
+
+
+def law_of(config: Mapping[str, Any]) -> tuple[type[Controller], str]:
+    """Return the controller of a configuration and the input that it is told to command, empty where none is said."""
+    given = config["controller"]
+    return find_controller(str(given["name"])), str(given.get("input") or "")
+
+
+def law_values(config: Mapping[str, Any], law: type[Controller]) -> dict[str, float]:
+    """Return the parameters of a law: what the configuration says, completed by the law's defaults."""
+    given = config["controller"]
+    flat = {name: float(given[name]) for name in law.parameters if given.get(name) is not None}
+    for side in ("positive", "negative"):
+        flat |= {f"{side}_{gain}": float(value) for gain, value in (given.get(side) or {}).items()}
+    return {name: item.default for name, item in law.parameters.items()} | flat
+
+
+def followed_unit(config: Mapping[str, Any], plant: type[Plant]) -> tuple[str, FieldUnit]:
+    """Return the field that the trajectory is in, and its unit: what is controlled, else the input that it is given to."""
+    law, chosen = law_of(config)
+    if law.results != ("given",):
+        field = controlled_field(plant)
+    else:
+        name = next(iter(commanded(law, plant, chosen)))
+        field = input_field(plant, name)
+    return field, unit_of_field(field, f"plant {plant.name}")
+
+
+def input_field(plant: type[Plant], name: str) -> str:
+    """Return what the logs call an input."""
+    given = plant.inputs[name]
+    return given.field or field_of(name, given.unit, f"plant {plant.name}")
+
+
+def reference_of(config: Mapping[str, Any], plant: type[Plant]) -> tuple[Array, float]:
+    """Return the reference (n, 3): value, velocity and acceleration in SI; and the direction of the first motion."""
+    _, unit = followed_unit(config, plant)
+    trajectory = build_trajectory(config["trajectory"], unit=unit)
+    time = np.arange(max(round(trajectory.duration / plant.period), 1)) * plant.period
+    return np.column_stack(trajectory.reference(time)) * (np.degrees(1.0) / unit.scale), trajectory.first_direction
+
+
+@functools.lru_cache(maxsize=16)
+def _simulator(plant: Any, effects: tuple[Any, ...], law: Any, chosen: str) -> LoopSimulator:
+    composition = Composition(plant, effects)
+    return loop_simulator(composition, law, sources(law, plant, law.planned), commanded(law, plant, chosen))
+
+
+def simulator_of(config: Mapping[str, Any]) -> LoopSimulator:
+    """Return the simulator that a configuration asks for."""
+    plant = plant_in(config)
+    law, chosen = law_of(config)
+    hashable: tuple[Any, Any] = (plant, law)
+    return _simulator(hashable[0], tuple(model_of(config, plant)[0]), hashable[1], chosen)
+
+
+def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
+    """Return what a resolved configuration and a seed say about one test, before anything is run."""
+    plant = plant_in(config)
+    law, _ = law_of(config)
+    simulator = simulator_of(config)
+    values = model_of(config, plant)[1]
+    generator = np.random.default_rng(seed)
+    again = config["plant"]
+    for name in plant.drawn:
+        drawn = generator.uniform(*plant.parameters[name].bounds)
+        values.setdefault(name, drawn)
+    p = simulator.vector(values)
+    known = dict(zip(simulator.composition.parameters, p, strict=True))
+    reference, direction = reference_of(config, plant)
+    rest, after = (round(float(config["procedure"][key]) * 1e-3 / plant.period) for key in ("rest_ms", "after_ms"))
+    rows = np.clip(np.arange(rest + len(reference) + after) - rest, 0, len(reference) - 1)
+    gains = law_values(config, law)
+    if "first_direction" in gains:
+        gains["first_direction"] = direction
+    if law.planned:
+        planned = law.plan(reference, gains, known, plant.period)
+        reference = np.column_stack([reference, planned])
+    inputs = np.tile(simulator.inputs(), (len(rows), 1))
+    scatter = plant.friction_varies.factors(generator, len(rows), plant.period)
+    inputs[:, simulator.composition.inputs.index("friction_scatter")] = scatter ** float(again["scatter"])
+    start = start_of(config, plant, law.begin(gains, known))
+    for name, state in plant.states.items():
+        start[name] += state.scatter * float(again["scatter"]) * generator.standard_normal()
+    counts, noise = sensors_of(plant, known)
+    test = LoopTest(
+        control=law.vector(gains),
+        first=rest,
+        last=rest + len(reference),
+        reference=reference[rows],
+        inputs=inputs,
+        counts=counts,
+        phases=generator.uniform(0.0, 1.0, len(counts)),
+        noise=generator.standard_normal((len(rows), len(noise))) * noise * float(again["noise"]),
+    )
+    return Prepared(simulator, p, start, test)
+
+
+def start_of(config: Mapping[str, Any], plant: type[Plant], brought: Mapping[str, float]) -> dict[str, float]:
+    """Return the plant's states at the begin of a test: as configured, else as ``brought`` there, else as declared, else 0."""
+    declared = {
+        name: state.start if isinstance(state.start, int | float) else 0.0 for name, state in plant.states.items()
+    }
+    return {name: float(value) for name, value in {**declared, **brought, **(config.get("start") or {})}.items()}
+
+
+def sensors_of(plant: type[Plant], values: Mapping[str, float]) -> tuple[Array, Array]:
+    """Return one count and the standard deviation of the noise of each reading, SI; 0 where there is none."""
+    if plant.channels:
+        pairs = [(values.get(one.counts or "", 0.0), values.get(one.noise or "", 0.0)) for one in plant.channels]
+    else:
+        pairs = [(one.counts or 0.0, one.noise or 0.0) for one in plant.measured.values()]
+    counts, noise = np.array(pairs, dtype=np.float64).reshape(-1, 2).T
+    return counts, noise
+
+
+def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Return the kernel that a test needs: what it is in words, its text, and the function that is compiled last."""
+    simulator = simulator_of(config)
+    names = ", ".join(effect.name for effect in simulator.composition.effects) or "no effect"
+    words = f"{simulator.composition.plant.name} under controller {simulator.law.name} with {names}"
+    return {words: (simulator.source, "run_loop")}
+
+
+def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], dict[str, str]]:
+    """Simulate one test; return the columns of its log, in the units of the plant's fields, and notes for its metadata.
+
+    The same configuration and seed give the same columns bit for bit. Raises ``HjcampError`` where the simulation leaves the
+    finite numbers.
+    """
+    prepared = prepare(config, seed)
+    recorded = prepared.simulator.run_loop(prepared.start, prepared.p, prepared.test)
+    return log_columns(config, prepared, recorded), {}
+
+
+def log_columns(config: Mapping[str, Any], prepared: Prepared, recorded: Mapping[str, Array]) -> dict[str, Array]:
+    """Return what was recorded under the names and in the units of the plant's fields."""
+    plant, test = prepared.simulator.composition.plant, prepared.test
+    count = len(test.inputs)
+    place = np.arange(count)
+    found: dict[str, Array] = {
+        "time_s": np.asarray((place - test.first) * plant.period, dtype=np.float64),
+        "phase": np.where(place < test.first, REST, np.where(place < test.last, CONTROL, AFTER)),
+    }
+    field, unit = followed_unit(config, plant)
+    table = fields_of(plant)
+    wanted = next((name for name in (f"reference_{field}", f"reference_{unit.suffix}") if name in table.names), None)
+    if wanted is not None:
+        found[wanted] = test.reference[:, 0] * unit.scale
+    shown, shown_fields = prepared.simulator.composition.measured, measured_fields(plant)
+    for name, signal in zip(shown_fields, shown, strict=True):
+        found[name] = recorded[f"reading.{signal}"] * unit_of_field(name, plant.name).scale
+    for name in (one for one in prepared.simulator.composition.inputs if one not in ALWAYS):
+        given = input_field(plant, name)
+        found.setdefault(given, recorded[name] * unit_of_field(given, plant.name).scale)
+    answers = {name.partition(".")[2]: values for name, values in recorded.items() if name.startswith("answer.")}
+    for name in table.names:
+        # what the law asks for stands before what arrives after a delay
+        if "_" in name and (answer := quantity(name)) in answers and name not in shown_fields:
+            found[name] = answers[answer] * unit_of_field(name, plant.name).scale
+    return {name: np.asarray(found[name], dtype=np.float64) for name in table.names if name in found}

@@ -1,0 +1,137 @@
+"""What the configuration of a test of another plant than the pump joint begins with, and its check."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from hjcamp.backends.plant_simulation import followed_unit, model_of, plant_in
+from hjcamp.controllers import find_controller, load_controllers
+from hjcamp.controllers.controller import Controller
+from hjcamp.controllers.fit import check_fits, fitting
+from hjcamp.controllers.schema import controller_schema
+from hjcamp.effects import chosen_effects
+from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.model.compose import Composition
+from hjcamp.model.plant import Plant
+from hjcamp.model.user_file import is_users
+from hjcamp.plants import DEFAULT, find_plant
+from hjcamp.plants.pump_joint_schema import GROUPS as HARDWARE
+from hjcamp.schema import Group, between, checked
+from hjcamp.trajectories import build_trajectory
+
+USUAL = {"controller": "given", "procedure": "at_once", "trajectory": "hold"}
+#: The groups that describe the pump joint's hardware and its rig: another plant has none of them.
+ABSENT = (*(group for group in HARDWARE if group != "procedure"), "rig")
+GROUPS = ("plant", "controller", "trajectory", "procedure", "backend", "model")
+VALUES = ("parameters", "start")
+
+
+class PlantGroup(Group):
+    """The plant and how its tests differ: ``scatter`` and ``noise`` are factors on what the plant declares."""
+
+    name: str
+    scatter: float = between(0.0, 10.0)
+    noise: float = between(0.0, 100.0)
+
+
+class PlantProcedure(Group):
+    """What is around the command phase: rest before and after it, with no command."""
+
+    name: str
+    rest_ms: float = between(0.0, 600_000.0)
+    after_ms: float = between(0.0, 600_000.0)
+
+
+def plant_settings(name: str) -> dict[str, Any]:
+    """Return what the choice ``plant=NAME`` sets: no hardware of the pump joint, and the plant's own choices of groups."""
+    if name == DEFAULT:
+        return {}
+    plant = find_plant(name)
+    for group in plant.choices:
+        if group not in USUAL:
+            raise unknown("group", group, USUAL, f"plant {name}, choices")
+    chosen: dict[str, Any] = dict.fromkeys(ABSENT) | USUAL | dict(plant.choices)
+    return {
+        "defaults": [*({f"override /{group}": choice} for group, choice in chosen.items()), "_self_"],
+        "plant": {"name": name, "scatter": 1.0, "noise": 1.0},
+        "parameters": {},
+        "start": {},
+    }
+
+
+def check_plant_configuration(config: Mapping[str, Any], further_keys: tuple[str, ...]) -> None:
+    """Raise ``UsageError`` for a configuration of a plant with which no test can be made."""
+    for key in config:
+        if key not in (*GROUPS, *VALUES, "effects", "controller_model", *further_keys):
+            if key in ABSENT:
+                raise UsageError(
+                    f"plant {config['plant'].get('name')}: it has no group '{key}', which belongs to {DEFAULT}"
+                )
+            raise unknown("group or parameter", str(key), (*GROUPS, *VALUES, "effects"))
+    for group in GROUPS:
+        if not isinstance(config.get(group), Mapping):
+            raise UsageError(
+                f"{group} is {shown(config.get(group))}; a choice of the group with its parameters is needed"
+            )
+    checked(PlantGroup, config["plant"], "plant")
+    plant = plant_in(config)
+    if config["backend"].get("name") != "simulation":
+        raise UsageError(
+            f"plant {plant.name}: backend '{config['backend'].get('name')}' has no wiring of it; use backend=simulation"
+        )
+    checked(PlantProcedure, config["procedure"], "procedure")
+    check_plant_controller(config["controller"], plant)
+    _, unit = followed_unit(config, plant)
+    build_trajectory(config["trajectory"], unit=unit)
+    check_values(config, plant)
+
+
+def check_plant_controller(given: Mapping[str, Any], plant: type[Plant]) -> None:
+    """Raise ``UsageError`` for a controller that does not fit the plant, with the reason and those that do."""
+    law: Any = find_controller(str(given.get("name")))
+    _check_fits(law, plant, str(given.get("input") or ""))
+    checked(controller_schema(law), given, "controller")
+
+
+def refuse_unfit(controller: str, plant: str) -> None:
+    """Raise ``UsageError`` where a controller cannot fit a plant, whatever its configuration says."""
+    law, chosen = load_controllers().get(controller), find_plant(plant)
+    if law is not None and plant != DEFAULT:
+        _check_fits(law, chosen, next(iter(chosen.given_inputs()), ""))
+
+
+def _check_fits(law: type[Controller], plant: type[Plant], chosen: str) -> None:
+    try:
+        check_fits(law, plant, chosen)
+    except UsageError as problem:
+        allowed = ", ".join(fitting(load_controllers(), plant))
+        raise UsageError(f"{problem}. Controllers that fit {plant.name}: {allowed}") from None
+
+
+def check_values(config: Mapping[str, Any], plant: type[Plant]) -> None:
+    """Raise ``UsageError`` for parameters, a start or effects that the plant cannot have."""
+    model = config["model"]
+    for path, values in (("parameters", config.get("parameters")), ("model.parameters", model.get("parameters"))):
+        if not isinstance(values or {}, Mapping):
+            raise UsageError(f"{path} is {shown(values)}; give each as {path}.NAME=VALUE")
+        for name, value in (values or {}).items():
+            if name not in plant.parameters:
+                raise unknown("parameter", str(name), plant.parameters, f"{path} of plant {plant.name}")
+            plant.parameters[name].checked(value, f"{path}.{name}")
+    for name, value in (config.get("start") or {}).items():
+        if name not in plant.states:
+            raise unknown("state", str(name), plant.states, f"start of plant {plant.name}")
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise UsageError(f"start.{name} is {shown(value)}; a number in {plant.states[name].unit} is needed")
+    for path, given in (("effects", config.get("effects")), ("model.effects", model.get("effects"))):
+        if not isinstance(given or {}, Mapping):
+            raise UsageError(f"{path} is {shown(given)}; give effects as name: {{parameter: value}}")
+        chosen_effects(given or {}, path, plant)
+    effects, _ = model_of(config, plant)
+    Composition(plant, tuple(effects))
+    for effect in effects:
+        if is_users(effect.__module__):
+            from hjcamp.model.effect_units import check_units
+
+            check_units(effect, plant)

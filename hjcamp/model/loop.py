@@ -1,0 +1,48 @@
+"""The sample loop of any plant: sense, command, move, as a kernel can carry it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+READINGS = 0
+GIVEN: Any = ()
+COMMANDED = 0
+ANSWERS = 0
+readings: Any = None
+begin: Any = None
+remember: Any = None
+move: Any = None
+command: Any = None
+
+
+def run_loop(  # type: ignore[no-untyped-def]
+    z, u, p, plan, space, steps, h, first, last, c, m, ap, am, reference, given, counts, phases, noise, record, work
+):
+    """Run a test; fill ``record`` (samples, ANSWERS + inputs + READINGS): answers of the law, inputs, readings.
+
+    ``reference`` (samples, columns) is the law's, ``given`` (samples, inputs) what it does not command; the law runs from sample
+    ``first`` to before ``last``, its answers are 0 elsewhere. A reading is noisy, and in whole counts where it has any.
+    """
+    a, before, counter, seen = work[0], work[1], work[2], work[3]
+    direction = 0.0
+    for k in range(record.shape[0]):
+        time = (k - first) * h
+        for i in GIVEN:
+            u[i] = given[k, i]
+        if k == 0:
+            begin(time, direction, z, u, p)
+        readings(time, direction, z, u, p, seen)
+        for i in range(READINGS):
+            seen[i] += noise[k, i]
+            if counts[i] > 0.0:
+                seen[i] = np.floor(seen[i] / counts[i] + phases[i]) * counts[i]
+        running = first <= k < last
+        command(running, time, k - first, reference[k], seen, h, c, m, ap, am, record[k], u)
+        for i in range(len(u)):
+            record[k, ANSWERS + i] = u[i]
+        for i in range(READINGS):
+            record[k, ANSWERS + len(u) + i] = seen[i]
+        remember(time, direction, z, u, p)
+        direction = move(time, direction, z, u, p, plan, space, steps, h, a, before, counter)

@@ -1,0 +1,130 @@
+"""`hjcamp run` for a plant of the user's: a free run, a loop with a controller of his own, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hjcamp import cli
+from hjcamp.backends import plant_simulation
+from hjcamp.configuration.check import check_configuration
+from hjcamp.configuration.composer import Composer, free
+from hjcamp.errors import UsageError
+from hjcamp.records.read import read_log
+
+LEAD = '''"""Position and speed of a carriage, fed back."""
+
+from hjcamp.controllers.controller import Controller
+from hjcamp.model.law import Memory
+from hjcamp.model.parameter import Parameter
+
+
+class Lead(Controller):
+    """A voltage from the error and its slope."""
+
+    samples = ("reference", "velocity", "position", "period")
+    results = ("voltage",)
+    stiffness = Parameter("V/m", 200.0, (0.0, 1e5))
+    damping = Parameter("V*s/m", 30.0, (0.0, 1e4))
+    last = Memory()
+
+    @staticmethod
+    def step(sample, parameter, memory):
+        slope = (sample.position - memory.last) / sample.period
+        memory.last = sample.position
+        return parameter.stiffness * (sample.reference - sample.position) + parameter.damping * (sample.velocity - slope)
+'''
+
+
+@pytest.fixture
+def bench(folder: Path) -> Path:
+    """A user's folder with plants, a controller and its configuration."""
+    (folder / "controllers").mkdir()
+    (folder / "controllers" / "lead.py").write_text(LEAD)
+    (folder / "conf" / "controller").mkdir(parents=True)
+    (folder / "conf" / "controller" / "lead.yaml").write_text("name: lead\nstiffness: 200.0\n")
+    return folder
+
+
+def made(*lines: str) -> dict[str, Any]:
+    """Return the checked configuration of one test."""
+    config: dict[str, Any] = Composer().compose([free(line) for line in lines]).config
+    check_configuration(config)
+    return config
+
+
+def test_tanks_are_filled_by_a_given_voltage(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    steps = "trajectory.segments=[{to_v: 4, in: 0.1, law: linear}, {rest: 0.9}]"
+    call = ["run", "plant=tanks", "trajectory=segments", steps, "parameters.k4=0.5", "repetitions=1", "run_dir=out"]
+    assert cli.run(call) == 0, capsys.readouterr().err
+    log = read_log(bench / "out" / "logs" / "segments__given" / "rep_01.mcap")
+    assert log.metadata["plant"] == "tanks" and log.metadata["period_s"] == "0.001" and "pump" not in log.metadata
+    pump, level = log.columns["pump_v"], log.columns["level_v"]
+    assert pump[-1] == pytest.approx(4.0) and pump[50] == pytest.approx(2.0, rel=0.05)
+    assert level[0] == 0.0 and 0.0 < level[-1] < 1.0 and np.all(np.diff(level) >= 0.0)
+    # the water that came in is in the tanks or has run out
+    assert level[-1] < 0.5 * np.sum(pump) * 0.001
+    assert (bench / "out" / "report.html").is_file()
+
+
+def test_a_carriage_follows_in_metres_under_the_users_own_law(bench: Path) -> None:
+    config = made(
+        "plant=axis", "controller=lead", "trajectory=cycloid", "trajectory.amplitude_m=0.1", "parameters.coulomb=12"
+    )
+    columns, _ = plant_simulation.run_test(config, 1)
+    reference, position = columns["reference_position_m"], columns["position_m"]
+    assert reference[-1] == pytest.approx(0.1)
+    assert np.max(np.abs(reference - position)) < 0.02 and position[-1] > 0.08
+    assert plant_simulation.prepare(config, 1).simulator.vector({"coulomb": 12.0}) == pytest.approx(
+        plant_simulation.prepare(config, 1).p
+    )
+    again, _ = plant_simulation.run_test(config, 1)
+    assert all(np.array_equal(columns[name], again[name]) for name in columns)
+    other, _ = plant_simulation.run_test(
+        made("plant=axis", "controller=lead", "trajectory=cycloid", "trajectory.amplitude_m=0.1"), 1
+    )
+    assert not np.array_equal(other["position_m"], position)
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (["plant=axiss"], "unknown plant 'axiss'; did you mean 'axis'"),
+        (["plant=axis", "controller=pid"], "controller pid does not fit plant axis: it reads 'arm'"),
+        (["plant=axis", "controller=pva"], "does not fit plant axis"),
+        (["plant=tanks", "controller=lead"], "does not fit plant tanks: it reads 'position'"),
+        (
+            ["plant=axis", "parameters.coulom=3"],
+            "unknown parameter 'coulom' in parameters of plant axis; did you mean 'coulomb'",
+        ),
+        (["plant=axis", "parameters.coulomb=-3"], "parameters.coulomb is -3; a number from 0.1 to 200 N is needed"),
+        (["plant=axis", "start.velocit=1"], "unknown state 'velocit' in start of plant axis"),
+        (["plant=axis", "effects.leakage.conductance=1"], "leakage"),
+        (["plant=axis", "pump=pump1"], "plant axis: it has no group 'pump', which belongs to pump_joint"),
+        (["plant=axis", "trajectory=ramp_pos"], "this plant's trajectory is in v; write amplitude_v=VALUE"),
+        (["plant=axis", "backend=nidaqmx"], "backend 'nidaqmx' has no wiring of it"),
+        (["plant=valve_joint", "controller=given", "trajectory=hold"], "it commands one input, the plant has 4"),
+        (["controller=given"], "controller given does not fit plant pump_joint"),
+    ],
+)
+def test_what_does_not_fit_is_refused_with_its_reason(bench: Path, lines: list[str], words: str) -> None:
+    with pytest.raises(UsageError) as refused:
+        made(*lines)
+    assert words in str(refused.value)
+
+
+def test_an_effect_acts_by_the_name_it_has_there(bench: Path) -> None:
+    config = made("plant=axis", "trajectory=hold", "trajectory.angle_v=2", "effects.constant_force.strength=20")
+    prepared = plant_simulation.prepare(config, 1)
+    assert [effect.name for effect in prepared.simulator.composition.effects] == ["constant_force"]
+    known = dict(zip(prepared.simulator.composition.parameters, prepared.p, strict=True))
+    assert known["constant_force.strength"] == 20.0
+
+
+def test_the_pump_joint_has_the_configuration_it_had(composer: Composer) -> None:
+    config = composer.compose([]).config
+    assert not {"plant", "parameters", "start"} & set(config)
+    assert composer.compose(["plant=pump_joint"]).config == config
