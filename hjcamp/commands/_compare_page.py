@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 NOT_CALIBRATED = "not calibrated on these tests: friction and stiffness of another specimen count here"
 HEADINGS = ("model", "channel", "error", "floor", "error / floor", "r2")
 
+
 def error_cells(one: Compared, name: str) -> list[str]:
     """Return the cells of one channel of one model: what it is, error, floor, error over floor, r2."""
     from hjcamp.report.units import label

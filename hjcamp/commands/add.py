@@ -28,7 +28,9 @@ def add(
     effects_and_paths: Annotated[list[str], typer.Argument(metavar="EFFECT... PATH...", help="Effects, then logs.")],
     name: Annotated[str, typer.Option("--as", help="Name of the new model: conf/model/NAME.yaml.")],
     model: Annotated[str, typer.Option(help="The model to add to.")] = "published",
-    json: Annotated[Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")] = None,
+    json: Annotated[
+        Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
+    ] = None,
 ) -> None:
     """Add effects to a model: fit them, save the model, and show the error fall on tests that were not used."""
     from hjcamp.campaign.console import make_console

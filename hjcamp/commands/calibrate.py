@@ -58,7 +58,9 @@ def calibrate(
     console.print(f"  next    hjcamp run campaign=open_loop_validation model={name} rig={name}", markup=False)
     # Without the choice of --only the logs may be of several rigs, which no model fits.
     if not only:
-        console.print(f"          hjcamp compare {' '.join(map(str, paths))} --model {name}", markup=False, soft_wrap=True)
+        console.print(
+            f"          hjcamp compare {' '.join(map(str, paths))} --model {name}", markup=False, soft_wrap=True
+        )
 
 
 def row_of(one: Estimate) -> list[str]:

@@ -26,8 +26,12 @@ def register(app: typer.Typer) -> None:
 def compare(
     paths: Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")],
     model: Annotated[list[str] | None, typer.Option(help="A saved model; may be repeated.")] = None,
-    json: Annotated[Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")] = None,
-    into: Annotated[Path | None, typer.Option(help="The folder of the page; compare, beside the logs, by default.")] = None,
+    json: Annotated[
+        Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
+    ] = None,
+    into: Annotated[
+        Path | None, typer.Option(help="The folder of the page; compare, beside the logs, by default.")
+    ] = None,
 ) -> None:
     """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
     from hjcamp.campaign.console import make_console

@@ -31,7 +31,9 @@ def register(app: typer.Typer) -> None:
 def diagnose(
     paths: Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")],
     model: Annotated[str, typer.Option(help="The model to start from.")] = "published",
-    json: Annotated[Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")] = None,
+    json: Annotated[
+        Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
+    ] = None,
     effort: Annotated[str, typer.Option(help="quick, standard or thorough.")] = "standard",
     seed: Annotated[int, typer.Option(help="Seed of the simulated twins.")] = 1,
     workers: Annotated[
@@ -181,7 +183,11 @@ def _print(console: Console, told: Told) -> None:
         if still:
             console.print(f"  {still} more moved by less than 1 %", style="dim", markup=False)
     weighed = len({name for step in found.steps for name in step.fits})
-    twins = f"{len(found.null.gains)} twins with nothing missing" if not found.lacking else "no twins: nothing to ask of them"
+    twins = (
+        f"{len(found.null.gains)} twins with nothing missing"
+        if not found.lacking
+        else "no twins: nothing to ask of them"
+    )
     count = f"screened {len(told.library)} effects, weighed {weighed}, {twins}"
     console.print(f"{count}   {content['seconds']:.0f} s", markup=False)
     if found.exploratory:

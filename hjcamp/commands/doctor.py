@@ -108,7 +108,11 @@ def folders() -> Iterator[Finding]:
         ("temporary", Path(tempfile.gettempdir()), "broken"),
     ):
         if folder is None:
-            yield "note", subject, f"this user has no home folder: kernels go where HJCAMP_CACHE or {tempfile.gettempdir()} is"
+            yield (
+                "note",
+                subject,
+                f"this user has no home folder: kernels go where HJCAMP_CACHE or {tempfile.gettempdir()} is",
+            )
             continue
         existing = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if parent.exists())
         writable = os.access(existing, os.W_OK)

@@ -253,7 +253,9 @@ def test_effect(name: str, plant: str = "") -> None:
         checks = pump_checks(effect, console) if library.plant.name == DEFAULT else place_checks(effect, library.plant)
         for check, answer in checks:
             console.print(f"  {check:<26} {answer}", markup=False)
-        use = f"; use it: hjcamp run campaign=controllers '+effects.{one}={{}}'" if library.plant.name == DEFAULT else ""
+        use = (
+            f"; use it: hjcamp run campaign=controllers '+effects.{one}={{}}'" if library.plant.name == DEFAULT else ""
+        )
         console.print(f"[bold]{one}[/bold] passes{use}")
 
 

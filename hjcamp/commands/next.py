@@ -33,7 +33,9 @@ def next_(
     rivals: Annotated[list[str] | None, typer.Option(help="Effects to set apart: A,B. 'nothing' can be one.")] = None,
     tests: Annotated[int, typer.Option(help="How many tests to propose.")] = 3,
     name: Annotated[str | None, typer.Option("--as", help="Name of the campaign: campaigns/NAME.yaml.")] = None,
-    json: Annotated[Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")] = None,
+    json: Annotated[
+        Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
+    ] = None,
     effort: Annotated[str, typer.Option(help="Effort of the diagnosis: quick, standard or thorough.")] = "standard",
     seed: Annotated[int, typer.Option(help="Seed of everything that is simulated.")] = 1,
 ) -> None:
