@@ -98,12 +98,15 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--folder", type=Path, help="where the runs are kept; a folder that is removed if not given")
     parser.add_argument("--repetitions", type=int, default=3)
-    parser.add_argument("--on-rig", nargs="*", default=[*CHAPTER_5, *CHAPTER_4], help="campaigns for the virtual rig too")
+    parser.add_argument("--campaigns", nargs="*", default=[*CHAPTER_5, *CHAPTER_4])
+    parser.add_argument(
+        "--on-rig", nargs="*", default=[*CHAPTER_5, *CHAPTER_4], help="campaigns for the virtual rig too"
+    )
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         folder = given.folder or Path(scratch)
         done, tables = [], []
-        for campaign in (*CHAPTER_5, *CHAPTER_4):
+        for campaign in given.campaigns:
             strong, _ = run(campaign, "pump2", folder, given.repetitions)
             weak, simulated = run(campaign, "pump1", folder, given.repetitions)
             rig, on_rig = folder, "not run"
