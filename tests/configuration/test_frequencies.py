@@ -12,8 +12,14 @@ from hjcamp.errors import UsageError
 @pytest.mark.parametrize(
     ("lines", "said"),
     [
-        (["trajectory=sine", "trajectory.frequency_hz=501"], "trajectory.frequency_hz is 501; a number from 0.0001 to 500"),
-        (["trajectory=triangle", "trajectory.frequency_hz=600"], "trajectory.frequency_hz is 600; a number from 0.0001 to 500"),
+        (
+            ["trajectory=sine", "trajectory.frequency_hz=501"],
+            "trajectory.frequency_hz is 501; a number from 0.0001 to 500",
+        ),
+        (
+            ["trajectory=triangle", "trajectory.frequency_hz=600"],
+            "trajectory.frequency_hz is 600; a number from 0.0001 to 500",
+        ),
         (["controller.dither.frequency_hz=700"], "controller.dither.frequency_hz is 700; a number from 0.001 to 500"),
     ],
 )
