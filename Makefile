@@ -10,7 +10,7 @@ TESTABLE := $(VENV)/.testable
 # Python compiles a file when it is first imported, not all that are never used
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help setup demo test lint bench benchmark any_plant next_value thesis_gap tour_data convergence fidelity validation faults kills damage recovery bad_calls clean
+.PHONY: help setup demo test lint bench benchmark any_plant next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
@@ -25,6 +25,7 @@ help:
 	@echo "make tour_data  the sample logs of the tour and its page"
 	@echo "make recovery  calibrate 20 simulated rigs drawn at random; the result is docs/identification_recovery.md"
 	@echo "make convergence  the published campaigns at smaller tolerances of a step; the result is docs/convergence.md"
+	@echo "make pump_cost  every campaign of chapters 4 and 5 with the weaker pump; docs/pump_cost.md"
 	@echo "make fidelity  every published cell beside the simulated mean; the result is docs/fidelity.md"
 	@echo "make validation  errors against an independent solution; the result is docs/validation.md"
 	@echo "make faults    every fault of the rig at the start, middle and end of a test; docs/rig_faults.md"
@@ -87,6 +88,9 @@ convergence: $(INSTALLED)
 
 fidelity: $(WARM)
 	$(BIN)/python benchmarks/fidelity.py
+
+pump_cost: $(WARM)
+	$(BIN)/python benchmarks/pump_cost.py
 
 validation: $(WARM)
 	$(BIN)/python benchmarks/validation.py

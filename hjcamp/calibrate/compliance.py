@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from hjcamp.calibrate.constants import Constants, pump_travel
 from hjcamp.calibrate.estimate import Chart, Estimate, Finding, Series, mean_interval
 from hjcamp.calibrate.kinds import STILL_DEG
-from hjcamp.calibrate.tubing import ATMOSPHERE, air_fraction, tubing_modulus, tubing_volume
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
+from hjcamp.sizing.tubing import ATMOSPHERE, air_fraction, tubing_modulus, tubing_volume
 
 Array = NDArray[np.float64]
 SMALLEST_RISE_MPA = 0.02

@@ -65,6 +65,7 @@ class Chart:
     y_label: str
     series: tuple[Series, ...]
     logarithmic: bool = False
+    logarithmic_x: bool = False
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.calibrate.tubing import GRAVITY, largest_torque
+from hjcamp.sizing.pulley import largest_torque
+from hjcamp.sizing.tubing import GRAVITY
 from hjcamp.trajectories import build_trajectory
 
 SAMPLES_PER_S = 1000

@@ -64,11 +64,11 @@ def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:
 
 
 def _report(folder: RunFolder, console: Console) -> None:
-    from hjcamp.campaign.identification import identification_pictures
+    from hjcamp.campaign.study_pictures import study_pictures
     from hjcamp.report.build import build_report, verdict
     from hjcamp.report.terminal import summary_table
 
-    report = build_report(folder.path, against="published", further=identification_pictures)
+    report = build_report(folder.path, against="published", further=study_pictures)
     console.print(summary_table(report.indicators))
     sentence = verdict(report.comparison, report.differs)
     if sentence:

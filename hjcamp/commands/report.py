@@ -27,7 +27,7 @@ def report(
 ) -> None:
     """Make tables and the report page of a run folder or of logs, beside the published values."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.campaign.identification import identification_pictures
+    from hjcamp.campaign.study_pictures import study_pictures
     from hjcamp.report.build import build_report, verdict
     from hjcamp.report.check import check as check_cells
     from hjcamp.report.check import read_tolerances
@@ -37,7 +37,7 @@ def report(
     if output is not None:
         check_place(output, "--output", folder=True)
     tolerances = None if check is None else read_tolerances(check)
-    made = build_report(path, against=against, output=output, further=identification_pictures)
+    made = build_report(path, against=against, output=output, further=study_pictures)
     console = make_console()
     console.print(summary_table(made.indicators, against))
     for sheet in made.sheets:

@@ -232,7 +232,10 @@ class Composition:
 
     @cached_property
     def _statements(self) -> list[str]:
-        lines = [f"s_{_local(name)} = {_held_up(f'z[{index}]', state)}" for index, (name, state) in enumerate(self.states.items())]
+        lines = [
+            f"s_{_local(name)} = {_held_up(f'z[{index}]', state)}"
+            for index, (name, state) in enumerate(self.states.items())
+        ]
         lines += [f"p_{_local(name)} = p[{index}]" for index, name in enumerate(self.parameters)]
         lines += [f"u_{name} = u[{index}]" for index, name in enumerate(self.inputs)]
         lines += [f"{GATES} = int(p_{GATES})", "u_time = time", "u_direction = direction"]

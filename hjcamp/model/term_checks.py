@@ -47,7 +47,9 @@ def check_calls(effect: type[Effect], mathematics: tuple[str, ...]) -> None:
 
 def _call(effect: type[Effect], function: Callable[..., float], alone: Callable[..., Any], value: float) -> None:
     """Call a method with its parameters at their defaults and ``value`` for all else."""
-    given = [effect.parameters[name].default if name in effect.parameters else value for name in parameters_of(function)]
+    given = [
+        effect.parameters[name].default if name in effect.parameters else value for name in parameters_of(function)
+    ]
     try:
         result = alone(*given)
     except (ArithmeticError, ValueError):

@@ -17,12 +17,13 @@ from hjcamp.report.declared import TableDefinition, declared_tables
 from hjcamp.report.figures import draw_condition
 from hjcamp.report.formats import to_latex, to_markdown
 from hjcamp.report.indicators import COLUMNS, IDENTITY, frame_with_varied, row_of, varied_columns
+from hjcamp.report.line_indicators import FURTHER
 from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
 from hjcamp.report.page import Picture, build_page
-from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
+from hjcamp.report.sheet import Sheet, arrange, arrange_conditions, arrange_lines
 from hjcamp.report.spread import Condition, Gathering
 from hjcamp.report.store import replace_file, write_frame
-from hjcamp.report.tables import FAR_OFF, against_published, build_table, by_condition, differences
+from hjcamp.report.tables import FAR_OFF, against_published, build_table, by_condition, differences, lines_by_condition
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
@@ -91,12 +92,14 @@ def build_report(
     comparison = against_published(indicators, definitions)
     conditions = by_condition(indicators, against)
     differs = differences(conditions.iter_rows(named=True))
-    write_frame(target / "tables", "indicators", indicators.select(*COLUMNS, *IDENTITY, *varied_columns(indicators)))
+    write_frame(
+        target / "tables", "indicators", indicators.select(*COLUMNS, *IDENTITY, *FURTHER, *varied_columns(indicators))
+    )
     for name, sheet in zip(tables, sheets, strict=True):
         write_frame(target / "tables", name, tables[name].select(~INTERNAL))
         replace_file(target / "tables" / f"{name}.md", to_markdown(sheet))
         replace_file(target / "tables" / f"{name}.tex", to_latex(sheet))
-    all_sheets = [*sheets, arrange_conditions(conditions)]
+    all_sheets = [*sheets, arrange_conditions(conditions), *arrange_lines(lines_by_condition(indicators))]
     more = further(found) if further else {}
     said = verdict(comparison, differs) if against else ""
     replace_file(target / "report.html", _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out))

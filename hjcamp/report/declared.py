@@ -10,6 +10,7 @@ from typing import Any
 from hjcamp.configuration.search_path import group_folders
 from hjcamp.errors import UsageError, unknown
 from hjcamp.report.indicators import CHOICES, INDICATORS
+from hjcamp.report.line_indicators import FURTHER
 from hjcamp.yaml_file import read_yaml
 
 
@@ -46,6 +47,7 @@ class TableDefinition:
     across: Sequence[Column] = ()
     from_print: Sequence[Column] = ()
     arrows: Arrows | None = None
+    improvement_over: str = ""
     only_if_asked: bool = False
     notes: Sequence[str] = ()
 
@@ -84,7 +86,7 @@ def read_definition(path: Path) -> TableDefinition:
     for key in ("indicators", "magnitudes", "published", "across", "from_print", "notes"):
         content[key] = _list(content.get(key, []), f"{path}: {key}")
     for key in ("indicators", "magnitudes"):
-        _check_names(content[key], "indicator", INDICATORS, f"{path}: {key}")
+        _check_names(content[key], "indicator", (*INDICATORS, *FURTHER), f"{path}: {key}")
     for key in ("by", "where"):
         groups = _mapping(content.get(key, {}), f"{path}: {key}")
         _check_names(groups, "group", (*CHOICES, "campaign"), f"{path}: {key}")
@@ -93,6 +95,9 @@ def read_definition(path: Path) -> TableDefinition:
         }
     for key in ("across", "from_print"):
         content[key] = [_column(item, f"{path}: {key}") for item in content[key]]
+    titles = [column.title for column in content["across"]]
+    if content.get("improvement_over", "") not in ("", *titles):
+        raise unknown("column", str(content["improvement_over"]), titles, f"{path}: improvement_over")
     if "arrows" in content:
         arrows = _mapping(content["arrows"], f"{path}: arrows")
         _check_keys(arrows, [field.name for field in fields(Arrows)], f"{path}: arrows", all_needed=True)

@@ -41,6 +41,8 @@ class ChartLike(Protocol):
     def series(self) -> Sequence[Any]: ...
     @property
     def logarithmic(self) -> bool: ...
+    @property
+    def logarithmic_x(self) -> bool: ...
 
 
 def draw_chart(chart: ChartLike) -> str:
@@ -58,6 +60,8 @@ def draw_chart(chart: ChartLike) -> str:
             axes.plot(one.x, one.y, color=colour, label=one.label or None, **STYLES[one.style])
         if chart.logarithmic:
             axes.set_yscale("log")
+        if chart.logarithmic_x:
+            axes.set_xscale("log")
         axes.set_xlabel(chart.x_label, color=INK, fontsize=8.5)
         axes.set_ylabel(chart.y_label, color=INK, fontsize=8.5)
         axes.grid(True, axis="y", color=GRID, linewidth=0.5)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError
 from hjcamp.records.of_plant import PLANT_KEY
+from hjcamp.report.line_indicators import FURTHER, line_indicators
 from hjcamp.yaml_file import yaml_values
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ def indicators_of(log: TestLog) -> dict[str, Any]:
     row["repetition"] = _whole_number(log.metadata.get("repetition"))
     row["seed"] = _whole_number(log.metadata.get("seed"))
     row |= _error_indicators(log, row["trajectory"] or "")
+    row |= line_indicators(log, configuration(log.attachments.get("config.yaml", b"")))
     from hjcamp.report.published import cell_key
 
     # another plant has no such groups: its printed cells are those of a bare, horizontal joint
@@ -152,7 +154,7 @@ def _place(path: Path | None, folder: Path | None) -> str | None:
 
 def varied_columns(frame: pl.DataFrame) -> list[str]:
     """Return the columns of an indicators frame that hold what varies beyond the choices."""
-    return [name for name in frame.columns if name not in (*COLUMNS, *IDENTITY, STANDING)]
+    return [name for name in frame.columns if name not in (*COLUMNS, *IDENTITY, *FURTHER, STANDING)]
 
 
 def frame_of(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
@@ -161,6 +163,7 @@ def frame_of(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
 
     schema: dict[str, Any] = {"condition": pl.String, "campaign": pl.String} | dict.fromkeys(CHOICES, pl.String)
     schema |= {"repetition": pl.Int64} | dict.fromkeys(INDICATORS, pl.Float64) | {"seed": pl.Int64, "log": pl.String}
+    schema |= dict.fromkeys(FURTHER, pl.Float64)
     rows = list(rows)
     further = [name for name in (rows[0] if rows else ()) if name not in (*schema, STANDING)]
     schema[STANDING] = pl.List(pl.Struct(dict.fromkeys(("table", "cell", "differs"), pl.String)))

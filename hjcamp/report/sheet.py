@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from typing import Any, Literal
 
@@ -12,10 +12,15 @@ import polars as pl
 
 from hjcamp.report.declared import Column, TableDefinition
 from hjcamp.report.indicators import CHOICES, INDICATORS
+from hjcamp.report.line_indicators import FURTHER
 from hjcamp.report.published import CONDITION, MEASURED_WITH, published_cells
 from hjcamp.report.tables import FAR_OFF, differences
 
-TITLES = {"rmse1_deg": "RMSE1", "rmse2_deg": "RMSE2", "e_max_deg": "|e|max", "sse_deg": "SSE"}
+TITLES = {
+    "rmse1_deg": "RMSE1", "rmse2_deg": "RMSE2", "e_max_deg": "|e|max", "sse_deg": "SSE", "pressure_low_mpa": "lowest, MPa",
+    "pressure_high_mpa": "highest, MPa", "below_0p1_s": "below 0.1 MPa, s", "above_0p58_s": "above 0.58 MPa, s",
+    "above_range_s": "above the sensors' range, s", "feedforward_share": "share of feedforward",
+}  # fmt: skip
 FAR_OFF_NOTE = f"▲ ▼: more than {FAR_OFF:g} published standard deviations above or below the published mean."
 NO_TEST = "–"
 NAMED, REASONS = 3, 6
@@ -54,20 +59,30 @@ def arrange(table: pl.DataFrame, definition: TableDefinition) -> Sheet:
 
 def arrange_conditions(table: pl.DataFrame) -> Sheet:
     """Return the frame of `hjcamp.report.tables.by_condition` as a sheet: only the choices that vary."""
+    names = [name for name in INDICATORS if table[f"{name}_mean"].is_not_null().any()]
+    return _of_conditions(
+        table,
+        "conditions",
+        "All conditions",
+        names or list(INDICATORS),
+        "Mean ± sample standard deviation over n tests, deg.",
+    )
+
+
+def arrange_lines(table: pl.DataFrame) -> list[Sheet]:
+    """Return the frame of `hjcamp.report.tables.lines_by_condition` as a sheet; none where no log holds pressures."""
+    names = [name for name in FURTHER if table[f"{name}_mean"].is_not_null().any()]
+    note = "Of both lines in the command phase; the share is rms(feedforward) / (rms(feedforward) + rms(feedback))."
+    return [_of_conditions(table, "lines", "Line pressure and command", names, note)] if names else []
+
+
+def _of_conditions(table: pl.DataFrame, name: str, title: str, indicators: Sequence[str], note: str) -> Sheet:
     keys = [name for name in CHOICES if table[name].n_unique() > 1]
     if not keys or table.select(keys).is_duplicated().any():
         keys = ["condition", *keys]
     if table.select(keys).is_duplicated().any():
         keys += [name for name in _keys(table) if name not in (*CHOICES, "campaign", "condition")]
-    names = [name for name in INDICATORS if table[f"{name}_mean"].is_not_null().any()]
-    definition = TableDefinition(
-        name="conditions",
-        title="All conditions",
-        indicators=names or list(INDICATORS),
-        by={},
-        where={},
-        notes=["Mean ± sample standard deviation over n tests, deg."],
-    )
+    definition = TableDefinition(name=name, title=title, indicators=indicators, by={}, where={}, notes=[note])
     return _arrange_plain(table.to_dicts(), definition, keys)
 
 
@@ -113,16 +128,31 @@ def _arrange_across(rows: Sequence[dict[str, Any]], definition: TableDefinition,
         body += [[Cell(f"{_title(name, definition)}, deg", "block")]] if groups else []
         for values, members in groups.items():
             cells = [Cell(value, "key") for value in values]
+            base = _base(members, definition)
             for column in columns:
                 member = next((row for row in members if _matches(row, column)), None)
                 nothing = [Cell(NO_TEST), *([Cell("", "published")] if compared else [])]
-                cells += _pair(member, name, definition, compared) if member else nothing
+                pair = _pair(member, name, definition, compared) if member else nothing
+                cells += [_improved(pair[0], member, base, name), *pair[1:]] if member and base else pair
             for column in definition.from_print:
                 cells.append(
                     Cell(_printed(dict(zip(keys, values, strict=True)), column, name, definition), "published")
                 )
             body.append(cells)
     return _sheet(definition, headers, body, rows)
+
+
+def _base(members: Sequence[dict[str, Any]], definition: TableDefinition) -> dict[str, Any] | None:
+    """Return the row that the others are improvements over, None where the table shows no improvement."""
+    columns = [column for column in definition.across if column.title == definition.improvement_over]
+    return next((row for column in columns for row in members if _matches(row, column)), None)
+
+
+def _improved(cell: Cell, row: dict[str, Any], base: dict[str, Any], name: str) -> Cell:
+    if row is base or not base[f"{name}_mean"]:
+        return cell
+    percent = 100.0 * (row[f"{name}_mean"] / base[f"{name}_mean"] - 1.0)
+    return replace(cell, text=f"{cell.text} ({percent:+.0f} %)")
 
 
 def _sheet(

@@ -10,6 +10,7 @@ import polars as pl
 
 from hjcamp.report.declared import TableDefinition
 from hjcamp.report.indicators import CHOICES, INDICATORS, STANDING, varied_columns
+from hjcamp.report.line_indicators import FURTHER
 from hjcamp.report.published import CONDITION, MEASURED_WITH, cell_key, published_cells
 from hjcamp.report.published.configurations import CAMPAIGNS
 
@@ -80,6 +81,12 @@ def by_condition(indicators: pl.DataFrame, against: str | None = "published") ->
     """Return one row per condition with means, deviations and n, and the published values beside them."""
     table = aggregate(indicators, ["condition", "campaign", *CHOICES])
     return table.drop(pl.selectors.starts_with("_")) if against is None else _beside(table, list(CAMPAIGNS), INDICATORS)
+
+
+def lines_by_condition(indicators: pl.DataFrame) -> pl.DataFrame:
+    """Return one row per condition with means and deviations of the indicators of lines and command."""
+    table = aggregate(indicators, ["condition", "campaign", *CHOICES], FURTHER)
+    return table.drop(pl.selectors.starts_with("_"))
 
 
 def differences(rows: Iterable[Mapping[str, Any]]) -> dict[str, list[str]]:

@@ -34,16 +34,11 @@ def diagnosed(ask: Call, folder: Path, *effects: str, strength: str, seed: int) 
     return read_answer(Path("d.json"))
 
 
-@pytest.mark.parametrize(
-    ("effect", "strength", "seed", "subsystem"),
-    [("pressure_friction", "strong", 31, "joint"), ("encoder_eccentricity", "medium", 32, None)],
-)
-def test_a_hidden_effect_is_named_added_and_gone(
-    ask: Call, tmp_path: Path, effect: str, strength: str, seed: int, subsystem: str | None
-) -> None:
-    found = diagnosed(ask, tmp_path / "logs", effect, strength=strength, seed=seed)
+def test_a_hidden_effect_is_named_added_and_gone(ask: Call, tmp_path: Path) -> None:
+    # One of the joint and one of the lines: test_missing_effect_commands.py; many of each: `make benchmark`.
+    effect = "encoder_eccentricity"
+    found = diagnosed(ask, tmp_path / "logs", effect, strength="medium", seed=32)
     assert (found["verdict"], found["effects"]) == ("effect", [effect])
-    assert subsystem is None or found["where"][0]["subsystem"] == subsystem
     assert ask("add", effect, tmp_path / "logs", "--as", "bench", "--json", "a.json").code == 0
     error = read_answer(Path("a.json"))["error"]
     assert error["after"] <= 1.3 * error["floor"] < error["before"]

@@ -23,6 +23,7 @@ from hjcamp.report.check import check
 from hjcamp.report.declared import declared_tables
 from hjcamp.report.formats import to_latex
 from hjcamp.report.indicators import COLUMNS, indicators_frame
+from hjcamp.report.line_indicators import FURTHER
 from hjcamp.report.published import cell_key, published_cells
 from hjcamp.report.published.configurations import (
     CAMPAIGNS,
@@ -69,7 +70,7 @@ def test_the_indicators_tell_two_gains_apart(tmp_path: Path) -> None:
         pl.read_csv(tmp_path / "tables/indicators.csv"),
         pl.read_parquet(tmp_path / "tables/indicators.parquet"),
     ):
-        assert tuple(frame.columns) == (*COLUMNS, "condition", "seed", "log", "controller.positive.kp")
+        assert tuple(frame.columns) == (*COLUMNS, "condition", "seed", "log", *FURTHER, "controller.positive.kp")
         assert frame["controller.positive.kp"].to_list() == [0.7, 0.7, 1.05, 1.05]
         kept = [read_log(path) for path in sorted((tmp_path / "logs").rglob("*.mcap"))]
         assert frame["seed"].to_list() == [int(log.metadata["seed"]) for log in kept]

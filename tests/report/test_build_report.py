@@ -22,6 +22,7 @@ from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
 from hjcamp.report.figures import draw_condition
 from hjcamp.report.indicators import COLUMNS, IDENTITY
+from hjcamp.report.line_indicators import FURTHER
 from hjcamp.report.spread import gather
 from hjcamp.report.terminal import summary_table
 
@@ -69,7 +70,7 @@ def test_the_files_of_a_run_folder(tmp_path: Path) -> None:
     assert sorted(expected) == [name for name in made if not name.endswith(".mcap")]
     assert list(report.tables) == tables
     indicators = pl.read_parquet(tmp_path / "run" / "tables" / "indicators.parquet")
-    assert tuple(indicators.columns) == (*COLUMNS, *IDENTITY)
+    assert tuple(indicators.columns) == (*COLUMNS, *IDENTITY, *FURTHER)
     assert indicators.height == 8
     frame = pl.read_csv(tmp_path / "run" / "tables" / "table_5_4_1.csv")
     assert frame["rmse1_deg_mean"].to_list() == pytest.approx([1.65, 0.65, 1.65, 0.65])

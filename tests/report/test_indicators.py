@@ -10,6 +10,7 @@ from report_samples import make_log
 
 from hjcamp.records.log import TestLog
 from hjcamp.report.indicators import COLUMNS, STANDING, indicators_frame, indicators_of
+from hjcamp.report.line_indicators import FURTHER
 
 
 def with_error(log: TestLog, error: np.ndarray) -> TestLog:
@@ -83,6 +84,6 @@ def test_a_log_without_phases_counts_whole() -> None:
 
 def test_the_frame_has_the_columns_of_the_contract() -> None:
     frame = indicators_frame([make_log("ramp_pos"), make_log("cycloid_pos")])
-    assert tuple(frame.columns) == ("condition", *COLUMNS, "seed", "log", STANDING)
+    assert tuple(frame.columns) == ("condition", *COLUMNS, "seed", "log", *FURTHER, STANDING)
     assert tuple(indicators_frame([]).columns) == tuple(frame.columns)
     assert frame["sse_deg"].null_count() == 1

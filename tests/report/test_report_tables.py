@@ -119,7 +119,7 @@ def test_table_5_6_1_is_the_ramp_and_says_so() -> None:
     assert made["rmse1_deg_difference_in_std"].null_count() == 3
     text = to_markdown(arrange(made, declared_tables(["table_5_6_1"])[0]))
     assert "Cycloid (+)" in text
-    assert "| ramp_pos | 0.10 | 0.20 | 0.10 | 0.08 | 0.10 | 0.09 |" in text
+    assert "| ramp_pos | 0.10 | 0.20 | 0.10 (+0 %) | 0.08 | 0.10 (+0 %) | 0.09 |" in text
 
 
 def test_marks_show_what_is_far_off_and_not_what_rounding_explains() -> None:

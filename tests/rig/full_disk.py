@@ -24,7 +24,7 @@ from hjcamp.records.recover import recover_log
 
 FULL_AT = 1500
 RUN = Path("run")
-CALL = ("run", "backend=nidaqmx", "trajectory=sine_0p5hz", "repetitions=2", f"run_dir={RUN}")
+CALL = ("run", "backend=nidaqmx", "trajectory=cycloid_pos", "repetitions=2", f"run_dir={RUN}")
 
 
 def fill() -> None:

@@ -22,7 +22,7 @@ from hjcamp import backends, cli
 from hjcamp.configuration.composer import Composer
 from hjcamp.records.read import read_log
 
-LINES = ("campaign=controllers", "conditions=ramp_pos*", "repetitions=3", "workers=1")
+LINES = ("campaign=controllers", "conditions=ramp_pos__pid", "repetitions=3", "workers=1")
 BACKENDS = ("simulation", "nidaqmx")
 LONGEST_S = 3.0
 PATIENCE_S = 60.0

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from hjcamp.report.published import constants, printed_rows
+from hjcamp.report.published.slips import slips
 
 HALF_STEP = 0.05
 HALF_STEP_OF_STD = 0.005
@@ -163,6 +164,14 @@ Wider statements that the tables do not bear out (read, not computed):
 * 5.7: the feedforward lowers the tracking error by at least 25 %. RMSE1 of the positive cycloid falls by 23 %.
 * 5.7: it lowers the largest error by at least 20 %. The positive ramp gains 16 %, the negative cycloid 9 %, and the
   positive cycloid gets 24 % worse (Table 5.4.1).
+
+## Slips of the text
+
+Each with its arithmetic (`hjcamp/report/published/slips.py`).
+
+| where | the text says | its numbers give | arithmetic |
+|---|---|---|---|
+{slips}
 """
 
 
@@ -180,6 +189,7 @@ def inconsistencies_text() -> str:
         sample=sample_deviations_excluded(),
         population=len(_of_deviations()),
         rows="\n".join(rows),
+        slips="\n".join(f"| {one.place} | {one.says} | {one.follows} | {one.arithmetic} |" for one in slips()),
     )
 
 

@@ -1,4 +1,4 @@
-"""Formulas of chapter 3 and 4 that need no measurement: flow in the tubing, compliance, effective mass, string."""
+"""Formulas of chapter 4 that need no measurement: flow in the tubing, compliance, effective mass."""
 
 from __future__ import annotations
 
@@ -91,18 +91,3 @@ def effective_mass(inertia: float, pulley_radius: float) -> float:
 def weight_at_sliders(mass: float, radius: float, pulley_radius: float) -> float:
     """Return the largest force at the sliders, N, of a payload on a vertical arm: m g r / r_p. Source: thesis 5.5."""
     return mass * GRAVITY * radius / pulley_radius
-
-
-def largest_torque(tension: float, turns: float, friction_coefficient: float, pulley_radius: float) -> float:
-    """Return the torque in N*m at which the string slips on the pulley.
-
-    .. math:: M = T_1 (e^{\\mu \\beta} - 1) r_p
-
-    with T_1 the tension on the resisting side. SI units. Source: thesis 3.6.1, 3.6.2.
-    """
-    return tension * math.expm1(friction_coefficient * 2.0 * math.pi * turns) * pulley_radius
-
-
-def least_tension(torque: float, turns: float, friction_coefficient: float, pulley_radius: float) -> float:
-    """Return the tension T_1 in N without which ``torque`` slips the string. SI units. Source: thesis 3.6.3."""
-    return torque / (math.expm1(friction_coefficient * 2.0 * math.pi * turns) * pulley_radius)
