@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import polars as pl
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.report.ci import metrics_json, params_yaml
 from hjcamp.report.declared import TableDefinition, declared_tables
 from hjcamp.report.dot_plot import Dots, dots_of, draw_dots
 from hjcamp.report.exploration import REFERENCE, Exploration, names_of
@@ -100,6 +101,9 @@ def build_report(
         write_frame(target / "tables", name, tables[name].select(~INTERNAL))
         replace_file(target / "tables" / f"{name}.md", to_markdown(sheet))
         replace_file(target / "tables" / f"{name}.tex", to_latex(sheet))
+    replace_file(target / "metrics.json", metrics_json(conditions))
+    if origin.plan:
+        replace_file(target / "params.yaml", params_yaml(origin.plan))
     all_sheets = [*sheets, arrange_conditions(conditions)]
     more = further(found) if further else {}
     said = verdict(comparison, differs) if against else ""

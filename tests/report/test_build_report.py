@@ -65,7 +65,7 @@ def test_the_files_of_a_run_folder(tmp_path: Path) -> None:
     made = sorted(path.relative_to(tmp_path / "run").as_posix() for path in (tmp_path / "run").rglob("*.*"))
     tables = ["table_5_4_1", "table_5_4_2", "table_5_5_3", "table_6_3_1"]
     expected = [f"tables/{name}.{end}" for name in tables for end in ("csv", "md", "parquet", "tex")]
-    expected += ["report.html", "tables/indicators.csv", "tables/indicators.parquet"]
+    expected += ["metrics.json", "report.html", "tables/indicators.csv", "tables/indicators.parquet"]
     assert sorted(expected) == [name for name in made if not name.endswith(".mcap")]
     assert list(report.tables) == tables
     indicators = pl.read_parquet(tmp_path / "run" / "tables" / "indicators.parquet")
