@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.errors import UsageError
-from hjcamp.storage import shown_path
+from hjcamp.storage import check_place, shown_path
 
 
 def register(app: typer.Typer) -> None:
@@ -24,6 +24,9 @@ def ls(
         typer.Option(help="What to show, with commas: payload,controller.positive.kp,rmse1_deg,git; +NAME adds."),
     ] = None,
     sort: Annotated[str | None, typer.Option(help="The column to sort by; -COLUMN from the largest.")] = None,
+    page: Annotated[
+        Path | None, typer.Option(help="Write a page of these runs, such as runs/index.html, with links to reports.")
+    ] = None,
     json: Annotated[
         Path | None, typer.Option(help="Write the rows for programs to this file; - is standard output.")
     ] = None,
@@ -47,9 +50,18 @@ def ls(
         dict.fromkeys([*USUAL, *added] if not names or any(one.startswith("+") for one in names) else ["run", *added])
     )
     check_answer_file(json)
+    if page is not None:
+        check_place(page, "--page")
     rows = rows_of(runs, shown)
     rows = in_order(rows, sort) if sort is not None else rows
     write_answer(json, {"schema": "hjcamp.runs/1", "columns": shown, "runs": rows})
+    if page is not None:
+        from hjcamp.report.runs_page import runs_page
+        from hjcamp.report.store import replace_file
+
+        there = [run.path for run in runs if (run.path / "report.html").is_file()]
+        links = {str(path): _link(path / "report.html", page) for path in there}
+        replace_file(page, runs_page(shown, rows, links))
     console = make_console()
     if not runs:
         console.print(
@@ -62,6 +74,13 @@ def ls(
     for row in rows:
         table.add_row(*[_cell(row[name]) for name in shown])
     console.print(table)
+
+
+def _link(path: Path, page: Path) -> str:
+    import os
+    from urllib.parse import quote
+
+    return quote(Path(os.path.relpath(path.resolve(), page.resolve().parent)).as_posix())
 
 
 def _cell(value: object) -> str:

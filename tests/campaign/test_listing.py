@@ -27,10 +27,14 @@ def test_rows_columns_order_and_answer(composer: Composer, empty_folder: Path) -
     rows = in_order(rows_of(runs, ["run", "payload", "rmse1_deg", "controller.positive.kp"]), "-rmse1_deg")
     assert [(row["payload"], row["rmse1_deg"]) for row in rows] == [("brass_8p5g", 3.5), ("none", 1.5)]
     assert all(isinstance(row["controller.positive.kp"], float) for row in rows)
-    ls(None, None, "+payload,rmse1_deg", "rmse1_deg", Path("answer.json"))
+    ls(None, None, "+payload,rmse1_deg", "rmse1_deg", json=Path("answer.json"))
     answer = json.loads(Path("answer.json").read_text())
     assert answer["schema"] == "hjcamp.runs/1" and [row["rmse1_deg"] for row in answer["runs"]] == [1.5, 3.5]
     assert answer["columns"] == ["run", "campaign", "state", "tests", "started", "payload", "rmse1_deg"]
+    (Path("runs/none") / "report.html").write_text("<p>")
+    ls(None, None, "payload", None, Path("runs/index.html"))
+    page = Path("runs/index.html").read_text()
+    assert '<a href="none/report.html">runs/none</a>' in page and "<td>runs/brass_8p5g</td><td>brass_8p5g</td>" in page
     (runs[0].path / "metrics.json").write_text("[1, 2")
     assert in_order(rows_of(runs, ["rmse1_deg"]), "-rmse1_deg")[-1]["rmse1_deg"] is None
     with pytest.raises(UsageError, match=r"unknown column 'paylod'.*payload"):
