@@ -43,8 +43,10 @@ def places_in_words(one: Compared) -> list[str]:
 
 def write_pictures(found: Comparison, folder: Path) -> list[Path]:
     """Write overlay, where, horizon and the page that holds them; return their paths, the page last."""
+    from hjcamp.commands._compare_explorer import exploration_of
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.discrepancy_figures import HorizonCurve, draw_horizon, draw_overlay
+    from hjcamp.report.explorer import explorer_html
     from hjcamp.report.where_words import NO_FLOOR
     from hjcamp.storage import whole_file
 
@@ -72,6 +74,7 @@ def write_pictures(found: Comparison, folder: Path) -> list[Path]:
             if last.replay.evidence.repeated
             else NO_FLOOR
         ),
+        explorer_html(exploration_of(found)),
         page.picture(f"Overlay: {overlay.name}, the condition with the largest error of {models[0].replay.name}", pictures["overlay"]),
         page.heading(f"Where: {last.replay.name}" + (", as it stands" if calibrated else "")),
         page.note(NOT_CALIBRATED.capitalize() + ".") if calibrated else "",

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.errors import HjcampError
+from hjcamp.errors import HjcampError, UsageError
 
 SHOWN = 20
 
@@ -23,6 +23,10 @@ def report(
     check: Annotated[
         str | None, typer.Option(help="Fail where a mean is outside these tolerances: a YAML file, or default.")
     ] = None,
+    summary: Annotated[
+        Path | None, typer.Option(help="Write a summary in Markdown to this file, for a CI job's page.")
+    ] = None,
+    junit: Annotated[Path | None, typer.Option(help="Write the check as JUnit XML to this file; with --check.")] = None,
     output: Annotated[Path | None, typer.Option(help="Another folder for tables and page.")] = None,
 ) -> None:
     """Make tables and the report page of a run folder or of logs, beside the published values."""
@@ -31,9 +35,16 @@ def report(
     from hjcamp.report.build import build_report, verdict
     from hjcamp.report.check import check as check_cells
     from hjcamp.report.check import read_tolerances
+    from hjcamp.report.ci import junit_xml, summary_markdown
+    from hjcamp.report.store import replace_file
     from hjcamp.report.terminal import FittedSheet, summary_table
     from hjcamp.storage import check_place
 
+    if junit is not None and check is None:
+        raise UsageError("--junit needs --check: without tolerances there is nothing that passes or fails")
+    for option, file in (("--summary", summary), ("--junit", junit)):
+        if file is not None:
+            check_place(file, option)
     if output is not None:
         check_place(output, "--output", folder=True)
     tolerances = None if check is None else read_tolerances(check)
@@ -46,8 +57,13 @@ def report(
     if against and (sentence := verdict(made.comparison, made.differs)):
         console.print(f"  {sentence}", markup=False)
     console.print(f"  report  {made.page}", markup=False, soft_wrap=True)
-    if tolerances is not None:
-        violations = check_cells(made.comparison, tolerances, made.differs)
+    violations = None if tolerances is None else check_cells(made.comparison, tolerances, made.differs)
+    if summary is not None:
+        said = verdict(made.comparison, made.differs) if against else ""
+        replace_file(summary, summary_markdown(str(made.run_dir), said, made.sheets, violations))
+    if tolerances is not None and violations is not None:
+        if junit is not None:
+            replace_file(junit, junit_xml("hjcamp", made.comparison, violations, list(tolerances)))
         if violations:
             more = f"\n  ... and {len(violations) - SHOWN} more" if len(violations) > SHOWN else ""
             lines = "\n  ".join(map(str, violations[:SHOWN]))

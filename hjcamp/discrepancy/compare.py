@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -64,10 +65,14 @@ class Compared:
 @dataclass(frozen=True)
 class Comparison:
     """All models on the same tests, and the last one with its base parameters calibrated (None where it is already,
-    or where what these tests make of it runs away)."""
+    or where what these tests make of it runs away).
+
+    ``lesser`` are the models that have effects, each without one of them.
+    """
 
     models: list[Compared]
     calibrated: Compared | None
+    lesser: list[Replay] = field(default_factory=list)
 
 
 def compare(
@@ -109,7 +114,18 @@ def compare(
         places = where(features, seen, scale.features, replayed)
         horizon = horizon_of(evidence, residuals[:, 0], scale)
         found[name] = Compared(replayed, residuals, seen, horizon, places, scale.score(replayed.errors))
-    return Comparison([found[name] for name in models], found.get(base) if base else None)
+    lesser = without_one_effect(views, models, scale)
+    return Comparison([found[name] for name in models], found.get(base) if base else None, lesser)
+
+
+def without_one_effect(views: Views, models: Mapping[str, Candidate], scale: Scale) -> list[Replay]:
+    """Return the replays of every model without each one of its effects; one that runs away is left out."""
+    found = []
+    for name, candidate in models.items():
+        for effect in candidate.effects:
+            with suppress(HjcampError):
+                found.append(replay(views, f"{name} without {effect}", candidate.without([effect]), scale.floors))
+    return found
 
 
 def horizon_of(evidence: Evidence, arm: Array, scale: Scale) -> Horizon:

@@ -13,10 +13,14 @@ from typing import TYPE_CHECKING, Any
 import polars as pl
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.report.ci import metrics_json, params_yaml
 from hjcamp.report.declared import TableDefinition, declared_tables
+from hjcamp.report.dot_plot import Dots, dots_of, draw_dots
+from hjcamp.report.exploration import REFERENCE, Exploration, names_of
+from hjcamp.report.explorer import explorer_html
 from hjcamp.report.figures import draw_condition
 from hjcamp.report.formats import to_latex, to_markdown
-from hjcamp.report.indicators import COLUMNS, IDENTITY, frame_with_varied, row_of, varied_columns
+from hjcamp.report.indicators import COLUMNS, IDENTITY, INDICATORS, frame_with_varied, row_of, varied_columns
 from hjcamp.report.line_indicators import FURTHER
 from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
 from hjcamp.report.page import Picture, build_page
@@ -85,7 +89,8 @@ def build_report(
         raise UsageError(f"{run_dir}: there are no test logs to report on")
     refuse_mixed_plants(found)
     found = in_plan_order(found, origin)
-    indicators, spreads = _condensed(found, origin, run_dir)
+    shown = Exploration(len(found), [REFERENCE])
+    indicators, spreads = _condensed(found, origin, run_dir, shown)
     definitions = _with_rows(declared_tables(origin.tables), indicators)
     tables = {one.name: build_table(indicators, one, against) for one in definitions}
     sheets = [arrange(tables[one.name], one) for one in definitions]
@@ -99,10 +104,15 @@ def build_report(
         write_frame(target / "tables", name, tables[name].select(~INTERNAL))
         replace_file(target / "tables" / f"{name}.md", to_markdown(sheet))
         replace_file(target / "tables" / f"{name}.tex", to_latex(sheet))
+    replace_file(target / "metrics.json", metrics_json(conditions))
+    if origin.plan:
+        replace_file(target / "params.yaml", params_yaml(origin.plan))
     all_sheets = [*sheets, arrange_conditions(conditions), *arrange_lines(lines_by_condition(indicators))]
     more = further(found) if further else {}
     said = verdict(comparison, differs) if against else ""
-    replace_file(target / "report.html", _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out))
+    dots = _dots(conditions, found)
+    page = _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out, shown, dots)
+    replace_file(target / "report.html", page)
     return Report(run_dir, target / "report.html", indicators, tables, sheets, comparison, differs)
 
 
@@ -117,8 +127,14 @@ def in_plan_order(logs: Sequence[TestLog], origin: RunOrigin) -> list[TestLog]:
     return sorted(logs, key=key) if place else list(logs)
 
 
-def _condensed(logs: Sequence[TestLog], origin: RunOrigin, folder: Path) -> tuple[pl.DataFrame, list[Condition]]:
-    """Return the indicators of all logs and the spread of each condition; each log is used once and let go."""
+def _condensed(
+    logs: Sequence[TestLog], origin: RunOrigin, folder: Path, shown: Exploration
+) -> tuple[pl.DataFrame, list[Condition]]:
+    """Return the indicators of all logs and the spread of each condition, and fill what is ``shown``.
+
+    Each log is used once and let go.
+    """
+    names = names_of(logs)
     groups: dict[str, list[int]] = {}
     for place, log in enumerate(logs):
         groups.setdefault(log.condition_key, []).append(place)
@@ -129,9 +145,21 @@ def _condensed(logs: Sequence[TestLog], origin: RunOrigin, folder: Path) -> tupl
         for place in places:
             rows[place] = row_of(logs[place], folder)
             gathering.add(logs[place])
+            shown.add_log(names[place], logs[place])
         spreads.append(gathering.condition())
     attached = [log.attachments.get("config.yaml", b"") for log in logs]
     return frame_with_varied([rows[place] for place in range(len(logs))], attached, origin.axes), spreads
+
+
+def _dots(conditions: pl.DataFrame, logs: Sequence[TestLog]) -> list[Dots]:
+    """Return the means of the run, and the published ones where any stands beside."""
+    rows = conditions.to_dicts()
+    measured = {log.metadata.get("backend", "") for log in logs} - {"simulation", ""}
+    kinds = [
+        dots_of(rows, "measured" if measured else "simulated", INDICATORS),
+        dots_of(rows, "published", INDICATORS, "_published"),
+    ]
+    return [one for one in kinds if one.values]
 
 
 def _with_rows(definitions: Sequence[TableDefinition], indicators: pl.DataFrame) -> list[TableDefinition]:
@@ -165,7 +193,9 @@ def _page(
     sheets: Sequence[Sheet],
     verdict_text: str,
     more: dict[str, tuple[str, str]],
-    left_out: Sequence[str] = (),
+    left_out: Sequence[str],
+    shown: Exploration,
+    dots: Sequence[Dots],
 ) -> Iterator[str]:
     tests = Counter(log.condition_key for log in logs)
     pictures = {name: Picture(caption, partial(str, svg)) for name, (svg, caption) in more.items()}
@@ -182,9 +212,18 @@ def _page(
         title=campaign,
         facts=[*facts, *filter(None, [str(origin.plan.get("description") or "")])],
         verdict=verdict_text,
+        overview=_overview(spreads, dots),
+        small=spreads,
+        explorer=explorer_html(shown),
         sheets=sheets,
         pictures=pictures,
         origin=[*origin_facts(origin, logs), *(("left out", text) for text in left_out)],
         command=origin.command,
         configuration=origin.config_text,
     )
+
+
+def _overview(spreads: Sequence[Condition], dots: Sequence[Dots]) -> str:
+    """Return the picture of all conditions as SVG, empty where no test has an indicator."""
+    indicators = [name for name in INDICATORS if any(one == name for kind in dots for _, one in kind.values)]
+    return draw_dots([one.name for one in spreads], indicators, dots) if indicators else ""

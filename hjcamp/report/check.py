@@ -31,6 +31,7 @@ class Violation:
     difference: float
     difference_in_std: float | None
     allowed: str
+    condition: str = ""
 
     def __str__(self) -> str:
         in_std = f", {self.difference_in_std:+.1f} published std" if self.difference_in_std is not None else ""
@@ -105,6 +106,7 @@ def _violation(cell: dict[str, Any], limits: dict[str, float]) -> Violation:
         difference=_number(cell["difference"]),
         difference_in_std=cell["difference_in_std"],
         allowed=allowed,
+        condition=str(cell.get("condition")),
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from hjcamp.report.explorer import NOTHING_FETCHED
 from hjcamp.report.figures import tidy
 from hjcamp.report.page import STYLE, shaded
 
@@ -17,7 +18,7 @@ def discrepancy_page(title: str, lead: str, parts: Sequence[str]) -> str:
     said = f'<p class="verdict">{escape(lead)}</p>\n' if lead else ""
     body = "\n".join(part for part in parts if part)
     return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">\n'
+        f'<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">\n{NOTHING_FETCHED}\n'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{escape(title)}</title>\n'
         f"<style>\n{STYLE.read_text(encoding='utf-8')}</style></head>\n<body>\n<h1>{escape(title)}</h1>\n"
         f"{said}{body}\n</body>\n</html>\n"

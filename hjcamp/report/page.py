@@ -10,7 +10,11 @@ from pathlib import Path
 from string import Template
 
 from hjcamp.report import figures
+from hjcamp.report.explorer import NOTHING_FETCHED
+from hjcamp.report.figures import tidy
 from hjcamp.report.sheet import Cell, Sheet
+from hjcamp.report.small_multiples import small_multiples
+from hjcamp.report.spread import Condition
 
 STYLE = Path(__file__).with_name("page.css")
 #: The page's own shades, which follow light and dark, in place of the colours of the drawing.
@@ -24,10 +28,12 @@ SHADES = {
 }
 #: Pixels of the screen for a point of the drawing, whose smallest letters have 7 points.
 READABLE = 1.2
+OVERVIEW = "every condition: mean and standard deviation of each indicator, published values beside"
 ABOVE = Template("""<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
+$policy
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>$title</title>
 <style>
@@ -37,6 +43,9 @@ $style</style>
 <h1>$title</h1>
 <p class="soft">$facts</p>
 $verdict
+$overview
+$small
+$explorer
 <h2 id="tables">Tables</h2>
 $tables
 <h2 id="pictures">Conditions</h2>
@@ -52,6 +61,7 @@ $origin
 </table></div>
 $again
 $configuration
+<script>addEventListener("beforeprint", () => { for (const one of document.querySelectorAll("details")) one.open = true; });</script>
 </body>
 </html>
 """)
@@ -70,6 +80,9 @@ def build_page(
     title: str,
     facts: Sequence[str],
     verdict: str,
+    overview: str = "",
+    small: Sequence[Condition] = (),
+    explorer: str = "",
     sheets: Sequence[Sheet],
     pictures: Mapping[str, Picture],
     origin: Sequence[tuple[str, str]],
@@ -78,6 +91,7 @@ def build_page(
 ) -> Iterator[str]:
     """Yield the HTML of the report piece by piece, one picture after the other; every text is escaped.
 
+    ``overview`` is the SVG of all conditions, ``small`` are those drawn small, ``explorer`` is a block of HTML.
     ``pictures`` are those of the conditions by name, ``origin`` are name and value of what made the run, ``command``
     runs it again.
     """
@@ -89,7 +103,11 @@ def build_page(
         style=STYLE.read_text(encoding="utf-8"),
         facts=escape(" · ".join(facts)),
         verdict=f'<p class="verdict">{escape(verdict)}</p>' if verdict else "",
-        tables="\n".join(table_html(sheet) for sheet in sheets),
+        policy=NOTHING_FETCHED,
+        overview=f"<figure>{shaded(tidy(overview), OVERVIEW)}</figure>" if overview else "",
+        small=small_multiples(small, numbered, {}) if small else "",
+        explorer=explorer,
+        tables="\n".join(folded(sheet) for sheet in sheets),
         links="\n".join(f'<a href="#{anchor}">{escape(name)}</a>' for name, anchor in numbered.items()),
     )
     for number, (name, picture) in enumerate(pictures.items()):
@@ -101,6 +119,12 @@ def build_page(
         again=again,
         configuration=shown if configuration else "",
     )
+
+
+def folded(sheet: Sheet) -> str:
+    """Return one sheet under its title, closed until it is asked for; a printer gets it open."""
+    heading, _, rest = table_html(sheet).partition("\n")
+    return f"<details>\n<summary>{heading}</summary>\n{rest}</details>"
 
 
 def table_html(sheet: Sheet) -> str:

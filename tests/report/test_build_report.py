@@ -66,7 +66,7 @@ def test_the_files_of_a_run_folder(tmp_path: Path) -> None:
     made = sorted(path.relative_to(tmp_path / "run").as_posix() for path in (tmp_path / "run").rglob("*.*"))
     tables = ["table_5_4_1", "table_5_4_2", "table_5_5_3", "table_6_3_1"]
     expected = [f"tables/{name}.{end}" for name in tables for end in ("csv", "md", "parquet", "tex")]
-    expected += ["report.html", "tables/indicators.csv", "tables/indicators.parquet"]
+    expected += ["metrics.json", "report.html", "tables/indicators.csv", "tables/indicators.parquet"]
     assert sorted(expected) == [name for name in made if not name.endswith(".mcap")]
     assert list(report.tables) == tables
     indicators = pl.read_parquet(tmp_path / "run" / "tables" / "indicators.parquet")
@@ -88,12 +88,13 @@ def test_the_page_is_self_contained_and_well_formed(tmp_path: Path) -> None:
     assert outline.open == []
     assert outline.fetched == []
     assert len(outline.identifiers) == len(set(outline.identifiers))
-    assert "<script" not in page
+    assert "<script>alert" not in page and "default-src 'none'" in page
     assert "a &lt;b&gt; &amp; c" in page
     assert "$title ${style}" in page
     assert "&#x27;x=$(rm)&#x27; repetitions=2" in page
     assert "prefers-color-scheme: dark" in page
-    assert page.count("<svg") == 5
+    # five conditions, the same five small, and the picture of them all
+    assert page.count("<svg ") == 11 and page.index("every condition: mean") < page.index('id="explorer"') < page.index("<details>")
     assert not re.search(r"url\((?!#)", page)
 
 

@@ -1,0 +1,93 @@
+"""What a CI job reads of a run: a summary in Markdown, JUnit's XML of a check, metrics and parameters."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+from xml.etree import ElementTree
+
+import polars as pl
+
+from hjcamp.report.check import Violation
+from hjcamp.report.formats import to_markdown
+from hjcamp.report.indicators import INDICATORS
+from hjcamp.report.sheet import Sheet
+
+SHOWN = 50
+#: What XML 1.0 cannot hold, even escaped.
+NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def summary_markdown(title: str, verdict: str, sheets: Sequence[Sheet], violations: Sequence[Violation] | None) -> str:
+    """Return the page of a job: what was checked, what is outside (at most ``SHOWN``), and the tables."""
+    parts = [f"# {title}\n"]
+    if violations is not None:
+        parts.append(
+            f"**{len(violations)} means are outside the tolerances.**\n"
+            if violations
+            else "All means are within the tolerances.\n"
+        )
+        parts += [f"* {line}\n" for line in map(str, violations[:SHOWN])]
+        if len(violations) > SHOWN:
+            parts.append(f"* ... and {len(violations) - SHOWN} more\n")
+    if verdict:
+        parts.append(f"\n{verdict}\n")
+    return "\n".join(["".join(parts), *map(to_markdown, sheets)])
+
+
+def junit_xml(suite: str, cells: pl.DataFrame, violations: Sequence[Violation], checked: Sequence[str]) -> str:
+    """Return one test case for each published mean of ``cells`` (of `against_published`) whose indicator was ``checked``."""
+    outside = {(one.table, one.condition, one.indicator): str(one) for one in violations}
+    rows = [row for row in cells.iter_rows(named=True) if row["indicator"] in checked]
+    root = ElementTree.Element("testsuites")
+    place = ElementTree.SubElement(
+        root,
+        "testsuite",
+        name=_clean(suite),
+        tests=str(len(rows)),
+        failures=str(len(violations)),
+        errors="0",
+        skipped="0",
+    )
+    for row in rows:
+        name = f"{row['condition']} {row['indicator']}"
+        case = ElementTree.SubElement(
+            place, "testcase", classname=_clean(f"{suite}.{row['table']}"), name=_clean(name), time="0"
+        )
+        said = outside.get((row["table"], str(row["condition"]), row["indicator"]))
+        if said:
+            ElementTree.SubElement(case, "failure", message=_clean(said)).text = _clean(said)
+    ElementTree.indent(root)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def metrics_json(conditions: pl.DataFrame) -> str:
+    """Return mean and deviation of every indicator by condition, and n, as trackers of experiments read them."""
+    found: dict[str, Any] = {}
+    for row in conditions.iter_rows(named=True):
+        values = {
+            name: {"mean": row[f"{name}_mean"], "std": row[f"{name}_std"]}
+            for name in INDICATORS
+            if row[f"{name}_mean"] is not None
+        }
+        key, number = str(row["condition"]), 1
+        while key in found:
+            number += 1
+            key = f"{row['condition']} ({number})"
+        found[key] = {"n": row["n"], **values}
+    return json.dumps(found, indent=2, allow_nan=False) + "\n"
+
+
+def params_yaml(plan: Mapping[str, Any]) -> str:
+    """Return campaign, seed, repetitions and the choices of each condition of a plan."""
+    import yaml
+
+    kept = {name: plan[name] for name in ("campaign", "repetitions", "seed", "axes") if name in plan}
+    conditions = {str(one["name"]): dict(one.get("choices") or {}) for one in plan.get("conditions") or ()}
+    return str(yaml.safe_dump(json.loads(json.dumps({**kept, "conditions": conditions}, default=str)), sort_keys=False))
+
+
+def _clean(text: str) -> str:
+    return NOT_IN_XML.sub("?", text)

@@ -1,0 +1,154 @@
+"""The explorer: what its points hold, any plant's channels, and in a browser: clicks, keys, zoom, deep links, no network."""
+
+from __future__ import annotations
+
+import base64
+import shutil
+import zlib
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hjcamp.errors import UsageError
+from hjcamp.report.discrepancy_page import discrepancy_page
+from hjcamp.report.exploration import MOST, Exploration, described, references
+from hjcamp.report.explorer import explorer_html
+
+TIME = np.arange(1000) * 1e-3
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+def decoded(shown: Exploration, test: int, channel: str, model: int) -> np.ndarray:
+    """Return the points of one curve as the page decodes them."""
+    head, packed = shown.head(), zlib.decompress(base64.b64decode(shown.points()))
+    one = head["tests"][test]
+    curve = next(found for found in one["curves"] if found["channel"] == channel and found["model"] == model)
+    steps = np.cumsum(np.frombuffer(packed, "<u2")[curve["at"] : curve["at"] + one["points"]].astype(np.int64)) & 0xFFFF
+    return np.where(steps == 0, np.nan, curve["low"] + (steps - 1.0) * curve["per"])
+
+
+def cart(tests: int = 3) -> Exploration:
+    """Return tests of a plant with a position in m and a force in N, two models and one that is off at first."""
+    shown = Exploration(tests, ["first", "second", "without drag"], {"position_m": 0.01}, ["without drag"])
+    for number in range(tests):
+        position = np.sin(2 * np.pi * TIME) + 0.01 * number
+        models = {"first": {"position_m": position + 0.1 * (number + 1)}, "second": {"position_m": position - 0.02}}
+        models["without drag"] = {"position_m": position}
+        shown.add(f"sweep/{number + 1}", "sweep", TIME, {"position_m": position, "force_n": np.cos(TIME)}, models)
+    return shown
+
+
+def test_points_come_back_to_a_sixteen_bit_step() -> None:
+    shown = cart()
+    expected = np.sin(2 * np.pi * TIME) + 0.1
+    assert np.abs(decoded(shown, 0, "position_m", 0) - expected).max() <= 2.0 / 65534
+    assert shown.head()["tests"][1]["rms"][0]["position_m"] == pytest.approx(0.2)
+    assert [one["unit"] for one in shown.head()["channels"]] == ["m", "N"]
+
+
+def test_long_tests_are_averaged_and_gaps_stay_gaps() -> None:
+    shown = Exploration(1, [])
+    values = np.repeat([1.0, 3.0], 5 * MOST)
+    values[:20] = np.nan
+    shown.add("a", "a", np.arange(len(values)) * 1e-3, {"level_v": values})
+    found = decoded(shown, 0, "level_v", -1)
+    assert shown.head()["averaged"] == 10 * MOST / len(found) and len(found) <= MOST
+    assert np.isnan(found[0]) and found[10] == pytest.approx(1.0) and found[-1] == pytest.approx(3.0)
+
+
+def test_what_cannot_be_shown_is_refused() -> None:
+    shown = Exploration(1, [])
+    with pytest.raises(UsageError, match="channel arm_deg has 3 values, time has 1000"):
+        shown.add("a", "a", TIME, {"arm_deg": np.zeros(3)})
+    with pytest.raises(UsageError, match="unit at the end"):
+        described("position", "a plant")
+    assert explorer_html(Exploration(1, [])) == ""
+
+
+def test_a_reference_belongs_to_its_channel() -> None:
+    one = np.zeros(2)
+    assert list(references({"reference_deg": one, "arm_deg": one, "pump_deg": one})) == ["arm_deg"]
+    assert list(references({"reference_b_m": one, "a_m": one, "b_m": one})) == ["b_m"]
+
+
+def test_names_cannot_leave_their_place() -> None:
+    shown = Exploration(1, ["</script><b>"])
+    shown.add("</script>", "x", TIME, {"a_m": TIME}, {"</script><b>": {"a_m": TIME}})
+    text = explorer_html(shown)
+    assert "</script><b>" not in text and text.count("</script>") == text.count("<script")
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """Give a browser's page; skipped where there is no Chromium or no playwright (extra browser)."""
+    api = pytest.importorskip("playwright.sync_api")
+    if BROWSER is None:
+        pytest.skip("no Chromium")
+    file = tmp_path_factory.mktemp("page") / "index.html"
+    file.write_text(discrepancy_page("Cart", "", [explorer_html(cart())]), encoding="utf-8")
+    with api.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        opened = browser.new_page(viewport={"width": 1400, "height": 1000})
+        opened.asked, opened.faults, opened.file = [], [], file.as_uri()
+        opened.on("request", lambda request: opened.asked.append(request.url))
+        opened.on("pageerror", lambda error: opened.faults.append(str(error)))
+        yield opened
+        browser.close()
+
+
+def address(page: Any) -> str:
+    return str(page.evaluate("decodeURIComponent(location.hash.replaceAll('+', ' '))"))
+
+
+def open_at(page: Any, hash_: str = "") -> None:
+    page.goto("about:blank")
+    page.goto(page.file + hash_)
+    page.wait_for_selector("#explorer[data-ready]", timeout=20_000)
+
+
+def test_clicks_and_keys_change_what_is_shown(page: Any) -> None:
+    open_at(page)
+    page.click("tbody tr:nth-child(2)")
+    assert page.inner_text(".now") == "sweep/2" and "test=sweep/2" in address(page)
+    page.keyboard.press("ArrowRight")
+    assert page.inner_text(".now") == "sweep/3"
+    page.click("th:nth-child(2)")  # largest error of the first model on top
+    assert page.inner_text("tbody tr:first-child td") == "sweep/3"
+    page.click("button[data-of=first]")
+    assert page.get_attribute(
+        "button[data-of=first]", "aria-pressed"
+    ) == "false" and "off=without drag|first" in address(page)
+    page.click("button[data-channel=force_n]")
+    assert page.locator(".plots canvas").count() == 2
+    assert not page.faults
+
+
+def test_a_drag_zooms_every_plot_and_a_deep_link_leads_back(page: Any) -> None:
+    open_at(page)
+    box = page.locator(".u-over").first.bounding_box()
+    page.mouse.move(box["x"] + box["width"] * 0.25, box["y"] + 40)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] * 0.5, box["y"] + 40, steps=4)
+    page.mouse.up()
+    zoomed = address(page)
+    parts = dict(part.split("=") for part in zoomed.lstrip("#").split("&"))
+    assert float(parts["from"]) == pytest.approx(0.25, abs=0.02) and float(parts["to"]) == pytest.approx(0.5, abs=0.02)
+    open_at(page, "#test=sweep%2F3&from=0.1&to=0.2&off=second")
+    assert page.inner_text(".now") == "sweep/3"
+    assert page.get_attribute("button[data-of=second]", "aria-pressed") == "false"
+    assert "from=0.1&to=0.2" in address(page)
+    page.keyboard.press("0")
+    assert "from" not in address(page)
+
+
+def test_narrow_dark_and_nothing_fetched(page: Any) -> None:
+    page.emulate_media(color_scheme="dark")
+    page.set_viewport_size({"width": 500, "height": 900})
+    open_at(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 500
+    assert {url for url in page.asked if not url.startswith(("file:", "about:"))} == set()
+    page.emulate_media(media="print")
+    assert not page.is_visible("#explorer")
+    assert not page.faults
