@@ -8,14 +8,14 @@ import inspect
 import math
 import re
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.effect import Effect, Term
-from hjcamp.model.parameter import Cut, Parameter, State
+from hjcamp.model.parameter import Contact, Cut, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.term_checks import check_calls
 from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
@@ -23,7 +23,7 @@ from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
 GATES = "gates"
 MOST_GATED = 52
 BUILTINS = ("abs", "min", "max", "float", "int")
-INLINED = ("predict", "correct", "contact", "locking", "limiting", "readings")
+INLINED = ("predict", "correct", "contact", "locking", "facing", "faced", "limiting", "readings")
 ENTRIES = ("rates", "begin", "signals")
 
 
@@ -75,20 +75,30 @@ class Composition:
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs in the input vector: the plant's, then the slopes of the driven states."""
-        plain = [name for name in self.plant.inputs if name not in ("time", "direction")]
-        return (*plain, *(f"slope_{state}" for state in self.cut.driven))
-
-    @cached_property
-    def has_contact(self) -> bool:
-        """Whether a contact is simulated (its velocity is not driven)."""
-        driven = {*self.cut.slopes, *self.cut.driven}
-        return any(contact.velocity not in driven for contact in self.vocabulary.contacts)
+        return (*plain_inputs(self.plant), *(f"slope_{state}" for state in self.cut.driven))
 
     @property
-    def held(self) -> int:
-        """Position of the state that a contact holds at 0, -1 where there is no contact."""
-        found = [contact.velocity for contact in self.vocabulary.contacts]
-        return list(self.states).index(found[0]) if found else -1
+    def contacts(self) -> tuple[Contact, ...]:
+        """The plant's contacts, in order."""
+        return self.vocabulary.contacts
+
+    @property
+    def held(self) -> tuple[int, ...]:
+        """Positions of the states that the contacts hold at 0, in their order."""
+        names = list(self.states)
+        return tuple(names.index(contact.velocity) for contact in self.contacts)
+
+    @property
+    def free(self) -> tuple[bool, ...]:
+        """Whether each contact is simulated: its velocity is not driven."""
+        driven = {*self.cut.slopes, *self.cut.driven}
+        return tuple(contact.velocity not in driven for contact in self.contacts)
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        """The states that are measured: those that the plant says, else those that its sensors are of, once each."""
+        of = (item.of for item in self.plant.measured.values())
+        return tuple(self.plant.observed) or tuple(dict.fromkeys(name for name in of if name))
 
     @property
     def measured(self) -> tuple[str, ...]:
@@ -116,11 +126,41 @@ class Composition:
         return function_source("rates(limits, time, direction, z, u, p, f)", body)
 
     def contact_source(self) -> str:
-        """Return the source of ``contact(time, direction, z, u, p)``: push, limit and locks; and of ``locking``, the last alone."""
-        found = self.vocabulary.contacts
-        push, limit, locks = (found[0].push, found[0].limit, found[0].locks) if found else ("0.0", "0.0", "0.0")
-        whole = function_source("contact(time, direction, z, u, p)", self.body([f"return {push}, {limit}, {locks}"]))
-        return whole + function_source("locking(time, direction, z, u, p)", self.body([f"return 1.0 * {locks}"]))
+        """Return the source of ``contact(k, time, direction, z, u, p)``: push, limit and locks of contact k; of ``locking``,
+        the last alone; and of ``facing`` and ``faced``, which read and set the side that it is on.
+        """
+        wanted = [f"return {one.push}, {one.limit}, {one.locks}" for one in self.contacts] or ["return 0.0, 0.0, 0.0"]
+        locks = [f"return 1.0 * {one.locks}" for one in self.contacts] or ["return 0.0"]
+        return (
+            self._of_each("contact(k, time, direction, z, u, p)", wanted)
+            + self._of_each("locking(k, time, direction, z, u, p)", locks)
+            + self._of_each("facing(direction, k)", [f"return {side}" for side in self._sides] or ["return 0.0"])
+            + self._of_each(
+                "faced(direction, k, side)",
+                [f"return direction + {3**k}.0 * (side - {side})" for k, side in enumerate(self._sides)]
+                if len(self.contacts) > 1
+                else ["return side"],
+            )
+        )
+
+    @property
+    def _sides(self) -> list[str]:
+        """The expression of each contact's side, -1, 0 or 1: ``direction`` is the sum of 3^k times side k."""
+        count = len(self.contacts)
+        if count == 1:
+            return ["direction"]
+        return [f"((int(direction) + {(3**count - 1) // 2}) // {3**k} % 3 - 1.0)" for k in range(count)]
+
+    def direction(self, sides: Mapping[str, float]) -> float:
+        """Return what stands for the sides of all contacts, from the values of their directions by name; 0 where not given."""
+        return float(sum(3**k * sides.get(one.direction, 0.0) for k, one in enumerate(self.contacts)))
+
+    def _of_each(self, signature: str, last: Sequence[str]) -> str:
+        """Return the source of a function that returns for contact ``k`` what the k-th line says."""
+        lines = []
+        for k, one in enumerate(last[:-1]):
+            lines += [f"if k == {k}:", *(f"    {line}" for line in self.body([one]))]
+        return function_source(signature, [*lines, *self.body([last[-1]])])
 
     def limiting_source(self) -> str:
         """Return the source of ``limiting(time, direction, z, u, p)``: the code of what the limiters do.
@@ -232,10 +272,15 @@ class Composition:
 
     @cached_property
     def _statements(self) -> list[str]:
-        lines = [f"s_{_local(name)} = {_held_up(f'z[{index}]', state)}" for index, (name, state) in enumerate(self.states.items())]
+        lines = [
+            f"s_{_local(name)} = {_held_up(f'z[{index}]', state)}"
+            for index, (name, state) in enumerate(self.states.items())
+        ]
         lines += [f"p_{_local(name)} = p[{index}]" for index, name in enumerate(self.parameters)]
         lines += [f"u_{name} = u[{index}]" for index, name in enumerate(self.inputs)]
         lines += [f"{GATES} = int(p_{GATES})", "u_time = time", "u_direction = direction"]
+        if len(self.contacts) > 1:
+            lines += [f"u_{one.direction} = {side}" for one, side in zip(self.contacts, self._sides, strict=True)]
         lines += [f"s_{state} = u_slope_{driven}" for state, driven in self.cut.slopes.items()]
         for line in self.vocabulary.statements:
             target = f"d_{line.target}" if line.mark == "rate" else line.target
@@ -293,6 +338,11 @@ class Composition:
         if argument in self.plant.parameters:
             return f"p_{argument}"
         return f"u_{argument}"
+
+
+def plain_inputs(plant: type[Plant]) -> tuple[str, ...]:
+    """Return the plant's inputs that are given from sample to sample, in order: all but the time and the regime."""
+    return tuple(name for name in plant.inputs if name not in ("time", "direction"))
 
 
 def check_effect(effect: type[Effect], plant: type[Plant]) -> None:

@@ -236,7 +236,7 @@ def _windowed(course: Course, ideal: Array) -> Course:
     restart[WINDOW::WINDOW] = 1
     velocity = np.gradient(ideal[:, -1], course.period)
     velocity[np.abs(velocity) < 1e-4] = 0.0
-    return replace(course, restart=restart, observed=ideal, velocity=velocity)
+    return replace(course, restart=restart, observed=ideal, velocity=velocity[:, None])
 
 
-_ARRAYS = ("restart", "time", "driven", "observed", "velocity", "dither", "scatter")
+_ARRAYS = ("restart", "time", "driven", "observed", "velocity", "given")

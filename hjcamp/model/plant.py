@@ -8,10 +8,11 @@ from typing import ClassVar
 from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.field_table import Field
 from hjcamp.model.instance import Instance
-from hjcamp.model.parameter import Channel, Contact, Cut, Input, Measured, Parameter, State, declared
+from hjcamp.model.parameter import Channel, Cut, Input, Measured, Parameter, State, declared
 from hjcamp.model.port import Port
 
-# What every plant's equations may use: the regime of its one contact, the time, and what friction scatters by.
+# What every plant's equations may use: the regime of its contact, the time, and what friction scatters by.
+# Of several contacts each has a regime of its own, ``drive.direction_NAME``.
 ALWAYS = {
     "friction_scatter": Input(
         "1", 1.0, "factor on static and Coulomb friction at this instant", name="friction_scatter"
@@ -36,7 +37,6 @@ class Plant:
     period: ClassVar[float] = 1e-3
     subsystems: ClassVar[tuple[str, ...]] = ()
     channels: ClassVar[tuple[Channel, ...]] = ()
-    contact: ClassVar[Contact | None] = None
     balance: ClassVar[tuple[str, ...]] = ()
     cuts: ClassVar[tuple[Cut, ...]] = ()
     observed: ClassVar[dict[str, tuple[str, str | None]]] = {}

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from hjcamp.errors import HjcampError, unknown
 from hjcamp.model import driving, integrator, shared, term_checks
 from hjcamp.model.amount_formula import MATHEMATICS
-from hjcamp.model.compose import GATES, Composition
+from hjcamp.model.compose import GATES, Composition, plain_inputs
 from hjcamp.model.kernel import LEVELS, copied, kernel_source, load_model
 from hjcamp.model.law import Law, law_source
+from hjcamp.model.plant import Plant
 from hjcamp.model.structure import nonlinear_rates
 from hjcamp.model.term_checks import check_compiles, check_law_compiles, limited, users_files
 from hjcamp.model.time_limit import time_limit
@@ -55,8 +56,8 @@ class Course:
     """Measured motion along which a model is driven: one or more tests one after the other, n samples ``period`` apart.
 
     ``restart`` (n): 2 where a test begins, 1 where the observed states are set anew, else 0. ``driven`` (n, driven
-    states) and ``observed`` (n, the plant's observed states) in SI; ``velocity`` (n) of the contact, 0 where it rests;
-    ``scatter`` (n) factor on friction.
+    states) and ``observed`` (n, the observed states) in SI; ``velocity`` (n, contacts) of each contact, 0 where it rests;
+    ``given`` (n, inputs) as `inputs_along` makes them, which hold from each sample to the next.
     """
 
     period: float
@@ -65,8 +66,7 @@ class Course:
     driven: Array
     observed: Array
     velocity: Array
-    dither: Array
-    scatter: Array
+    given: Array
 
 
 @dataclass(frozen=True)
@@ -82,6 +82,21 @@ class Given:
     time: Array
     inputs: Array
     starts: Array
+
+
+def inputs_along(plant: type[Plant], samples: int, **columns: Array | float) -> Array:
+    """Return a plant's inputs (samples, inputs) in its order: the named ones as given, all others at their defaults.
+
+    Raises ``UsageError`` for a name that is no input of the plant.
+    """
+    names = plain_inputs(plant)
+    for name in columns:
+        if name not in names:
+            raise unknown("input", name, names, f"plant {plant.name}")
+    return np.column_stack(
+        [np.broadcast_to(columns.get(name, plant.inputs[name].default), samples) for name in names]
+        or [np.empty((samples, 0))]
+    ).astype(float)
 
 
 class Propagators(NamedTuple):
@@ -133,29 +148,33 @@ class Simulator:
         if self.free:
             return kernel_source(composition, "\n\n" + copied(driving, ("run_free",)))
         inputs = composition.inputs
-        fields = [channel.field for channel in composition.plant.channels]
-        states = list(composition.states)
-        driven = list(composition.cut.driven)
-        lines = [
-            f"READINGS = {len(fields)}",
-            f"PRESSURE1 = {fields.index('pressure1_mpa')}",
-            f"PRESSURE2 = {fields.index('pressure2_mpa')}",
-            f"ARM = {fields.index('arm_deg')}",
-            f"COMMAND = {inputs.index('command')}",
-            f"DITHER = {inputs.index('dither')}",
-            f"PRELOAD = {inputs.index('preload_flow')}",
-            f"SCATTER = {inputs.index('friction_scatter')}",
-            f"DRIVEN_STATES = {tuple(states.index(name) for name in driven)}",
-            f"OBSERVED_STATES = {tuple(states.index(name) for name in composition.plant.observed)}",
-            f"DRIVEN_INPUTS = {tuple(inputs.index('slope_' + name) for name in driven)}",
-        ]
-        text = "\n".join(lines) + "\n\n\n"
         if self.controller is not None and self.procedure is not None:
+            fields = [channel.field for channel in composition.plant.channels]
+            lines = [
+                f"READINGS = {len(fields)}",
+                f"PRESSURE1 = {fields.index('pressure1_mpa')}",
+                f"PRESSURE2 = {fields.index('pressure2_mpa')}",
+                f"ARM = {fields.index('arm_deg')}",
+                f"COMMAND = {inputs.index('command')}",
+                f"DITHER = {inputs.index('dither')}",
+                f"PRELOAD = {inputs.index('preload_flow')}",
+                f"SCATTER = {inputs.index('friction_scatter')}",
+            ]
+            text = "\n".join(lines) + "\n\n\n"
             text += law_source(self.controller, "control") + law_source(self.procedure, "procedure")
-            text += copied(driving, ("measure", "closed_loop"))
-        else:
-            text += copied(driving, ("follow",))
-        return kernel_source(composition, text)
+            return kernel_source(composition, text + copied(driving, ("measure", "closed_loop")))
+        states, driven = list(composition.states), list(composition.cut.driven)
+        # numba takes no empty tuple by an index
+        lines = [
+            f"PLANT_STATES = {len(composition.plant.states)}",
+            f"GIVEN = {len(inputs) - len(driven)}",
+            f"DRIVEN = {len(driven)}",
+            f"OBSERVED = {len(composition.observed)}",
+            f"DRIVEN_STATES = {tuple(states.index(name) for name in driven) or (-1,)}",
+            f"OBSERVED_STATES = {tuple(states.index(name) for name in composition.observed) or (-1,)}",
+            f"DRIVEN_INPUTS = {tuple(inputs.index('slope_' + name) for name in driven) or (-1,)}",
+        ]
+        return kernel_source(composition, "\n".join(lines) + "\n\n\n" + copied(driving, ("follow",)))
 
     @cached_property
     def kernel(self) -> ModuleType:
@@ -206,7 +225,7 @@ class Simulator:
     def observed(self, course: Course) -> Array:
         """Return the state vector with which a course begins, as measured; what is not observed is 0."""
         z = np.zeros(len(self.states))
-        for name, value in zip(self.composition.plant.observed, course.observed[0], strict=True):
+        for name, value in zip(self.composition.observed, course.observed[0], strict=True):
             z[self.states.index(name)] = value
         return z
 
@@ -289,7 +308,7 @@ class Simulator:
 
         ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
         """
-        channels = len(self.composition.plant.channels)
+        channels = len(self.composition.measured)
         z = self.observed(course)
         propagators = propagators or self.propagators(z, p)
         readings, ideal = np.empty((len(course.time), channels)), np.empty(course.observed.shape)
@@ -298,7 +317,7 @@ class Simulator:
         work[2, 5] = tolerance
         self.kernel.follow(
             z, self.inputs(), p, *propagators, course.period, course.restart, course.time, course.driven,
-            course.observed, course.velocity, course.dither, course.scatter, readings, ideal, forces, work,
+            course.observed, course.velocity, course.given, readings, ideal, forces, work,
         )  # fmt: skip
         return Followed(readings, ideal, forces, work[2, 1])
 
@@ -320,7 +339,8 @@ class Simulator:
 
     def scratch(self) -> Array:
         """Return fresh working memory for the kernel's loops; the tolerance of a step is set to one resolution."""
-        work = np.zeros((4, max(3 * len(self.states), len(self.composition.measured), 9)))
+        columns = integrator.KINDS + len(self.composition.contacts)
+        work = np.zeros((4, max(3 * len(self.states), len(self.composition.measured), columns)))
         work[2, 5], work[2, 8] = 1.0, -1.0
         return work
 

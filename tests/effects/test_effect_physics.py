@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.signal import lfilter, lsim
 
-from hjcamp.model.simulator import Course, Followed, Simulator
+from hjcamp.model.simulator import Course, Followed, Simulator, inputs_along
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint_menu import pump_courses
 
@@ -31,7 +31,9 @@ def motion(times: list[float], pump: list[float], pressures: tuple[float, float]
     restart = np.zeros(n, dtype=np.int64)
     restart[0] = 2
     zeros = np.zeros(n)
-    return Course(model.period, restart, time, position[:, None], observed, zeros, zeros, zeros + 1.0)
+    return Course(
+        model.period, restart, time, position[:, None], observed, zeros[:, None], inputs_along(PumpJoint, len(time))
+    )
 
 
 def run(simulator: Simulator, course: Course, **values: float) -> Followed:
