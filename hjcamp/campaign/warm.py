@@ -17,11 +17,12 @@ from hjcamp.discrepancy.next_menu import Choice, menu
 from hjcamp.discrepancy.next_trials import Bench
 from hjcamp.discrepancy.passes import compile_passes
 from hjcamp.effects import load_effects
+from hjcamp.model.course import Course, inputs_along
 from hjcamp.model.effect import Effect
 from hjcamp.model.kernel import LEVELS, shared_source
 from hjcamp.model.kernel_cache import is_compiled, load_kernel
 from hjcamp.model.shared import SPACE
-from hjcamp.model.simulator import PERIOD, Course, inputs_along
+from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
 
 SAMPLES = 20

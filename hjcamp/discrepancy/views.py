@@ -20,7 +20,8 @@ from hjcamp.discrepancy.kernel_choice import chosen_for
 from hjcamp.discrepancy.own_starts import OwnStarts
 from hjcamp.discrepancy.passes import force_errors, joint_errors, line_errors
 from hjcamp.discrepancy.recent import Recent
-from hjcamp.model.simulator import Course, Simulator, inputs_along
+from hjcamp.model.course import Course, inputs_along
+from hjcamp.model.simulator import Simulator
 from hjcamp.model.structure import influences, reaching
 from hjcamp.plants.pump_joint import PumpJoint
 

@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-import ast
-import functools
-import inspect
 import math
 import re
-import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from hjcamp.errors import UsageError, unknown
-from hjcamp.model.amount_formula import MATHEMATICS
+from hjcamp.errors import UsageError
 from hjcamp.model.effect import Effect, Term
+from hjcamp.model.effect_names import check_effect
 from hjcamp.model.parameter import Contact, Cut, Parameter, State
 from hjcamp.model.plant import Plant
-from hjcamp.model.term_checks import check_calls
+from hjcamp.model.source_text import GATES, behind_one_test, copied_function, function_source, live, names_in
 from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
 
-GATES = "gates"
 MOST_GATED = 52
-BUILTINS = ("abs", "min", "max", "float", "int")
-INLINED = ("predict", "correct", "contact", "locking", "facing", "faced", "limiting", "readings")
-ENTRIES = ("rates", "begin", "signals")
 
 
 @dataclass(frozen=True)
@@ -75,7 +67,7 @@ class Composition:
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs in the input vector: the plant's, then the slopes of the driven states."""
-        return (*plain_inputs(self.plant), *(f"slope_{state}" for state in self.cut.driven))
+        return (*self.plant.sampled_inputs(), *(f"slope_{state}" for state in self.cut.driven))
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -254,7 +246,7 @@ class Composition:
 
     def terms_source(self) -> str:
         """Return the source of every effect's functions, copied so that the kernel's hash sees their text."""
-        return "\n".join(_copied(name, function) for name, function in term_functions(self.effects).items())
+        return "\n".join(copied_function(name, function) for name, function in term_functions(self.effects).items())
 
     def body(self, last: Sequence[str]) -> list[str]:
         """Return the statements that ``last`` needs, in order, then ``last``."""
@@ -340,103 +332,6 @@ class Composition:
         return f"u_{argument}"
 
 
-def plain_inputs(plant: type[Plant]) -> tuple[str, ...]:
-    """Return the plant's inputs that are given from sample to sample, in order: all but the time and the regime."""
-    return tuple(name for name in plant.inputs if name not in ("time", "direction"))
-
-
-def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
-    """Refuse an effect that does not fit the plant, or with a method that is no formula of numbers."""
-    check_names(effect, plant)
-    check_functions(effect)
-
-
-def check_names(effect: type[Effect], plant: type[Plant]) -> None:
-    """Refuse an effect whose slots, arguments or order do not fit the plant, with the nearest allowed name."""
-    vocabulary = read_vocabulary(plant)
-    where = f"effect {effect.name or effect.__name__}"
-    if effect.acts_on:
-        raise UsageError(f"{where}: acts on every {effect.acts_on}; bind it to a place of plant {plant.name} first")
-    if plant.subsystems and effect.subsystem not in plant.subsystems:
-        raise unknown("subsystem", effect.subsystem, plant.subsystems, where)
-    everywhere = {*effect.states, *effect.parameters, *plant.states, *plant.parameters, *plant.inputs}
-    everywhere |= {port.names["direction"] for port in vocabulary.ports.values() if "direction" in port.names}
-    for slot, term in effect.terms.items():
-        if slot not in vocabulary.slots:
-            raise unknown("slot", slot, vocabulary.slots, where)
-        before = {*vocabulary.known_before(slot), slot}
-        for argument in term.arguments:
-            if argument in everywhere or argument in before:
-                continue
-            if argument in vocabulary.signals:
-                raise UsageError(
-                    f"{where}: term '{slot}' uses '{argument}', which is computed later than the slot '{slot}'. "
-                    f"Allowed there: {', '.join(sorted(before | everywhere))}"
-                )
-            raise unknown("name", argument, before | everywhere, f"{where}, term '{slot}'")
-    for prefix, group in (("d_", effect.rates), ("next_", effect.updates), ("start_", effect.starts)):
-        for own, term in group.items():
-            for argument in term.arguments:
-                allowed = everywhere | set(vocabulary.signals)
-                if argument not in allowed:
-                    raise unknown("name", argument, allowed, f"{where}, method '{prefix}{own}'")
-
-
-def check_functions(effect: type[Effect]) -> None:
-    """Refuse an effect with a method that calls what a kernel cannot, or that gives no number."""
-    where = f"effect {effect.name or effect.__name__}"
-    for term in (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()):
-        _check_globals(term.function, where)
-    check_calls(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
-
-
-def _check_globals(function: Callable[..., float], where: str) -> None:
-    code = function.__code__
-    for name in code.co_names:
-        if name not in MATHEMATICS and name not in BUILTINS:
-            raise unknown(
-                "function or constant", name, [*MATHEMATICS, *BUILTINS], f"{where}, method '{function.__name__}'"
-            )
-
-
-def live(statements: Sequence[str], last: str) -> list[str]:
-    """Return those one-line statements whose results reach the text ``last``, in order."""
-    wanted = names_in(last)
-    kept = []
-    for line in reversed(statements):
-        target, names = _assigned(line)
-        if target in wanted:
-            kept.append(line)
-            wanted |= names
-    return kept[::-1]
-
-
-@functools.lru_cache(maxsize=4096)
-def _assigned(line: str) -> tuple[str, frozenset[str]]:
-    """Return the name that a one-line statement sets, and all names in it."""
-    tree = ast.parse(line).body[0]
-    assignment = tree.body[0] if isinstance(tree, ast.If) else tree
-    assert isinstance(assignment, ast.Assign)
-    return ast.unparse(assignment.targets[0]), frozenset(names_in(line))
-
-
-def behind_one_test(lines: Sequence[str]) -> list[str]:
-    """Return the statements with neighbours behind gates under one test: most slots have no effect most of the time."""
-    found: list[str] = []
-    gated: list[tuple[int, str]] = []
-    for line in [*lines, ""]:
-        mask = re.match(rf"if {GATES} & (\d+): ", line)
-        if mask:
-            gated.append((int(mask[1]), line))
-            continue
-        if len(gated) > 1:
-            found.append(f"if {GATES} & {sum({bit for bit, _ in gated})}:")
-        found += [f"    {one}" if len(gated) > 1 else one for _, one in gated]
-        gated = []
-        found += [line] if line else []
-    return found
-
-
 def term_functions(effects: Sequence[type[Effect]]) -> dict[str, Callable[..., float]]:
     """Return every function of the effects by its name in the composed source."""
     found = {}
@@ -447,30 +342,6 @@ def term_functions(effects: Sequence[type[Effect]]) -> dict[str, Callable[..., f
     return found
 
 
-def names_in(text: str) -> set[str]:
-    """Return the names in a text of Python, its keywords among them: parsing it takes far longer."""
-    return set(re.findall(r"\b[A-Za-z_]\w*", text))
-
-
-def _copied(name: str, function: Callable[..., float]) -> str:
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    definition = tree.body[0]
-    assert isinstance(definition, ast.FunctionDef)
-    definition.name = name
-    definition.decorator_list = []
-    definition.returns = None
-    for argument in definition.args.args:
-        argument.annotation = None
-    return "@inlined\n" + ast.unparse(definition) + "\n\n"
-
-
-def function_source(signature: str, lines: Sequence[str]) -> str:
-    """Return the source of a compiled function; those of every step are inlined, those that Python calls are cached."""
-    name = signature.split("(")[0]
-    mark = "inlined" if name in INLINED else "entry" if name in ENTRIES else "hot"
-    return f"@{mark}\ndef {signature}:\n" + "".join(f"    {line}\n" for line in lines or ["pass"]) + "\n\n"
-
-
 def _held_up(value: str, state: State) -> str:
     """Return the value that equations see of a state: a step may end a rounding error below what it cannot fall below."""
     return f"max({value}, {state.low!r})" if math.isfinite(state.low) else value
@@ -478,6 +349,3 @@ def _held_up(value: str, state: State) -> str:
 
 def _local(name: str) -> str:
     return name.replace(".", "_")
-
-
-assert all(hasattr(math, name) for name in MATHEMATICS)

@@ -81,6 +81,11 @@ class Plant:
         return {name: item for name, item in cls.inputs.items() if name not in ALWAYS}
 
     @classmethod
+    def sampled_inputs(cls) -> tuple[str, ...]:
+        """Return the inputs that are given from sample to sample, in order: all but the time and the regime."""
+        return tuple(name for name in cls.inputs if name not in ("time", "direction"))
+
+    @classmethod
     def cut(cls, name: str) -> Cut:
         """Return the cut called ``name``."""
         return next(cut for cut in cls.cuts if cut.name == name)

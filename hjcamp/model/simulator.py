@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from hjcamp.errors import HjcampError, unknown
 from hjcamp.model import driving, integrator, shared, term_checks
 from hjcamp.model.amount_formula import MATHEMATICS
-from hjcamp.model.compose import GATES, Composition, plain_inputs
+from hjcamp.model.compose import Composition
+from hjcamp.model.course import Course, Followed, Given
 from hjcamp.model.kernel import LEVELS, copied, kernel_source, load_model
 from hjcamp.model.law import Law, law_source
-from hjcamp.model.plant import Plant
+from hjcamp.model.source_text import GATES
 from hjcamp.model.structure import nonlinear_rates
 from hjcamp.model.term_checks import check_compiles, check_law_compiles, limited, users_files
 from hjcamp.model.time_limit import time_limit
@@ -51,54 +52,6 @@ class ClosedLoop:
     scatter: Array
 
 
-@dataclass(frozen=True)
-class Course:
-    """Measured motion along which a model is driven: one or more tests one after the other, n samples ``period`` apart.
-
-    ``restart`` (n): 2 where a test begins, 1 where the observed states are set anew, else 0. ``driven`` (n, driven
-    states) and ``observed`` (n, the observed states) in SI; ``velocity`` (n, contacts) of each contact, 0 where it rests;
-    ``given`` (n, inputs) as `inputs_along` makes them, which hold from each sample to the next.
-    """
-
-    period: float
-    restart: NDArray[np.int64]
-    time: Array
-    driven: Array
-    observed: Array
-    velocity: Array
-    given: Array
-
-
-@dataclass(frozen=True)
-class Given:
-    """What tests are given: n samples ``period`` apart, one test after the other.
-
-    ``begins`` (n): 1 where a test begins; ``time`` (n); ``inputs`` (n, inputs) in the plant's order, which hold from each
-    sample to the next; ``starts`` (tests, plant states).
-    """
-
-    period: float
-    begins: NDArray[np.int64]
-    time: Array
-    inputs: Array
-    starts: Array
-
-
-def inputs_along(plant: type[Plant], samples: int, **columns: Array | float) -> Array:
-    """Return a plant's inputs (samples, inputs) in its order: the named ones as given, all others at their defaults.
-
-    Raises ``UsageError`` for a name that is no input of the plant.
-    """
-    names = plain_inputs(plant)
-    for name in columns:
-        if name not in names:
-            raise unknown("input", name, names, f"plant {plant.name}")
-    return np.column_stack(
-        [np.broadcast_to(columns.get(name, plant.inputs[name].default), samples) for name in names]
-        or [np.empty((samples, 0))]
-    ).astype(float)
-
-
 class Propagators(NamedTuple):
     """The exact steps of a model's linear parts for one sampling period: see `hjcamp.model.shared`.
 
@@ -108,18 +61,6 @@ class Propagators(NamedTuple):
     plan: NDArray[np.int64]
     space: Array
     steps: Array
-
-
-@dataclass(frozen=True)
-class Followed:
-    """Readings (n, channels), the observed states (n, observed) that belong to them, the plant's force balance
-    (n, signals), all SI, and the number of steps taken.
-    """
-
-    readings: Array
-    ideal: Array
-    forces: Array
-    steps: float
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.compose import GATES, Composition, names_in
+from hjcamp.model.compose import Composition
 from hjcamp.model.source_lines import outside_range
+from hjcamp.model.source_text import GATES, names_in
 
 NO_LIMITS = 0
 MOST_REGIMES = 13

@@ -8,10 +8,11 @@ import re
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.model.cached import cached
 from hjcamp.model.element import BODY, CONTACT, ELEMENTS, bare_name, called, expand
 from hjcamp.model.parameter import Contact
 from hjcamp.model.plant import Plant
@@ -88,20 +89,16 @@ class _Rename(ast.NodeTransformer):
         return node
 
 
+@cached
 def read_vocabulary(plant: type[Plant]) -> Vocabulary:
     """Parse ``plant.equations`` into statements; the docstring and comments are skipped.
 
     Raises ``UsageError`` for what is no assignment, an element that is not as it should be, and a unit that does not fit.
     """
-    hashable: Any = plant
-    return _parsed(hashable)
-
-
-@cache
-def _parsed(plant: Any) -> Vocabulary:
-    if not inspect.isfunction(getattr(plant, "equations", None)):
+    equations = getattr(plant, "equations", None)
+    if not inspect.isfunction(equations):
         raise UsageError(f"{inspect.getfile(plant)}: plant {plant.name}: it has no function 'equations'")
-    lines, first = inspect.getsourcelines(plant.equations)
+    lines, first = inspect.getsourcelines(equations)
     function = ast.parse(textwrap.dedent("".join(lines))).body[0]
     if not isinstance(function, ast.FunctionDef):
         raise UsageError(f"{inspect.getfile(plant)}: line {first}: plant {plant.name}: 'equations' is no function")

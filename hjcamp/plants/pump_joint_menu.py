@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.simulator import PERIOD, Course, inputs_along
+from hjcamp.model.course import Course, inputs_along
+from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
 
 Array = NDArray[np.float64]

@@ -8,7 +8,8 @@ from quiet_loop import AREA1, AREA2, DEGREE, EXACT, RADIUS, STIFFNESS, cycloid
 
 from hjcamp.controllers.feedforward import Feedforward
 from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import Course, Simulator, inputs_along
+from hjcamp.model.course import Course, inputs_along
+from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 
 MODEL = Simulator(Composition(PumpJoint))

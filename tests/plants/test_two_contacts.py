@@ -13,8 +13,9 @@ from two_contacts import PENDULUM, SPRING, STACK, Dry, pendulum, spring
 from hjcamp import cli
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import Composition
+from hjcamp.model.course import Course, Given, inputs_along
 from hjcamp.model.parameter import Cut
-from hjcamp.model.simulator import Course, Given, Simulator, inputs_along
+from hjcamp.model.simulator import Simulator
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.plants import find_plant
 
