@@ -20,6 +20,8 @@ Source: Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286, sections 2.4, 2
 
 ``direction`` is the sum of 3^k times the side (-1, 0 or 1) of contact k: that of the only contact where there is one.
 
+Whole numbers that are constants are passed as ``np.int64``: numba compiles a function anew for each literal.
+
 The names in capitals, ``rates``, ``contact``, ``locking``, ``facing``, ``faced``, ``limiting``, ``predict`` and ``correct``
 are supplied by the generated file, ``propagators`` and ``mend`` by the file that all kernels share (`hjcamp.model.shared`).
 """
@@ -27,6 +29,8 @@ are supplied by the generated file, ``propagators`` and ``mend`` by the file tha
 from __future__ import annotations
 
 from typing import Any
+
+import numpy as np
 
 N = 0
 CONTACTS = 0
@@ -61,7 +65,7 @@ propagators: Any = None
 
 def predict_present(time, span, direction, z, u, p, plan, space, steps, row, a, before):  # type: ignore[no-untyped-def]
     """Write rates into ``before`` and the state after one step, without its correction, into ``a``."""
-    rates(-1, time, direction, z, u, p, before)
+    rates(np.int64(-1), time, direction, z, u, p, before)
     lead(span, z, plan, space, steps, row, a, before)
 
 
@@ -70,7 +74,7 @@ def correct_present(  # type: ignore[no-untyped-def]
 ):
     """Add the correction to ``a`` and return its size in units of the states' resolution."""
     after = space[HIGH]
-    rates(-1, time, direction, a, u, p, after)
+    rates(np.int64(-1), time, direction, a, u, p, after)
     return mend(span, weight, everything, z, plan, space, steps, row, a, before, after, RESOLUTION)
 
 
@@ -127,7 +131,7 @@ def regime_row(side, limits, p, plan, space, steps, h):  # type: ignore[no-untyp
     # Hardly ever: what is needed again is made again.
     place = plan[MADE] if plan[MADE] < REGIMES else 0
     linearise(side, limits, p, plan, space)
-    propagators(h, LEVELS, plan[WIDTH], space, steps, place * (LEVELS + 1))
+    propagators(h, np.int64(LEVELS), plan[WIDTH], space, steps, place * (LEVELS + 1))
     plan[CODES + place] = code
     plan[MADE] = place + 1
     return place * (LEVELS + 1)

@@ -84,7 +84,7 @@ def limited(value, low, high, place):
 def bounded(limits, value, low, high, place):
     if limits < 0:
         return min(max(value, low), high)
-    side = (limits // place) % 3
+    side = (limits // int(place)) % 3
     return value if side == 0 else (low if side == 1 else high)
 
 

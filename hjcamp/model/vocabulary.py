@@ -84,7 +84,8 @@ class _Rename(ast.NodeTransformer):
         node = ast.Call(node.func, [self.visit(argument) for argument in node.args], node.keywords)
         if called(node) == "limited":
             value, low, high = (ast.unparse(argument) for argument in node.args)
-            node.args.append(ast.Constant(3 ** len(self.limits)))
+            # a float: numba would compile the function anew for each whole number
+            node.args.append(ast.Constant(float(3 ** len(self.limits))))
             self.limits.append((value, low, high))
         return node
 
