@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.procedure import Procedure
-from hjcamp.model.compose import MATHEMATICS
+from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.law import law_source
 from hjcamp.model.term_checks import check_law_compiles

@@ -17,11 +17,12 @@ from hjcamp.discrepancy.next_trials import Bench
 from hjcamp.discrepancy.passes import compile_passes
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
+from hjcamp.model.course import Course, inputs_along
 from hjcamp.model.effect import Effect
 from hjcamp.model.kernel import LEVELS, shared_source
 from hjcamp.model.kernel_cache import is_compiled, load_kernel
 from hjcamp.model.shared import SPACE
-from hjcamp.model.simulator import PERIOD, Course
+from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
 
 SAMPLES = 20
@@ -119,16 +120,14 @@ def follow_nothing(cut: str, names: Sequence[str]) -> None:
     library = load_effects()
     model = simulator(tuple(library[name] for name in names), cut)
     composition = model.composition
-    start = np.zeros(SAMPLES)
     course = Course(
         period=1e-3,
         restart=np.array([2] + [0] * (SAMPLES - 1)),
         time=np.linspace(0.0, 1e-3 * SAMPLES, SAMPLES, endpoint=False, dtype=np.float64),
         driven=np.zeros((SAMPLES, len(composition.cut.driven))),
-        observed=np.zeros((SAMPLES, len(composition.plant.observed))),
-        velocity=start,
-        dither=start,
-        scatter=np.ones(SAMPLES),
+        observed=np.zeros((SAMPLES, len(composition.observed))),
+        velocity=np.zeros((SAMPLES, len(composition.contacts))),
+        given=inputs_along(composition.plant, SAMPLES),
     )
     model.follow(model.vector({}), course)
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.crew import Crew
-from hjcamp.model.simulator import Course, Followed, Simulator
+from hjcamp.model.course import Course, Followed
+from hjcamp.model.simulator import Simulator
 
 Array = NDArray[np.float64]
 BEGINS = 2

@@ -20,7 +20,8 @@ from hjcamp.discrepancy.own_starts import OwnStarts
 from hjcamp.discrepancy.passes import force_errors, joint_errors, line_errors
 from hjcamp.discrepancy.recent import Recent
 from hjcamp.model.candidate import Candidate
-from hjcamp.model.simulator import Course, Simulator
+from hjcamp.model.course import Course, inputs_along
+from hjcamp.model.simulator import Simulator
 from hjcamp.model.structure import influences, reaching
 from hjcamp.plants.pump_joint import PumpJoint
 
@@ -172,8 +173,7 @@ class Views:
             "windows": whole,
             "tests": tests,
             "samples": np.maximum(whole, 1),
-            "zeros": np.zeros(n),
-            "ones": np.ones(n),
+            "zeros": np.zeros((n, 1)),
         }
 
     def _course(
@@ -187,10 +187,17 @@ class Views:
             time=columns["time"][part],
             driven=np.ascontiguousarray(driven),
             observed=np.ascontiguousarray(observed),
-            velocity=marks["zeros"][part] if restarts == "tests" else columns["velocity"][part],
-            dither=columns["dither"][part],
-            scatter=(marks["ones"] if scatter is None else scatter)[part],
+            velocity=marks["zeros"][part] if restarts == "tests" else columns["velocity"][part, None],
+            given=self._given[part] if scatter is None else self._scattered(scatter)[part],
         )
+
+    @cached_property
+    def _given(self) -> Array:
+        """The plant's inputs (n, inputs) as they were recorded."""
+        return inputs_along(PumpJoint, len(self._columns["time"]), dither=self._columns["dither"])
+
+    def _scattered(self, scatter: Array) -> Array:
+        return inputs_along(PumpJoint, len(scatter), dither=self._columns["dither"], friction_scatter=scatter)
 
     def _key(self, model: Simulator, p: Array, outputs: Sequence[str]) -> tuple[frozenset[str], bytes]:
         """Return what the outputs of a model depend on: the effects present, and the parameters that can reach them."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copyreg
-import functools
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -17,8 +16,9 @@ import numpy as np
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.amount import Amount, dimension
 from hjcamp.model.amount_formula import evaluated, plain_functions
-from hjcamp.model.compose import check_effect
+from hjcamp.model.cached import cached
 from hjcamp.model.effect import Effect, Term
+from hjcamp.model.effect_names import check_effect
 from hjcamp.model.effect_units import check_units
 from hjcamp.model.element import ELEMENTS
 from hjcamp.model.equation_units import Units
@@ -43,24 +43,13 @@ class Bound(type):
     made_of: tuple[Any, ...]
 
 
-def bind(effect: type[Effect], plant: type[Plant]) -> list[type[Effect]]:
+@cached
+def bind(effect: type[Effect], plant: type[Plant]) -> tuple[type[Effect], ...]:
     """Return the effect bound to each place of its kind, to each group of places where it is declared ``together``.
 
     Raises ``Unfit`` where the plant has no such place, none that offers the names which the effect uses, or none of
     fitting units, and ``UsageError`` where the file itself is wrong.
     """
-    hashable: Any = (effect, plant)
-    return list(_bind(*hashable))
-
-
-def bind_instance(instance: type[Instance], effect: type[Effect], plant: type[Plant]) -> type[Effect]:
-    """Return a generic effect at the places, and by the names, of the plant's ``instance`` of it."""
-    hashable: Any = (instance, effect, plant)
-    return _bind_instance(*hashable)
-
-
-@functools.cache
-def _bind(effect: Any, plant: Any) -> tuple[type[Effect], ...]:
     where = f"effect {effect.name or effect.__name__}"
     wanted = wanted_names(effect)
     ports = [port for port in read_vocabulary(plant).ports.values() if port.kind == effect.acts_on]
@@ -90,8 +79,9 @@ def _bind(effect: Any, plant: Any) -> tuple[type[Effect], ...]:
     return tuple(found)
 
 
-@functools.cache
-def _bind_instance(instance: Any, effect: Any, plant: Any) -> type[Effect]:
+@cached
+def bind_instance(instance: type[Instance], effect: type[Effect], plant: type[Plant]) -> type[Effect]:
+    """Return a generic effect at the places, and by the names, of the plant's ``instance`` of it."""
     where = f"effect {instance.name}, plant {plant.name}"
     if not effect.acts_on:
         raise UsageError(f"{where}: '{effect.name}' is no generic effect, it has no acts_on")
@@ -275,24 +265,16 @@ class Quantities:
         return _in_lines(self.units, self.port.names[name])
 
 
-def _units(plant: Any) -> Units:
-    return _units_found(plant)
-
-
-@functools.cache
-def _units_found(plant: Any) -> Units:
+@cached
+def _units(plant: type[Plant]) -> Units:
     units = Units(plant)
     units.follow(read_vocabulary(plant).statements)
     return units
 
 
-def usual_sizes(plant: Any) -> Mapping[str, float]:
+@cached
+def usual_sizes(plant: type[Plant]) -> Mapping[str, float]:
     """Return how large each name of a plant usually is, SI: what is declared as typical, else the rms over such states."""
-    return _sizes_found(plant)
-
-
-@functools.cache
-def _sizes_found(plant: Any) -> Mapping[str, float]:
     vocabulary = read_vocabulary(plant)
     lines = [
         (one.target, compile(one.expression, "<plant>", "eval")) for one in vocabulary.statements if one.mark != "rate"

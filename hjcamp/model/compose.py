@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-import ast
-import functools
-import inspect
 import math
 import re
-import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from hjcamp.errors import UsageError, unknown
-from hjcamp.model.amount_formula import MATHEMATICS
+from hjcamp.errors import UsageError
 from hjcamp.model.effect import Effect, Term
-from hjcamp.model.parameter import Cut, Parameter, State
+from hjcamp.model.effect_names import check_effect
+from hjcamp.model.parameter import Contact, Cut, Parameter, State
 from hjcamp.model.plant import Plant
-from hjcamp.model.term_checks import check_calls
+from hjcamp.model.source_text import GATES, behind_one_test, copied_function, function_source, live, names_in
 from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
 
-GATES = "gates"
 MOST_GATED = 52
-BUILTINS = ("abs", "min", "max", "float", "int")
-INLINED = ("predict", "correct", "contact", "locking", "limiting", "readings")
-ENTRIES = ("rates", "begin", "signals")
 
 
 @dataclass(frozen=True)
@@ -75,20 +67,30 @@ class Composition:
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs in the input vector: the plant's, then the slopes of the driven states."""
-        plain = [name for name in self.plant.inputs if name not in ("time", "direction")]
-        return (*plain, *(f"slope_{state}" for state in self.cut.driven))
-
-    @cached_property
-    def has_contact(self) -> bool:
-        """Whether a contact is simulated (its velocity is not driven)."""
-        driven = {*self.cut.slopes, *self.cut.driven}
-        return any(contact.velocity not in driven for contact in self.vocabulary.contacts)
+        return (*self.plant.sampled_inputs(), *(f"slope_{state}" for state in self.cut.driven))
 
     @property
-    def held(self) -> int:
-        """Position of the state that a contact holds at 0, -1 where there is no contact."""
-        found = [contact.velocity for contact in self.vocabulary.contacts]
-        return list(self.states).index(found[0]) if found else -1
+    def contacts(self) -> tuple[Contact, ...]:
+        """The plant's contacts, in order."""
+        return self.vocabulary.contacts
+
+    @property
+    def held(self) -> tuple[int, ...]:
+        """Positions of the states that the contacts hold at 0, in their order."""
+        names = list(self.states)
+        return tuple(names.index(contact.velocity) for contact in self.contacts)
+
+    @property
+    def free(self) -> tuple[bool, ...]:
+        """Whether each contact is simulated: its velocity is not driven."""
+        driven = {*self.cut.slopes, *self.cut.driven}
+        return tuple(contact.velocity not in driven for contact in self.contacts)
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        """The states that are measured: those that the plant says, else those that its sensors are of, once each."""
+        of = (item.of for item in self.plant.measured.values())
+        return tuple(self.plant.observed) or tuple(dict.fromkeys(name for name in of if name))
 
     @property
     def measured(self) -> tuple[str, ...]:
@@ -116,11 +118,41 @@ class Composition:
         return function_source("rates(limits, time, direction, z, u, p, f)", body)
 
     def contact_source(self) -> str:
-        """Return the source of ``contact(time, direction, z, u, p)``: push, limit and locks; and of ``locking``, the last alone."""
-        found = self.vocabulary.contacts
-        push, limit, locks = (found[0].push, found[0].limit, found[0].locks) if found else ("0.0", "0.0", "0.0")
-        whole = function_source("contact(time, direction, z, u, p)", self.body([f"return {push}, {limit}, {locks}"]))
-        return whole + function_source("locking(time, direction, z, u, p)", self.body([f"return 1.0 * {locks}"]))
+        """Return the source of ``contact(k, time, direction, z, u, p)``: push, limit and locks of contact k; of ``locking``,
+        the last alone; and of ``facing`` and ``faced``, which read and set the side that it is on.
+        """
+        wanted = [f"return {one.push}, {one.limit}, {one.locks}" for one in self.contacts] or ["return 0.0, 0.0, 0.0"]
+        locks = [f"return 1.0 * {one.locks}" for one in self.contacts] or ["return 0.0"]
+        return (
+            self._of_each("contact(k, time, direction, z, u, p)", wanted)
+            + self._of_each("locking(k, time, direction, z, u, p)", locks)
+            + self._of_each("facing(direction, k)", [f"return {side}" for side in self._sides] or ["return 0.0"])
+            + self._of_each(
+                "faced(direction, k, side)",
+                [f"return direction + {3**k}.0 * (side - {side})" for k, side in enumerate(self._sides)]
+                if len(self.contacts) > 1
+                else ["return side"],
+            )
+        )
+
+    @property
+    def _sides(self) -> list[str]:
+        """The expression of each contact's side, -1, 0 or 1: ``direction`` is the sum of 3^k times side k."""
+        count = len(self.contacts)
+        if count == 1:
+            return ["direction"]
+        return [f"((int(direction) + {(3**count - 1) // 2}) // {3**k} % 3 - 1.0)" for k in range(count)]
+
+    def direction(self, sides: Mapping[str, float]) -> float:
+        """Return what stands for the sides of all contacts, from the values of their directions by name; 0 where not given."""
+        return float(sum(3**k * sides.get(one.direction, 0.0) for k, one in enumerate(self.contacts)))
+
+    def _of_each(self, signature: str, last: Sequence[str]) -> str:
+        """Return the source of a function that returns for contact ``k`` what the k-th line says."""
+        lines = []
+        for k, one in enumerate(last[:-1]):
+            lines += [f"if k == {k}:", *(f"    {line}" for line in self.body([one]))]
+        return function_source(signature, [*lines, *self.body([last[-1]])])
 
     def limiting_source(self) -> str:
         """Return the source of ``limiting(time, direction, z, u, p)``: the code of what the limiters do.
@@ -214,7 +246,7 @@ class Composition:
 
     def terms_source(self) -> str:
         """Return the source of every effect's functions, copied so that the kernel's hash sees their text."""
-        return "\n".join(_copied(name, function) for name, function in term_functions(self.effects).items())
+        return "\n".join(copied_function(name, function) for name, function in term_functions(self.effects).items())
 
     def body(self, last: Sequence[str]) -> list[str]:
         """Return the statements that ``last`` needs, in order, then ``last``."""
@@ -239,6 +271,8 @@ class Composition:
         lines += [f"p_{_local(name)} = p[{index}]" for index, name in enumerate(self.parameters)]
         lines += [f"u_{name} = u[{index}]" for index, name in enumerate(self.inputs)]
         lines += [f"{GATES} = int(p_{GATES})", "u_time = time", "u_direction = direction"]
+        if len(self.contacts) > 1:
+            lines += [f"u_{one.direction} = {side}" for one, side in zip(self.contacts, self._sides, strict=True)]
         lines += [f"s_{state} = u_slope_{driven}" for state, driven in self.cut.slopes.items()]
         for line in self.vocabulary.statements:
             target = f"d_{line.target}" if line.mark == "rate" else line.target
@@ -298,98 +332,6 @@ class Composition:
         return f"u_{argument}"
 
 
-def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
-    """Refuse an effect that does not fit the plant, or with a method that is no formula of numbers."""
-    check_names(effect, plant)
-    check_functions(effect)
-
-
-def check_names(effect: type[Effect], plant: type[Plant]) -> None:
-    """Refuse an effect whose slots, arguments or order do not fit the plant, with the nearest allowed name."""
-    vocabulary = read_vocabulary(plant)
-    where = f"effect {effect.name or effect.__name__}"
-    if effect.acts_on:
-        raise UsageError(f"{where}: acts on every {effect.acts_on}; bind it to a place of plant {plant.name} first")
-    if plant.subsystems and effect.subsystem not in plant.subsystems:
-        raise unknown("subsystem", effect.subsystem, plant.subsystems, where)
-    everywhere = {*effect.states, *effect.parameters, *plant.states, *plant.parameters, *plant.inputs}
-    everywhere |= {port.names["direction"] for port in vocabulary.ports.values() if "direction" in port.names}
-    for slot, term in effect.terms.items():
-        if slot not in vocabulary.slots:
-            raise unknown("slot", slot, vocabulary.slots, where)
-        before = {*vocabulary.known_before(slot), slot}
-        for argument in term.arguments:
-            if argument in everywhere or argument in before:
-                continue
-            if argument in vocabulary.signals:
-                raise UsageError(
-                    f"{where}: term '{slot}' uses '{argument}', which is computed later than the slot '{slot}'. "
-                    f"Allowed there: {', '.join(sorted(before | everywhere))}"
-                )
-            raise unknown("name", argument, before | everywhere, f"{where}, term '{slot}'")
-    for prefix, group in (("d_", effect.rates), ("next_", effect.updates), ("start_", effect.starts)):
-        for own, term in group.items():
-            for argument in term.arguments:
-                allowed = everywhere | set(vocabulary.signals)
-                if argument not in allowed:
-                    raise unknown("name", argument, allowed, f"{where}, method '{prefix}{own}'")
-
-
-def check_functions(effect: type[Effect]) -> None:
-    """Refuse an effect with a method that calls what a kernel cannot, or that gives no number."""
-    where = f"effect {effect.name or effect.__name__}"
-    for term in (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()):
-        _check_globals(term.function, where)
-    check_calls(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
-
-
-def _check_globals(function: Callable[..., float], where: str) -> None:
-    code = function.__code__
-    for name in code.co_names:
-        if name not in MATHEMATICS and name not in BUILTINS:
-            raise unknown(
-                "function or constant", name, [*MATHEMATICS, *BUILTINS], f"{where}, method '{function.__name__}'"
-            )
-
-
-def live(statements: Sequence[str], last: str) -> list[str]:
-    """Return those one-line statements whose results reach the text ``last``, in order."""
-    wanted = names_in(last)
-    kept = []
-    for line in reversed(statements):
-        target, names = _assigned(line)
-        if target in wanted:
-            kept.append(line)
-            wanted |= names
-    return kept[::-1]
-
-
-@functools.lru_cache(maxsize=4096)
-def _assigned(line: str) -> tuple[str, frozenset[str]]:
-    """Return the name that a one-line statement sets, and all names in it."""
-    tree = ast.parse(line).body[0]
-    assignment = tree.body[0] if isinstance(tree, ast.If) else tree
-    assert isinstance(assignment, ast.Assign)
-    return ast.unparse(assignment.targets[0]), frozenset(names_in(line))
-
-
-def behind_one_test(lines: Sequence[str]) -> list[str]:
-    """Return the statements with neighbours behind gates under one test: most slots have no effect most of the time."""
-    found: list[str] = []
-    gated: list[tuple[int, str]] = []
-    for line in [*lines, ""]:
-        mask = re.match(rf"if {GATES} & (\d+): ", line)
-        if mask:
-            gated.append((int(mask[1]), line))
-            continue
-        if len(gated) > 1:
-            found.append(f"if {GATES} & {sum({bit for bit, _ in gated})}:")
-        found += [f"    {one}" if len(gated) > 1 else one for _, one in gated]
-        gated = []
-        found += [line] if line else []
-    return found
-
-
 def term_functions(effects: Sequence[type[Effect]]) -> dict[str, Callable[..., float]]:
     """Return every function of the effects by its name in the composed source."""
     found = {}
@@ -400,30 +342,6 @@ def term_functions(effects: Sequence[type[Effect]]) -> dict[str, Callable[..., f
     return found
 
 
-def names_in(text: str) -> set[str]:
-    """Return the names in a text of Python, its keywords among them: parsing it takes far longer."""
-    return set(re.findall(r"\b[A-Za-z_]\w*", text))
-
-
-def _copied(name: str, function: Callable[..., float]) -> str:
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    definition = tree.body[0]
-    assert isinstance(definition, ast.FunctionDef)
-    definition.name = name
-    definition.decorator_list = []
-    definition.returns = None
-    for argument in definition.args.args:
-        argument.annotation = None
-    return "@inlined\n" + ast.unparse(definition) + "\n\n"
-
-
-def function_source(signature: str, lines: Sequence[str]) -> str:
-    """Return the source of a compiled function; those of every step are inlined, those that Python calls are cached."""
-    name = signature.split("(")[0]
-    mark = "inlined" if name in INLINED else "entry" if name in ENTRIES else "hot"
-    return f"@{mark}\ndef {signature}:\n" + "".join(f"    {line}\n" for line in lines or ["pass"]) + "\n\n"
-
-
 def _held_up(value: str, state: State) -> str:
     """Return the value that equations see of a state: a step may end a rounding error below what it cannot fall below."""
     return f"max({value}, {state.low!r})" if math.isfinite(state.low) else value
@@ -431,6 +349,3 @@ def _held_up(value: str, state: State) -> str:
 
 def _local(name: str) -> str:
     return name.replace(".", "_")
-
-
-assert all(hasattr(math, name) for name in MATHEMATICS)

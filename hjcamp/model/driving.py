@@ -7,7 +7,12 @@ from typing import Any
 import numpy as np
 
 N = 0
-VELOCITY = 0
+PLANT_STATES = 0
+GIVEN = 0
+DRIVEN = 0
+OBSERVED = 0
+CONTACTS = 0
+VELOCITIES: Any = ()
 OBSERVED_STATES: Any = ()
 READINGS = 0
 PRESSURE1 = 0
@@ -19,7 +24,7 @@ PRELOAD = 0
 SCATTER = 0
 DRIVEN_STATES: Any = ()
 DRIVEN_INPUTS: Any = ()
-CONTACT = True
+faced: Any = None
 readings: Any = None
 balance: Any = None
 begin: Any = None
@@ -119,38 +124,45 @@ def closed_loop(  # type: ignore[no-untyped-def]
 
 
 def follow(  # type: ignore[no-untyped-def]
-    z, u, p, plan, space, steps, h, restart, time, driven, observed, velocity, dither, scatter, out, ideal, forces, work
+    z, u, p, plan, space, steps, h, restart, time, driven, observed, velocity, given, out, ideal, forces, work
 ):
     """Drive the plant along measured motion; fill ``out`` with its readings, ``ideal`` with its observed states
     and ``forces`` with its force balance.
 
-    Where ``restart`` is 2 a test begins, where it is 1 the observed states are set to what was measured, and at rest the
-    effects' states that are known from them.
+    Where ``restart`` is 2 a test begins, its other states at 0; where it is 1 the observed states are set to what was
+    measured, and where all contacts rest the effects' states that are known from them. ``given`` (n, inputs) holds from
+    each sample to the next.
     """
     a, before, counter = work[0], work[1], work[2]
     direction = 0.0
     n = len(time)
     for k in range(n):
-        u[DITHER] = dither[k]
-        u[SCATTER] = scatter[k]
+        for i in range(GIVEN):
+            u[i] = given[k, i]
         ends = k + 1 == n or restart[k + 1] == 2
-        for i in range(len(DRIVEN_STATES)):
+        if restart[k] == 2:
+            for i in range(PLANT_STATES):
+                z[i] = 0.0
+        for i in range(DRIVEN):
             z[DRIVEN_STATES[i]] = driven[k, i]
             u[DRIVEN_INPUTS[i]] = 0.0 if ends else (driven[k + 1, i] - driven[k, i]) / h
         if restart[k] > 0:
-            for i in range(len(OBSERVED_STATES)):
+            for i in range(OBSERVED):
                 z[OBSERVED_STATES[i]] = observed[k, i]
-            z[VELOCITY] = velocity[k]
-            direction = np.sign(velocity[k])
+            rests = True
+            for i in range(CONTACTS):
+                z[VELOCITIES[i]] = velocity[k, i]
+                direction = faced(direction, i, np.sign(velocity[k, i]))
+                rests = rests and velocity[k, i] == 0.0
             counter[8] = -1.0
             if restart[k] == 2:
                 counter[0] = 0.0
                 begin(time[k], direction, z, u, p)
-            elif velocity[k] == 0.0:
+            elif rests:
                 renew(time[k], direction, z, u, p)
         readings(time[k], direction, z, u, p, out[k])
         balance(time[k], direction, z, u, p, forces[k])
-        for i in range(len(OBSERVED_STATES)):
+        for i in range(OBSERVED):
             ideal[k, i] = z[OBSERVED_STATES[i]]
         remember(time[k], direction, z, u, p)
         direction = move(time[k], direction, z, u, p, plan, space, steps, h, a, before, counter)
@@ -174,8 +186,8 @@ def run_free(  # type: ignore[no-untyped-def]
             for i in range(starts.shape[1]):
                 z[i] = starts[row, i]
             row += 1
-            if CONTACT:
-                direction = np.sign(z[VELOCITY])
+            for i in range(CONTACTS):
+                direction = faced(direction, i, np.sign(z[VELOCITIES[i]]))
             counter[8] = -1.0
             if begins[k] == 1:
                 counter[0] = 0.0

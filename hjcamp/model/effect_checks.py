@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import Composition
+from hjcamp.model.course import Course, Followed
 from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
 from hjcamp.model.parameter import Parameter
 from hjcamp.model.plant import Plant
-from hjcamp.model.simulator import Course, Followed, Simulator
+from hjcamp.model.simulator import Simulator
 
 Array = NDArray[np.float64]
 WINDOW = 200
@@ -236,7 +237,7 @@ def _windowed(course: Course, ideal: Array) -> Course:
     restart[WINDOW::WINDOW] = 1
     velocity = np.gradient(ideal[:, -1], course.period)
     velocity[np.abs(velocity) < 1e-4] = 0.0
-    return replace(course, restart=restart, observed=ideal, velocity=velocity)
+    return replace(course, restart=restart, observed=ideal, velocity=velocity[:, None])
 
 
-_ARRAYS = ("restart", "time", "driven", "observed", "velocity", "dither", "scatter")
+_ARRAYS = ("restart", "time", "driven", "observed", "velocity", "given")

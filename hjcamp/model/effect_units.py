@@ -11,8 +11,8 @@ from hjcamp.errors import UsageError
 from hjcamp.model import term_checks
 from hjcamp.model.amount import Amount, dimension, text
 from hjcamp.model.amount_formula import with_amounts
-from hjcamp.model.compose import check_effect
 from hjcamp.model.effect import Effect, Term
+from hjcamp.model.effect_names import check_effect
 from hjcamp.model.plant import Plant
 from hjcamp.model.time_limit import time_limit
 from hjcamp.model.user_file import is_users

@@ -18,16 +18,24 @@ and the size of the correction says how finely. Where nothing locks friction pas
 event. ``before`` holds f(z), s and the next s.
 Source: Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286, sections 2.4, 2.5 (Rosenbrock) and 2.7 (multistep).
 
-The names in capitals, ``rates``, ``contact``, ``locking``, ``limiting``, ``predict`` and ``correct`` are supplied by the
-generated file, ``propagators`` and ``mend`` by the file that all kernels share (`hjcamp.model.shared`).
+``direction`` is the sum of 3^k times the side (-1, 0 or 1) of contact k: that of the only contact where there is one.
+
+Whole numbers that are constants are passed as ``np.int64``: numba compiles a function anew for each literal.
+
+The names in capitals, ``rates``, ``contact``, ``locking``, ``facing``, ``faced``, ``limiting``, ``predict`` and ``correct``
+are supplied by the generated file, ``propagators`` and ``mend`` by the file that all kernels share (`hjcamp.model.shared`).
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 N = 0
-VELOCITY = 0
+CONTACTS = 0
+VELOCITIES: Any = ()
+FREE: Any = ()
 LEVELS = 0
 AFFINE = True
 CONTACT = True
@@ -38,10 +46,14 @@ TYPICAL: Any = None
 MADE = PRESENT = CURVED = WIDTH = CODES = REGIMES = STATES = JACOBIAN = 0
 ABOUT, INPUTS, MOVED, LOW, HIGH = range(5)
 SIDES = 4
+ALL_SIDES = 4
+KINDS = 9
 CREEP = 0.3
 rates: Any = None
 contact: Any = None
 locking: Any = None
+facing: Any = None
+faced: Any = None
 limiting: Any = None
 predict: Any = None
 correct: Any = None
@@ -53,7 +65,7 @@ propagators: Any = None
 
 def predict_present(time, span, direction, z, u, p, plan, space, steps, row, a, before):  # type: ignore[no-untyped-def]
     """Write rates into ``before`` and the state after one step, without its correction, into ``a``."""
-    rates(-1, time, direction, z, u, p, before)
+    rates(np.int64(-1), time, direction, z, u, p, before)
     lead(span, z, plan, space, steps, row, a, before)
 
 
@@ -62,24 +74,36 @@ def correct_present(  # type: ignore[no-untyped-def]
 ):
     """Add the correction to ``a`` and return its size in units of the states' resolution."""
     after = space[HIGH]
-    rates(-1, time, direction, a, u, p, after)
+    rates(np.int64(-1), time, direction, a, u, p, after)
     return mend(span, weight, everything, z, plan, space, steps, row, a, before, after, RESOLUTION)
 
 
 def linearise(side, limits, p, plan, space):  # type: ignore[no-untyped-def]
     """Fill the Jacobian (w, w) of ``space`` with d rates / d z in a regime, by central differences.
 
-    ``side``: 0 held, 1 and 2 moving in the positive and negative direction, 3 creeping as after rest, where nothing locks.
+    ``side``, for each contact one digit of base 4: 0 held, 1 and 2 moving in the positive and negative direction, 3 creeping
+    as after rest, where nothing locks.
     """
     start, u, moved, low, high = space[ABOUT], space[INPUTS], space[MOVED], space[LOW], space[HIGH]
     direction = 0.0
     for i in range(N):
         moved[i] = start[i]
     if CONTACT:
-        direction = 0.0 if side == 0 else (-1.0 if side == 2 else 1.0)
-        # Well above the speeds at which friction bends, so that the linear part is that of steady sliding.
-        moved[VELOCITY] = (CREEP if side == 3 else 10.0) * direction * TYPICAL[VELOCITY]
-        if (side == 1 or side == 2) and locking(0.0, direction, moved, u, p) == 0.0:
+        rest = side
+        for k in range(CONTACTS):
+            way = 0.0 if rest % SIDES == 0 else (-1.0 if rest % SIDES == 2 else 1.0)
+            direction = faced(direction, k, way)
+            if FREE[k]:
+                # Well above the speeds at which friction bends, so that the linear part is that of steady sliding.
+                moved[VELOCITIES[k]] = (CREEP if rest % SIDES == 3 else 10.0) * way * TYPICAL[VELOCITIES[k]]
+            rest //= SIDES
+        passing = False
+        rest = side
+        for k in range(CONTACTS):
+            if FREE[k] and (rest % SIDES == 1 or rest % SIDES == 2):
+                passing = passing or locking(k, 0.0, direction, moved, u, p) == 0.0
+            rest //= SIDES
+        if passing:
             begin(0.0, direction, moved, u, p)
     m = plan[PRESENT]
     w = plan[WIDTH]
@@ -100,14 +124,14 @@ def linearise(side, limits, p, plan, space):  # type: ignore[no-untyped-def]
 
 def regime_row(side, limits, p, plan, space, steps, h):  # type: ignore[no-untyped-def]
     """Return the row of the propagators of a whole sample in a regime, which are made when it is first asked for."""
-    code = side + SIDES * limits
+    code = side + ALL_SIDES * limits
     for place in range(plan[MADE]):
         if plan[CODES + place] == code:
             return place * (LEVELS + 1)
     # Hardly ever: what is needed again is made again.
     place = plan[MADE] if plan[MADE] < REGIMES else 0
     linearise(side, limits, p, plan, space)
-    propagators(h, LEVELS, plan[WIDTH], space, steps, place * (LEVELS + 1))
+    propagators(h, np.int64(LEVELS), plan[WIDTH], space, steps, place * (LEVELS + 1))
     plan[CODES + place] = code
     plan[MADE] = place + 1
     return place * (LEVELS + 1)
@@ -119,13 +143,19 @@ def arrive(time, direction, z, u, p, plan, space, steps, h, before, counter):  #
     Return the direction of motion: where nothing locks a slider turns without an event, and is said to creep or slide.
     """
     side = 0
-    counter[7] = 0.0
-    if CONTACT and direction != 0.0:
-        if locking(time, direction, z, u, p) == 0.0:
-            if z[VELOCITY] * direction < 0.0:
-                direction = -direction
-            counter[7] = 1.0 if abs(z[VELOCITY]) > CREEP * TYPICAL[VELOCITY] else 2.0
-        side = 3 if counter[7] == 2.0 else (1 if direction > 0.0 else 2)
+    if CONTACT:
+        place = 1
+        for k in range(CONTACTS):
+            own = facing(direction, k)
+            counter[KINDS + k] = 0.0
+            if own != 0.0:
+                if FREE[k] and locking(k, time, direction, z, u, p) == 0.0:
+                    if z[VELOCITIES[k]] * own < 0.0:
+                        own = -own
+                        direction = faced(direction, k, own)
+                    counter[KINDS + k] = 1.0 if abs(z[VELOCITIES[k]]) > CREEP * TYPICAL[VELOCITIES[k]] else 2.0
+                side += place * (3 if counter[KINDS + k] == 2.0 else (1 if own > 0.0 else 2))
+            place *= SIDES
     limits = limiting(time, direction, z, u, p)
     counter[4] = limits
     counter[8] = regime_row(side, limits, p, plan, space, steps, h)
@@ -141,13 +171,13 @@ def forget(before, counter):  # type: ignore[no-untyped-def]
     counter[6] = 0.0
 
 
-def turned(span, direction, z, a, before):  # type: ignore[no-untyped-def]
-    """Return True where the moving slider came to rest within the step, also if it moves on at its end."""
-    end = a[VELOCITY] * direction
+def turned(span, velocity, own, z, a, before):  # type: ignore[no-untyped-def]
+    """Return True where what moves to the side ``own`` came to rest within the step, also if it moves on at its end."""
+    end = a[velocity] * own
     if end < 0.0:
         return True
-    slowing = before[VELOCITY] * direction
-    start = z[VELOCITY] * direction
+    slowing = before[velocity] * own
+    start = z[velocity] * own
     if slowing >= 0.0 or start <= 0.0:
         return False
     # A parabola through both speeds and the first acceleration: its lowest point may lie inside the step.
@@ -157,13 +187,47 @@ def turned(span, direction, z, a, before):  # type: ignore[no-untyped-def]
     return 4.0 * start * curve < (slowing * span) * (slowing * span)
 
 
+def ending(now, end, span, direction, z, a, u, p, before, counter):  # type: ignore[no-untyped-def]
+    """Return the sum of 2^k over the contacts whose regime ends within a step from ``z`` to ``a``.
+
+    Negative: over those that are held although nothing locks them, neither before nor after it.
+    """
+    found = 0
+    loose = 0
+    for k in range(CONTACTS):
+        if FREE[k]:
+            own = facing(direction, k)
+            if own == 0.0:
+                push, limit, locks = contact(k, end, direction, a, u, p)
+                if locks == 0.0 and contact(k, now, direction, z, u, p)[2] == 0.0:
+                    loose += 1 << k
+                if abs(push) > limit or locks == 0.0:
+                    found += 1 << k
+            elif counter[KINDS + k] == 0.0 and turned(span, VELOCITIES[k], own, z, a, before):
+                found += 1 << k
+    return -loose if loose > 0 else found
+
+
+def shifted(time, direction, z, u, p, counter):  # type: ignore[no-untyped-def]
+    """Return whether what moves has begun or ceased to lock, or has turned, or changed from creeping to sliding or back."""
+    for k in range(CONTACTS):
+        own = facing(direction, k)
+        if FREE[k] and own != 0.0:
+            kind = 0.0
+            if locking(k, time, direction, z, u, p) == 0.0:
+                kind = 1.0 if abs(z[VELOCITIES[k]]) > CREEP * TYPICAL[VELOCITIES[k]] else 2.0
+            if kind != counter[KINDS + k] or (kind > 0.0 and z[VELOCITIES[k]] * own < 0.0):
+                return True
+    return False
+
+
 def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  # type: ignore[no-untyped-def]
     """Move ``z`` on by one sample in as many steps as accuracy and the ends of regimes ask for; return the direction.
 
     ``counter``: 0 level that accuracy asks for, 1 steps, 2 events, 3 largest correction accepted at the finest level,
     4 code of what the limiters do, 5 the correction that is accepted, in units of the states' resolution, 6 length of the
-    step before, 7 whether friction locks (0) or, where nothing does, the slider slides (1) or creeps (2), 8 row of the
-    regime's propagators, negative where the regime is not known.
+    step before, 8 row of the regime's propagators, negative where the regime is not known, 9 + k whether contact k locks
+    (0) or, where it does not, slides (1) or creeps (2).
     """
     if counter[8] < 0.0 or (LIMITS_VARY and limiting(time, direction, z, u, p) != counter[4]):
         direction = arrive(time, direction, z, u, p, plan, space, steps, h, before, counter)
@@ -207,19 +271,15 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
                 elif not searching:
                     accuracy = level
                 continue
-        ended = False
+        ended = 0
         if CONTACT:
-            if direction == 0.0:
-                push, limit, locks = contact(end, direction, a, u, p)
-                if locks == 0.0 and contact(now, direction, z, u, p)[2] == 0.0:
-                    # What does not lock has not been held before either: it moves from here on.
-                    direction = regime_after(now, direction, z, u, p)
-                    direction = arrive(now, direction, z, u, p, plan, space, steps, h, before, counter)
-                    continue
-                ended = abs(push) > limit or locks == 0.0
-            else:
-                ended = counter[7] == 0.0 and turned(span, direction, z, a, before)
-            if ended and level < LEVELS:
+            ended = ending(now, end, span, direction, z, a, u, p, before, counter)
+            if ended < 0:
+                # What does not lock has not been held before either: it moves from here on.
+                direction = regime_after(-ended, now, direction, z, u, p)
+                direction = arrive(now, direction, z, u, p, plan, space, steps, h, before, counter)
+                continue
+            if ended > 0 and level < LEVELS:
                 level += 1
                 searching = True
                 continue
@@ -234,19 +294,15 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
                 before[N + i] = before[2 * N + i]
             counter[6] = span
         other = kink
-        if ended:
-            direction = regime_after(end, direction, z, u, p)
+        if ended > 0:
+            direction = regime_after(ended, end, direction, z, u, p)
             counter[2] += 1.0
             other = True
         elif CONTACT and direction != 0.0:
-            if locking(end, direction, z, u, p) == 0.0:
-                kind = 1.0 if abs(z[VELOCITY]) > CREEP * TYPICAL[VELOCITY] else 2.0
-                other = other or kind != counter[7] or z[VELOCITY] * direction < 0.0
-            else:
-                other = other or counter[7] != 0.0
+            other = shifted(end, direction, z, u, p, counter) or other
         if other:
             direction = arrive(end, direction, z, u, p, plan, space, steps, h, before, counter)
-        if ended or kink:
+        if ended > 0 or kink:
             searching = False
         elif not searching and error < 0.1 * counter[5] and accuracy > 0:
             accuracy -= 1
@@ -256,15 +312,29 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
     return direction
 
 
-def regime_after(time, direction, z, u, p):  # type: ignore[no-untyped-def]
-    """Return the regime that follows an event: held, or moving in the direction of the push."""
-    push, limit, locks = contact(time, 0.0, z, u, p)
+def regime_after(which, time, direction, z, u, p):  # type: ignore[no-untyped-def]
+    """Return the regime that follows an event at the contacts ``which``, the sum of their 2^k."""
+    for k in range(CONTACTS):
+        if (which >> k) & 1:
+            direction = faced(direction, k, side_after(k, time, direction, z, u, p))
+    if CONTACTS > 1:
+        # What moves from now on may push others over their limits.
+        for _ in range(CONTACTS - 1):
+            for k in range(CONTACTS):
+                if FREE[k] and facing(direction, k) == 0.0:
+                    direction = faced(direction, k, side_after(k, time, direction, z, u, p))
+    return direction
+
+
+def side_after(k, time, direction, z, u, p):  # type: ignore[no-untyped-def]
+    """Return the side of a contact after an event: held, or moving in the direction of the push."""
+    push, limit, locks = contact(k, time, faced(direction, k, 0.0), z, u, p)
     if locks == 0.0:
-        if direction == 0.0:
+        if facing(direction, k) == 0.0:
             return 1.0 if push > 0.0 else -1.0
-        return -direction
+        return -facing(direction, k)
     ahead = 0.0 if abs(push) <= limit else (1.0 if push > 0.0 else -1.0)
-    # A slider that turns back without rest keeps the little speed it has gained since it turned.
-    if z[VELOCITY] * ahead <= 0.0:
-        z[VELOCITY] = 0.0
+    # What turns back without rest keeps the little speed it has gained since it turned.
+    if z[VELOCITIES[k]] * ahead <= 0.0:
+        z[VELOCITIES[k]] = 0.0
     return ahead

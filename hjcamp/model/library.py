@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.binding import Unfit, bind, bind_instance, wanted_names
-from hjcamp.model.compose import check_functions, check_names
 from hjcamp.model.effect import Effect
+from hjcamp.model.effect_names import check_functions, check_names
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_file import is_users
 from hjcamp.model.vocabulary import read_vocabulary
@@ -86,7 +86,7 @@ def _of_file(
     if effect.acts_on:
         wanted_names(effect)
         check_functions(effect)
-        return bind(effect, plant)
+        return list(bind(effect, plant))
     try:
         check_names(effect, plant)
     except UsageError as problem:

@@ -182,12 +182,17 @@ class Channel:
 
 @dataclass(frozen=True)
 class Contact:
-    """Where dry friction holds: ``velocity`` stays 0 while the ``push`` is within ``limit`` and ``locks`` is not 0."""
+    """Where dry friction holds: ``velocity`` stays 0 while the ``push`` is within ``limit`` and ``locks`` is not 0.
 
+    ``direction`` is the input that says its regime: 0 held, +1 and -1 moving.
+    """
+
+    name: str
     velocity: str
     push: str
     limit: str
     locks: str
+    direction: str
 
 
 @dataclass(frozen=True)
@@ -195,7 +200,7 @@ class Cut:
     """A view that drives part of the plant with measurements: each state in ``driven`` follows a channel.
 
     ``driven`` maps a state to the channel field that it follows; ``slopes`` maps a state to the driven state whose
-    rate it is; the states in ``frozen`` are not needed then.
+    rate it is; the states in ``frozen`` are not needed then. Nothing needs to be driven: then the inputs alone move the plant.
     """
 
     name: str

@@ -55,10 +55,9 @@ class PlainModel:
         return np.array([self.values.get(name, item.default) for name, item in self.composition.parameters.items()])
 
     def at(self, place: Mapping[str, float]) -> tuple[float, float, Array]:
-        """Return time, direction and inputs of a place; a contact with a regime of its own is told by its name."""
-        self.functions.update({f"u_{name}": place[name] for name in place if name.startswith("direction")})
+        """Return time, regime of the contacts, and inputs of a place."""
         u = np.array([place.get(name, self.plant.inputs[name].default) for name in self.composition.inputs])
-        return place.get("time", 0.0), place.get("direction", 0.0), u
+        return place.get("time", 0.0), self.composition.direction(place), u
 
     def begin(self, place: Mapping[str, float]) -> Array:
         """Return the states of a place; those of effects at their starts unless they are given."""
@@ -105,8 +104,7 @@ class PlainModel:
         names = list(self.plant.states)
         begin, end = (np.array([place[name] for name in names]) for place in (now, then))
         given, later = self.at(now)[2], self.at(then)[2]
-        self.at(now)
-        full, rates, p, direction = z.copy(), np.zeros(len(states)), self.p, now["direction"]
+        full, rates, p, direction = z.copy(), np.zeros(len(states)), self.p, self.at(now)[1]
 
         def rate(share: float, values: Array) -> Array:
             full[: len(names)], full[own] = begin + share * (end - begin), values
@@ -145,9 +143,8 @@ def course_of(plant: type[Plant]) -> list[dict[str, float]]:
         }
         place |= {name: place[name] if sample >= RESTING else 0.0 for name in held}
         place["time"] = sample * plant.period
-        place["direction"] = 0.0
         for port in contacts:
-            place[port.names.get("direction", "direction")] = float(np.sign(place[port.names["velocity"]]))
+            place[port.names["direction"]] = float(np.sign(place[port.names["velocity"]]))
         course.append(place)
     return course
 

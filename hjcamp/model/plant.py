@@ -9,11 +9,12 @@ from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.field_table import Field
 from hjcamp.model.instance import Instance
 from hjcamp.model.law import Law
-from hjcamp.model.parameter import Channel, Contact, Cut, Input, Measured, Parameter, State, declared
+from hjcamp.model.parameter import Channel, Cut, Input, Measured, Parameter, State, declared
 from hjcamp.model.port import Port
 from hjcamp.model.scatter import FrictionScatter
 
-# What every plant's equations may use: the regime of its one contact, the time, and what friction scatters by.
+# What every plant's equations may use: the regime of its contact, the time, and what friction scatters by.
+# Of several contacts each has a regime of its own, ``drive.direction_NAME``.
 ALWAYS = {
     "friction_scatter": Input(
         "1", 1.0, "factor on static and Coulomb friction at this instant", name="friction_scatter"
@@ -41,7 +42,6 @@ class Plant:
     period: ClassVar[float] = 1e-3
     subsystems: ClassVar[tuple[str, ...]] = ()
     channels: ClassVar[tuple[Channel, ...]] = ()
-    contact: ClassVar[Contact | None] = None
     balance: ClassVar[tuple[str, ...]] = ()
     cuts: ClassVar[tuple[Cut, ...]] = ()
     observed: ClassVar[dict[str, tuple[str, str | None]]] = {}
@@ -89,6 +89,11 @@ class Plant:
     def given_inputs(cls) -> dict[str, Input]:
         """Return the inputs that the plant declares itself: what every plant has is not in its logs."""
         return {name: item for name, item in cls.inputs.items() if name not in ALWAYS}
+
+    @classmethod
+    def sampled_inputs(cls) -> tuple[str, ...]:
+        """Return the inputs that are given from sample to sample, in order: all but the time and the regime."""
+        return tuple(name for name in cls.inputs if name not in ("time", "direction"))
 
     @classmethod
     def cut(cls, name: str) -> Cut:

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import Composition
+from hjcamp.model.course import Given
 from hjcamp.model.effect import Effect
 from hjcamp.model.plant import ALWAYS, Plant
-from hjcamp.model.simulator import Given, Simulator
+from hjcamp.model.simulator import Simulator
 
 Array = NDArray[np.float64]
 SAMPLES = 1500

@@ -152,8 +152,6 @@ def _places(plant: type[Plant]) -> list[dict[str, float]]:
         place |= {f"p_{name}": item.default for name, item in plant.parameters.items()}
         for port in vocabulary.ports.values():
             if port.kind == "contact":
-                place[f"u_{port.names.get('direction', 'direction')}"] = float(
-                    np.sign(place[f"s_{port.names['velocity']}"])
-                )
+                place[f"u_{port.names['direction']}"] = float(np.sign(place[f"s_{port.names['velocity']}"]))
         found.append(place)
     return found

@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 from hjcamp.errors import HjcampError, unknown
 from hjcamp.model import driving, integrator, shared, term_checks
 from hjcamp.model.amount_formula import MATHEMATICS
-from hjcamp.model.compose import GATES, Composition
+from hjcamp.model.compose import Composition
+from hjcamp.model.course import Course, Followed, Given
 from hjcamp.model.kernel import LEVELS, copied, kernel_source, load_model
 from hjcamp.model.law import Law, law_source
+from hjcamp.model.source_text import GATES
 from hjcamp.model.structure import nonlinear_rates
 from hjcamp.model.term_checks import check_compiles, check_law_compiles, limited, users_files
 from hjcamp.model.time_limit import time_limit
@@ -50,41 +52,6 @@ class ClosedLoop:
     scatter: Array
 
 
-@dataclass(frozen=True)
-class Course:
-    """Measured motion along which a model is driven: one or more tests one after the other, n samples ``period`` apart.
-
-    ``restart`` (n): 2 where a test begins, 1 where the observed states are set anew, else 0. ``driven`` (n, driven
-    states) and ``observed`` (n, the plant's observed states) in SI; ``velocity`` (n) of the contact, 0 where it rests;
-    ``scatter`` (n) factor on friction.
-    """
-
-    period: float
-    restart: NDArray[np.int64]
-    time: Array
-    driven: Array
-    observed: Array
-    velocity: Array
-    dither: Array
-    scatter: Array
-
-
-@dataclass(frozen=True)
-class Given:
-    """What tests are given: n samples ``period`` apart, one test after the other.
-
-    ``begins`` (n): 1 where a test begins, 2 where a window of it begins, in which effects keep their own states; ``time`` (n);
-    ``inputs`` (n, inputs) in the plant's order, which hold from each sample to the next; ``starts`` (tests and windows, plant
-    states).
-    """
-
-    period: float
-    begins: NDArray[np.int64]
-    time: Array
-    inputs: Array
-    starts: Array
-
-
 class Propagators(NamedTuple):
     """The exact steps of a model's linear parts for one sampling period: see `hjcamp.model.shared`.
 
@@ -94,18 +61,6 @@ class Propagators(NamedTuple):
     plan: NDArray[np.int64]
     space: Array
     steps: Array
-
-
-@dataclass(frozen=True)
-class Followed:
-    """Readings (n, channels), the observed states (n, observed) that belong to them, the plant's force balance
-    (n, signals), all SI, and the number of steps taken.
-    """
-
-    readings: Array
-    ideal: Array
-    forces: Array
-    steps: float
 
 
 @dataclass(frozen=True)
@@ -134,29 +89,33 @@ class Simulator:
         if self.free:
             return kernel_source(composition, "\n\n" + copied(driving, ("run_free",)))
         inputs = composition.inputs
-        fields = [channel.field for channel in composition.plant.channels]
-        states = list(composition.states)
-        driven = list(composition.cut.driven)
-        lines = [
-            f"READINGS = {len(fields)}",
-            f"PRESSURE1 = {fields.index('pressure1_mpa')}",
-            f"PRESSURE2 = {fields.index('pressure2_mpa')}",
-            f"ARM = {fields.index('arm_deg')}",
-            f"COMMAND = {inputs.index('command')}",
-            f"DITHER = {inputs.index('dither')}",
-            f"PRELOAD = {inputs.index('preload_flow')}",
-            f"SCATTER = {inputs.index('friction_scatter')}",
-            f"DRIVEN_STATES = {tuple(states.index(name) for name in driven)}",
-            f"OBSERVED_STATES = {tuple(states.index(name) for name in composition.plant.observed)}",
-            f"DRIVEN_INPUTS = {tuple(inputs.index('slope_' + name) for name in driven)}",
-        ]
-        text = "\n".join(lines) + "\n\n\n"
         if self.controller is not None and self.procedure is not None:
+            fields = [channel.field for channel in composition.plant.channels]
+            lines = [
+                f"READINGS = {len(fields)}",
+                f"PRESSURE1 = {fields.index('pressure1_mpa')}",
+                f"PRESSURE2 = {fields.index('pressure2_mpa')}",
+                f"ARM = {fields.index('arm_deg')}",
+                f"COMMAND = {inputs.index('command')}",
+                f"DITHER = {inputs.index('dither')}",
+                f"PRELOAD = {inputs.index('preload_flow')}",
+                f"SCATTER = {inputs.index('friction_scatter')}",
+            ]
+            text = "\n".join(lines) + "\n\n\n"
             text += law_source(self.controller, "control") + law_source(self.procedure, "procedure")
-            text += copied(driving, ("measure", "closed_loop"))
-        else:
-            text += copied(driving, ("follow",))
-        return kernel_source(composition, text)
+            return kernel_source(composition, text + copied(driving, ("measure", "closed_loop")))
+        states, driven = list(composition.states), list(composition.cut.driven)
+        # numba takes no empty tuple by an index
+        lines = [
+            f"PLANT_STATES = {len(composition.plant.states)}",
+            f"GIVEN = {len(inputs) - len(driven)}",
+            f"DRIVEN = {len(driven)}",
+            f"OBSERVED = {len(composition.observed)}",
+            f"DRIVEN_STATES = {tuple(states.index(name) for name in driven) or (-1,)}",
+            f"OBSERVED_STATES = {tuple(states.index(name) for name in composition.observed) or (-1,)}",
+            f"DRIVEN_INPUTS = {tuple(inputs.index('slope_' + name) for name in driven) or (-1,)}",
+        ]
+        return kernel_source(composition, "\n".join(lines) + "\n\n\n" + copied(driving, ("follow",)))
 
     @cached_property
     def kernel(self) -> ModuleType:
@@ -207,7 +166,7 @@ class Simulator:
     def observed(self, course: Course) -> Array:
         """Return the state vector with which a course begins, as measured; what is not observed is 0."""
         z = np.zeros(len(self.states))
-        for name, value in zip(self.composition.plant.observed, course.observed[0], strict=True):
+        for name, value in zip(self.composition.observed, course.observed[0], strict=True):
             z[self.states.index(name)] = value
         return z
 
@@ -290,7 +249,7 @@ class Simulator:
 
         ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
         """
-        channels = len(self.composition.plant.channels)
+        channels = len(self.composition.measured)
         z = self.observed(course)
         propagators = propagators or self.propagators(z, p)
         readings, ideal = np.empty((len(course.time), channels)), np.empty(course.observed.shape)
@@ -299,7 +258,7 @@ class Simulator:
         work[2, 5] = tolerance
         self.kernel.follow(
             z, self.inputs(), p, *propagators, course.period, course.restart, course.time, course.driven,
-            course.observed, course.velocity, course.dither, course.scatter, readings, ideal, forces, work,
+            course.observed, course.velocity, course.given, readings, ideal, forces, work,
         )  # fmt: skip
         return Followed(readings, ideal, forces, work[2, 1])
 
@@ -321,7 +280,8 @@ class Simulator:
 
     def scratch(self) -> Array:
         """Return fresh working memory for the kernel's loops; the tolerance of a step is set to one resolution."""
-        work = np.zeros((4, max(3 * len(self.states), len(self.composition.measured), 9)))
+        columns = integrator.KINDS + len(self.composition.contacts)
+        work = np.zeros((4, max(3 * len(self.states), len(self.composition.measured), columns)))
         work[2, 5], work[2, 8] = 1.0, -1.0
         return work
 

@@ -10,8 +10,9 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.compose import Composition, function_source
+from hjcamp.model.compose import Composition
 from hjcamp.model.shared import width
+from hjcamp.model.source_text import function_source
 
 Pattern = NDArray[np.bool_]
 L, P1, P2 = range(3)

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.compose import GATES, Composition, names_in
+from hjcamp.model.compose import Composition
 from hjcamp.model.source_lines import outside_range
+from hjcamp.model.source_text import GATES, names_in
 
 NO_LIMITS = 0
+MOST_REGIMES = 13
 
 
 def _draws(
@@ -35,6 +37,14 @@ def _draws(
     return z, u, np.array(p)
 
 
+def regimes(composition: Composition, generator: np.random.Generator) -> list[float]:
+    """Return every combination of the sides of the contacts, as ``direction`` says it; some of them where they are very many."""
+    half = (3 ** len(composition.contacts) - 1) // 2
+    if half > MOST_REGIMES:
+        return [float(one) for one in generator.integers(-half, half, 2 * MOST_REGIMES, endpoint=True)]
+    return [float(one) for one in range(-half, half + 1)]
+
+
 def couplings(
     composition: Composition, rates: Callable[..., None], draws: int = 12
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -51,7 +61,7 @@ def couplings(
         for _ in range(draws):
             z, u, p = _draws(composition, generator, -1)
             try:
-                for direction in (-1.0, 0.0, 1.0):
+                for direction in regimes(composition, generator):
                     base, moved = np.zeros(n), np.zeros(n)
                     rates(-1, 0.1, direction, z, u, p, base)
                     for j, step in enumerate(steps):
@@ -85,7 +95,7 @@ def nonlinear_rates(
             _, u, p = _draws(composition, generator, gates)
             z = typical * 10.0 ** generator.uniform(-2, 3, n) * generator.choice((-1.0, 1.0), n)
             move = typical * 10.0 ** generator.uniform(-2, 3) * generator.uniform(-1, 1, n)
-            for direction in (-1.0, 0.0, 1.0):
+            for direction in regimes(composition, generator):
                 for value, factor in zip(values, (-1.0, 0.0, 1.0), strict=False):
                     try:
                         rates(NO_LIMITS, 0.1, direction, z + factor * move, u, p, value)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, unknown
+from hjcamp.model.cached import cached
 from hjcamp.model.element import BODY, CONTACT, ELEMENTS, bare_name, called, expand
 from hjcamp.model.parameter import Contact
 from hjcamp.model.plant import Plant
@@ -42,7 +44,6 @@ class Vocabulary:
     statements: tuple[Statement, ...]
     readings: tuple[str, ...]
     limits: tuple[tuple[str, str, str], ...]
-    contacts: tuple[Contact, ...] = ()
     ports: Mapping[str, Port] = field(default_factory=dict)
 
     @cached_property
@@ -54,6 +55,13 @@ class Vocabulary:
     def signals(self) -> dict[str, Statement]:
         """Every signal and slot by name, in order of computation."""
         return {line.target: line for line in self.statements if line.mark in ("slot", "signal")}
+
+    @cached_property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Where dry friction holds, in order: of each place of that kind."""
+        found = [port for port in self.ports.values() if port.kind == CONTACT.name]
+        names = ("velocity", "push", "static", "locks", "direction")
+        return tuple(Contact(port.name, *(port.names[name] for name in names)) for port in found)
 
     def known_before(self, name: str) -> list[str]:
         """Return the signals that are computed before the slot ``name``."""
@@ -76,25 +84,22 @@ class _Rename(ast.NodeTransformer):
         node = ast.Call(node.func, [self.visit(argument) for argument in node.args], node.keywords)
         if called(node) == "limited":
             value, low, high = (ast.unparse(argument) for argument in node.args)
-            node.args.append(ast.Constant(3 ** len(self.limits)))
+            # a float: numba would compile the function anew for each whole number
+            node.args.append(ast.Constant(float(3 ** len(self.limits))))
             self.limits.append((value, low, high))
         return node
 
 
+@cached
 def read_vocabulary(plant: type[Plant]) -> Vocabulary:
     """Parse ``plant.equations`` into statements; the docstring and comments are skipped.
 
     Raises ``UsageError`` for what is no assignment, an element that is not as it should be, and a unit that does not fit.
     """
-    hashable: Any = plant
-    return _parsed(hashable)
-
-
-@cache
-def _parsed(plant: Any) -> Vocabulary:
-    if not inspect.isfunction(getattr(plant, "equations", None)):
+    equations = getattr(plant, "equations", None)
+    if not inspect.isfunction(equations):
         raise UsageError(f"{inspect.getfile(plant)}: plant {plant.name}: it has no function 'equations'")
-    lines, first = inspect.getsourcelines(plant.equations)
+    lines, first = inspect.getsourcelines(equations)
     function = ast.parse(textwrap.dedent("".join(lines))).body[0]
     if not isinstance(function, ast.FunctionDef):
         raise UsageError(f"{inspect.getfile(plant)}: line {first}: plant {plant.name}: 'equations' is no function")
@@ -112,6 +117,33 @@ def _find_next_stores(ports: dict[str, Port]) -> None:
         above, below = (stores.get(path.names.get(side, "")) for side in ("upstream", "downstream"))
         if above and below and "loss" in below.names:
             ports[above.name] = above.but({"loss_below": below.names["loss"]})
+
+
+def _check_contacts(plant: type[Plant], ports: Mapping[str, Port], statements: Sequence[Statement]) -> None:
+    """Refuse a contact that lacks a name, two of one velocity or direction, and the regime of what is no contact."""
+    where = f"plant {plant.name or plant.__name__}"
+    found = {port.name: port for port in ports.values() if port.kind == CONTACT.name}
+    for port in found.values():
+        if lacks := port.lacks({"velocity", "push", "static", "locks", "direction"}):
+            raise UsageError(f"{where}: contact '{port.name}' lacks {', '.join(sorted(lacks))}")
+        wanted = f"direction_{port.name}" if len(found) > 1 else "direction"
+        if port.names["direction"] != wanted:
+            raise UsageError(f"{where}: the direction of contact '{port.name}' must be '{wanted}'")
+    velocities = [port.names["velocity"] for port in found.values()]
+    for velocity in velocities:
+        if velocities.count(velocity) > 1:
+            raise UsageError(
+                f"{where}: two contacts have the velocity '{velocity}'; what rubs at one speed is one contact, its friction the sum"
+            )
+    for one in statements:
+        for name in re.findall(r"\bu_(direction\w*)", one.expression):
+            if name == "direction" and len(found) > 1:
+                own = " or ".join(f"drive.direction_{contact}" for contact in found)
+                raise UsageError(f"{where}, line {one.line}: drive.direction: of which contact? Write {own}")
+            if name != "direction" and name.removeprefix("direction_") not in found:
+                raise unknown("contact", name.removeprefix("direction_"), found, f"{where}, line {one.line}")
+            if name != "direction" and len(found) == 1:
+                raise UsageError(f"{where}, line {one.line}: drive.{name}: there is one contact, write drive.direction")
 
 
 def _masses(function: ast.FunctionDef) -> dict[str, str]:
@@ -136,11 +168,11 @@ class _Reader:
 
     def __init__(self, plant: type[Plant], first: int, calls: list[str]) -> None:
         self.plant, self.first = plant, first
-        self.several = calls.count(CONTACT.name) > 1
+        declared = [port.kind for port in plant.ports.values()]
+        self.several = (calls + declared).count(CONTACT.name) > 1
         self.rename = _Rename()
         self.statements: list[Statement] = []
         self.readings: tuple[str, ...] = ()
-        self.contacts: list[Contact] = [plant.contact] if plant.contact else []
         self.held: dict[str, str] = {}
         self.ports = dict(plant.ports)
         self.units: Any = None
@@ -186,9 +218,7 @@ class _Reader:
             value = ast.parse(line.expression, mode="eval").body
             self._store(Statement(target, self._renamed(value), line.mark, unit, line.text, number), where)
         if called(call) == CONTACT.name:
-            names = port.names
-            self.contacts.append(Contact(names["velocity"], names["push"], names["static"], names["locks"]))
-            self.held[names["velocity"]] = names["direction"]
+            self.held[port.names["velocity"]] = port.names["direction"]
         if of_rate:
             self._add(name, ast.parse(place.rate, mode="eval").body, "rate", where, number)
 
@@ -254,7 +284,8 @@ class _Reader:
         readings = self.readings or tuple(item.sensor for item in self.plant.measured.values())
         limits = tuple(self.rename.limits)
         _find_next_stores(self.ports)
-        return Vocabulary(self.plant, tuple(statements), readings, limits, tuple(self.contacts), self.ports)
+        _check_contacts(self.plant, self.ports, statements)
+        return Vocabulary(self.plant, tuple(statements), readings, limits, self.ports)
 
     def _guarded(self, one: Statement) -> Statement:
         if one.mark == "rate" and one.target in self.held:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from hjcamp.model.marks import limited, signal, slot
-from hjcamp.model.parameter import Channel, Contact, Cut, Input, Parameter, State
+from hjcamp.model.parameter import Channel, Cut, Input, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 from hjcamp.plants.pump_joint_effects import COVERS, INSTANCES
@@ -127,7 +127,6 @@ class PumpJoint(Plant):
         )
     }
     balance = ("push", "friction", "friction_static", "mass")
-    contact = Contact(velocity="slider_velocity", push="push", limit="friction_static", locks="friction_locks")
     observed = {  # noqa: RUF012 - read only, like every declaration here
         "pump_position": ("pump_deg", "pump_lead"),
         "pressure1": ("pressure1_mpa", None),

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.simulator import PERIOD, Course
+from hjcamp.model.course import Course, inputs_along
+from hjcamp.model.simulator import PERIOD
+from hjcamp.plants.pump_joint import PumpJoint
 
 Array = NDArray[np.float64]
 SAMPLES = 2000
@@ -31,5 +33,5 @@ def _course(time: Array, pump: Array, pressures: tuple[float, float], dither: Ar
     observed[:, 1:3] = pressures
     restart = np.zeros(len(time), dtype=np.int64)
     restart[0] = 2
-    ones = np.ones(len(time))
-    return Course(PERIOD, restart, time, pump[:, None], observed, 0.0 * ones, dither, ones)
+    given = inputs_along(PumpJoint, len(time), dither=dither)
+    return Course(PERIOD, restart, time, pump[:, None], observed, np.zeros((len(time), 1)), given)

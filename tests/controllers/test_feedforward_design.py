@@ -8,7 +8,8 @@ from quiet_loop import AREA1, AREA2, DEGREE, EXACT, RADIUS, STIFFNESS, cycloid
 
 from hjcamp.controllers.feedforward import Feedforward
 from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import Course, Simulator
+from hjcamp.model.course import Course, inputs_along
+from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 
 MODEL = Simulator(Composition(PumpJoint))
@@ -73,7 +74,8 @@ def test_plant_without_dry_friction_and_with_a_perfect_pump_follows_the_referenc
     restart = np.zeros(n, dtype=np.int64)
     restart[0] = 2
     travel = angle[:, None] * 1e-3 / (2 * np.pi)
-    course = Course(1e-3, restart, np.arange(n) * 1e-3, travel, observed, np.zeros(n), np.zeros(n), np.ones(n))
+    given = inputs_along(PumpJoint, n)
+    course = Course(1e-3, restart, np.arange(n) * 1e-3, travel, observed, np.zeros((n, 1)), given)
     arm = joint.follow(joint.vector(values), course).readings[:, 0]
     # What is left over comes from the pump moving in straight lines between samples.
     assert np.abs(arm - reference[:, 0]).max() < 0.005 * DEGREE

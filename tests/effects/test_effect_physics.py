@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.signal import lfilter, lsim
 
-from hjcamp.model.simulator import Course, Followed, Simulator
+from hjcamp.model.course import Course, Followed, inputs_along
+from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint_menu import pump_courses
 
@@ -31,7 +32,9 @@ def motion(times: list[float], pump: list[float], pressures: tuple[float, float]
     restart = np.zeros(n, dtype=np.int64)
     restart[0] = 2
     zeros = np.zeros(n)
-    return Course(model.period, restart, time, position[:, None], observed, zeros, zeros, zeros + 1.0)
+    return Course(
+        model.period, restart, time, position[:, None], observed, zeros[:, None], inputs_along(PumpJoint, len(time))
+    )
 
 
 def run(simulator: Simulator, course: Course, **values: float) -> Followed:
@@ -237,7 +240,8 @@ def test_friction_drift_and_position_friction_change_the_sliding_force(simulator
 
 
 def test_dither_relief_needs_dither_and_never_lifts_coulomb_above_static_friction(simulator: Simulator) -> None:
-    shaken = replace(RISE, dither=np.where(np.arange(len(RISE.time)) // 2 % 2 == 0, 1.0, -1.0))
+    wave = np.where(np.arange(len(RISE.time)) // 2 % 2 == 0, 1.0, -1.0)
+    shaken = replace(RISE, given=inputs_along(PumpJoint, len(wave), dither=wave))
     values = {"dither_relief__static_relief": 0.5, "dither_relief__coulomb_relief": 0.1}
     assert np.array_equal(run(simulator, RISE, **values).readings, run(simulator, RISE).readings)
     relieved = run(simulator, shaken, **values)

@@ -18,7 +18,7 @@ from hjcamp import cli
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model import term_checks, user_file
-from hjcamp.model.compose import MATHEMATICS
+from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.effect import Effect
 from hjcamp.model.effect_checks import EffectBench
 from hjcamp.model.term_checks import check_calls, check_compiles

@@ -10,12 +10,13 @@ import pytest
 
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
-from hjcamp.model.compose import MOST_GATED, Composition, behind_one_test
+from hjcamp.model.compose import MOST_GATED, Composition
 from hjcamp.model.effect import Effect
 from hjcamp.model.kernel import kernel_source, shared_source
 from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.shared import CURVED, PRESENT, STATES
 from hjcamp.model.simulator import Simulator
+from hjcamp.model.source_text import behind_one_test
 from hjcamp.plants.pump_joint import PumpJoint
 
 NAMES = ("leakage", "line_inertance", "presliding", "pump_backlash", "string_elasticity", "tubing_creep")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from hjcamp.discrepancy.views import _idle
 from hjcamp.effects import load_effects
-from hjcamp.model.compose import Composition, live
+from hjcamp.model.compose import Composition
+from hjcamp.model.source_text import live
 from hjcamp.model.structure import influences
 from hjcamp.plants.pump_joint import PumpJoint
 

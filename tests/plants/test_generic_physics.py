@@ -186,7 +186,7 @@ def test_bristles_are_springs_before_breakaway_and_slide_at_coulomb_friction() -
     made = model("axis", "presliding", compliance=compliance, fall_velocity=0.0025, lateness=16.0)
     # a push of a tenth of the friction is carried by a deflection of so much times the compliance
     start = made.begin(REST | {"voltage": 2.0 / GAIN})
-    assert start[made.composition.held + 1] == pytest.approx(compliance * 2.0)
+    assert start[made.composition.held[0] + 1] == pytest.approx(compliance * 2.0)
     assert made.signals(REST | {"voltage": 2.0 / GAIN})["friction"] == pytest.approx(2.0)
     assert made.signals(REST)["friction_locks"] == 0.0
     sliding = [MOVING | {"time": k * MILLI} for k in range(300)]

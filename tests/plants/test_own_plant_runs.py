@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import Given, Simulator
+from hjcamp.model.course import Given
+from hjcamp.model.simulator import Simulator
 from hjcamp.plants import find_plant
 
 

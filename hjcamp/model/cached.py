@@ -1,0 +1,16 @@
+"""Keep the results of a function of classes."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, ParamSpec, TypeVar
+
+Given = ParamSpec("Given")
+Found = TypeVar("Found")
+
+
+def cached(function: Callable[Given, Found]) -> Callable[Given, Found]:
+    """Return `functools.cache` of a function whose arguments are classes, with its own signature for the type checker."""
+    kept: Any = functools.cache(function)
+    return kept

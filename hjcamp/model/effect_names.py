@@ -1,0 +1,72 @@
+"""Check that an effect fits a plant: its slots, the names that it uses, their order, and what its methods call."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from hjcamp.errors import UsageError, unknown
+from hjcamp.model.amount_formula import MATHEMATICS
+from hjcamp.model.effect import Effect
+from hjcamp.model.plant import Plant
+from hjcamp.model.term_checks import check_calls
+from hjcamp.model.vocabulary import read_vocabulary
+
+BUILTINS = ("abs", "min", "max", "float", "int")
+
+
+def check_effect(effect: type[Effect], plant: type[Plant]) -> None:
+    """Refuse an effect that does not fit the plant, or with a method that is no formula of numbers."""
+    check_names(effect, plant)
+    check_functions(effect)
+
+
+def check_names(effect: type[Effect], plant: type[Plant]) -> None:
+    """Refuse an effect whose slots, arguments or order do not fit the plant, with the nearest allowed name."""
+    vocabulary = read_vocabulary(plant)
+    where = f"effect {effect.name or effect.__name__}"
+    if effect.acts_on:
+        raise UsageError(f"{where}: acts on every {effect.acts_on}; bind it to a place of plant {plant.name} first")
+    if plant.subsystems and effect.subsystem not in plant.subsystems:
+        raise unknown("subsystem", effect.subsystem, plant.subsystems, where)
+    everywhere = {*effect.states, *effect.parameters, *plant.states, *plant.parameters, *plant.inputs}
+    everywhere |= {port.names["direction"] for port in vocabulary.ports.values() if "direction" in port.names}
+    for slot, term in effect.terms.items():
+        if slot not in vocabulary.slots:
+            raise unknown("slot", slot, vocabulary.slots, where)
+        before = {*vocabulary.known_before(slot), slot}
+        for argument in term.arguments:
+            if argument in everywhere or argument in before:
+                continue
+            if argument in vocabulary.signals:
+                raise UsageError(
+                    f"{where}: term '{slot}' uses '{argument}', which is computed later than the slot '{slot}'. "
+                    f"Allowed there: {', '.join(sorted(before | everywhere))}"
+                )
+            raise unknown("name", argument, before | everywhere, f"{where}, term '{slot}'")
+    for prefix, group in (("d_", effect.rates), ("next_", effect.updates), ("start_", effect.starts)):
+        for own, term in group.items():
+            for argument in term.arguments:
+                allowed = everywhere | set(vocabulary.signals)
+                if argument not in allowed:
+                    raise unknown("name", argument, allowed, f"{where}, method '{prefix}{own}'")
+
+
+def check_functions(effect: type[Effect]) -> None:
+    """Refuse an effect with a method that calls what a kernel cannot, or that gives no number."""
+    where = f"effect {effect.name or effect.__name__}"
+    for term in (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()):
+        _check_globals(term.function, where)
+    check_calls(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
+
+
+def _check_globals(function: Callable[..., float], where: str) -> None:
+    code = function.__code__
+    for name in code.co_names:
+        if name not in MATHEMATICS and name not in BUILTINS:
+            raise unknown(
+                "function or constant", name, [*MATHEMATICS, *BUILTINS], f"{where}, method '{function.__name__}'"
+            )
+
+
+assert all(hasattr(math, name) for name in MATHEMATICS)

@@ -1,0 +1,21 @@
+"""A simulator that runs its kernel's text as plain Python: for short tests of small plants, without compiling."""
+
+from __future__ import annotations
+
+import types
+
+from hjcamp.model.kernel import shared_source
+from hjcamp.model.kernel_cache import kernel_name
+from hjcamp.model.simulator import Simulator
+
+MARKS = "entry = hot = inlined = once = lambda function: function\n"
+
+
+def uncompiled(simulator: Simulator) -> Simulator:
+    """Return the simulator with a kernel that is not compiled."""
+    shared = shared_source()
+    text = simulator.source.replace(f"from {kernel_name(shared)} import lead, mend, propagators", "")
+    kernel = types.ModuleType("plain_kernel")
+    exec(shared.replace("{decorator}", MARKS) + text.replace("{decorator}", MARKS), vars(kernel))
+    simulator.__dict__["kernel"] = kernel
+    return simulator
