@@ -76,7 +76,7 @@ def write_comparison(found: Comparison, folder: Path) -> list[Path]:
     for k, one in enumerate(layout.measured.sensors):
         bars = [(model.name, float(model.rms[k] * one.scale)) for model in everything]
         pictures[f"error_{one.field}"] = draw_model_bars(
-            f"{one.quantity} ({one.unit})", bars, float(floor[k] * one.scale)
+            one.quantity.replace("_", " "), one.unit, bars, float(floor[k] * one.scale)
         )
     errors = {model.name: model.errors for model in everything}
     pictures["windows"] = draw_windows(*_stretch(analysis, errors, errors[found.calibrated.name]))
@@ -129,14 +129,7 @@ def _curves(words: Words) -> list[tuple[str, str, str, dict[str, Any]]]:
         [name] = [one for one in model.names if one in search.unknowns]
         known = search.unknowns[name]
         curve = curve_of(words.analysis, model, name)
-        curves.append(
-            (
-                title,
-                f"{known.driver} ({curve['x_unit']})",
-                f"{known.quantity} at {known.place} ({curve['y_unit']})",
-                curve,
-            )
-        )
+        curves.append((title, known.driver, f"{known.quantity} at {known.place}".replace("_", " "), curve))
     return curves
 
 
@@ -159,5 +152,5 @@ def _stretch(analysis: Analysis, errors: dict[str, Any], judged: Any) -> tuple[A
     sensor = measured.sensors[k]
     shown = [(name, (layout.readings[rows, k] - one[rows, k]) * sensor.scale) for name, one in errors.items()]
     edges = np.arange(1, last - first) * layout.width
-    label = f"{sensor.quantity} ({sensor.unit})"
-    return label, layout.time[rows], layout.readings[rows, k] * sensor.scale, shown, measured.period, edges
+    name = sensor.quantity.replace("_", " ")
+    return name, sensor.unit, layout.time[rows], layout.readings[rows, k] * sensor.scale, shown, edges

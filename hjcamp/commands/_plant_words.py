@@ -144,7 +144,7 @@ class Words:
 def channel_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
     """Rows of a channel's error: before, after, floor, with the unit."""
     return [
-        [name, *(f"{plain(row[key])} {row['unit']}" for key in ("baseline", "augmented", "floor"))]
+        [name, *(told(row[key], row["unit"]) for key in ("baseline", "augmented", "floor"))]
         for name, row in rows.items()
     ]  # fmt: skip
 
@@ -205,7 +205,7 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
         "over the floor",
     )
     rows = [
-        [one.name, *(f"{plain(one.rms[k] * s.scale)} {s.unit}" for k, s in enumerate(sensors)),
+        [one.name, *(told(one.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
          *(f"{100 * one.explained[k]:.2f} %" for k in range(len(sensors))), f"{one.score:.2f}"]
         for one in (*found.models, found.calibrated)
     ]  # fmt: skip
@@ -213,7 +213,7 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
     rows.append(
         [
             "floor",
-            *(f"{plain(floor[k] * s.scale)} {s.unit}" for k, s in enumerate(sensors)),
+            *(told(floor[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
             *("" for _ in sensors),
             "1.00",
         ]

@@ -38,8 +38,10 @@ def add(
     from hjcamp.commands._session import check_answer_file, evidence_of, joined, progress_of, write_answer
     from hjcamp.discrepancy.saved import check_new_name, saved_model, write_model
     from hjcamp.effects import load_effects
+    from hjcamp.storage import named_file
 
     check_answer_file(json)
+    named_file(name, "model", Path("conf") / "model")
     found_paths = [Path(word) for word in effects_and_paths if Path(word).exists()]
     if found_paths and is_of_another_plant(found_paths):
         add_any(effects_and_paths, name, model, json)

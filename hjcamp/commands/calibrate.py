@@ -39,10 +39,10 @@ def calibrate(
     from hjcamp.report.identification_figures import identification_page
     from hjcamp.storage import whole_file
 
+    check_name(name, conf, replace)
     if is_of_another_plant(paths):
         calibrate_any(paths, name)
         return
-    check_name(name, conf, replace)
     logs = select(read_logs(paths), _pairs(only or []))
     refuse_unanalysed(logs, "calibrate")
     found = identify(logs, configuration_for)

@@ -49,9 +49,6 @@ def next_(
     if not 1 <= tests <= MOST_TESTS:
         raise UsageError(f"--tests {tests}: give a number from 1 to {MOST_TESTS}")
     check_seed(seed)
-    logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
-    if logs and is_of_another_plant(logs):
-        next_any(logs)
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.commands._next_answer import answer, comment_of, draw, names_of, tell
@@ -63,6 +60,9 @@ def next_(
         library = load_effects()
         given = read_words(words or [], rivals or [], library)
         path = new_campaign(name)
+        logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
+        if logs and is_of_another_plant(logs):
+            next_any(logs)
         work = work_of(given, library, effort, seed, report)
         if not isinstance(work, Work):
             content = answer(None, work.verdict, None, None)

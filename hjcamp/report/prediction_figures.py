@@ -10,21 +10,39 @@ from numpy.typing import NDArray
 
 from hjcamp.report.discrepancy_figures import draw, dress
 from hjcamp.report.figures import BLUE, GREEN, INK, RED
+from hjcamp.report.units import shown
 
 Array = NDArray[np.float64]
+SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def readable(name: str, unit: str, *values: Array) -> tuple[str, list[Array]]:
+    """Return a label with its unit, and the values in it: as people read it, in thousandths where all are below one."""
+    factor, called = shown(1.0, unit) if unit != "kg" else (1.0, unit)
+    top = max((float(np.nanmax(np.abs(one))) for one in values if np.size(one)), default=0.0) * factor
+    power = 0
+    while 0.0 < top < 1.0 and power < 12:
+        power, top = power + 3, top * 1e3
+    tens = f"10⁻{str(power).translate(SUPERSCRIPT)} " if power else ""
+    inside = f"{tens}{called}".strip()
+    scale = factor * 10.0**power
+    return f"{name} ({inside})" if inside else name, [np.asarray(one) * scale for one in values]
 
 
 def draw_curves(curves: Sequence[tuple[str, str, str, Mapping[str, Any]]]) -> str:
-    """Return free laws with their 95 % bands, one panel each: title, label of the driver, label of the quantity, curve."""
+    """Return free laws with their 95 % bands, one panel each: title, name of the driver, name of the quantity, curve (SI)."""
 
     def paint(figure: Any) -> None:
         for place, (title, across, up, curve) in enumerate(curves):
             axis = figure.add_subplot(1, len(curves), place + 1)
-            axis.fill_between(curve["x"], curve["low"], curve["high"], color=BLUE, alpha=0.2, linewidth=0)
-            axis.plot(curve["x"], curve["y"], color=BLUE, linewidth=1.4)
+            horizontal, [x] = readable(across, curve["x_unit"], np.array(curve["x"]))
+            bounds = [np.array(curve[name]) for name in ("y", "low", "high")]
+            vertical, [y, low, high] = readable(up, curve["y_unit"], *bounds)
+            axis.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0)
+            axis.plot(x, y, color=BLUE, linewidth=1.4)
             axis.axhline(0.0, color=INK, linewidth=0.6)
-            dress(axis, up)
-            axis.set_xlabel(across, color=INK, fontsize=8.5)
+            dress(axis, vertical)
+            axis.set_xlabel(horizontal, color=INK, fontsize=8.5)
             axis.set_title(title, color=INK, fontsize=9, loc="left")
 
     return draw((4.8 * len(curves), 3.2), "missing", paint)
@@ -48,40 +66,41 @@ def draw_chance(chance: Array, gain: float) -> str:
 
 
 def draw_windows(
-    label: str, time: Array, measured: Array, models: Sequence[tuple[str, Array]], period: float, edges: Array
+    name: str, unit: str, time: Array, measured: Array, models: Sequence[tuple[str, Array]], edges: Array
 ) -> str:
     """Return a stretch of one channel: measured and predicted above, residuals below; gaps at the windows' ``edges``."""
     colours = (RED, GREEN, BLUE, INK)
+    label, scaled = readable(name, unit, measured, *(values for _, values in models))
+    residual, left = readable("residual", unit, *(measured - values for _, values in models))
 
     def paint(figure: Any) -> None:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-        above.plot(time, measured, color=INK, linewidth=1.0, label="measured")
-        for (name, values), colour in zip(models, colours, strict=False):
-            shown, left = values.copy(), measured - values
-            inside = edges[(edges > 0) & (edges < len(time))]
-            shown[inside - 1] = np.nan
-            left[inside - 1] = np.nan
-            above.plot(time, shown, color=colour, linewidth=1.0, label=name)
-            below.plot(time, left, color=colour, linewidth=0.9)
+        above.plot(time, scaled[0], color=INK, linewidth=1.0, label="measured")
+        inside = edges[(edges > 0) & (edges < len(time))]
+        for (called, _), values, error, colour in zip(models, scaled[1:], left, colours, strict=False):
+            values[inside - 1] = error[inside - 1] = np.nan
+            above.plot(time, values, color=colour, linewidth=1.0, label=called)
+            below.plot(time, error, color=colour, linewidth=0.9)
         below.axhline(0.0, color=INK, linewidth=0.6)
         above.legend(fontsize=8, frameon=False, ncols=4)
         dress(above, label)
-        dress(below, "residual")
-        below.set_xlabel(f"time (s), one sample each {period:.4g} s", color=INK, fontsize=8.5)
+        dress(below, residual)
+        below.set_xlabel("time (s)", color=INK, fontsize=8.5)
 
     return draw((9.6, 4.2), "windows", paint)
 
 
-def draw_model_bars(unit: str, rows: Sequence[tuple[str, float]], floor: float) -> str:
+def draw_model_bars(quantity: str, unit: str, rows: Sequence[tuple[str, float]], floor: float) -> str:
     """Return the error of each model in a channel as bars, and its floor as a line."""
+    label, [bars, line] = readable(quantity, unit, np.array([value for _, value in rows]), np.array([floor]))
 
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         names = [name for name, _ in rows][::-1]
-        axis.barh(names, [value for _, value in rows][::-1], color=BLUE, height=0.6)
-        axis.axvline(floor, color=INK, linewidth=0.9, linestyle="--")
-        axis.text(floor, len(rows) - 0.45, " floor", fontsize=8, color=INK)
+        axis.barh(names, bars[::-1], color=BLUE, height=0.6)
+        axis.axvline(line[0], color=INK, linewidth=0.9, linestyle="--")
+        axis.text(line[0], len(rows) - 0.45, " floor", fontsize=8, color=INK)
         dress(axis, "")
-        axis.set_xlabel(unit, color=INK, fontsize=8.5)
+        axis.set_xlabel(label, color=INK, fontsize=8.5)
 
     return draw((9.6, 0.5 * len(rows) + 1.0), "models", paint)

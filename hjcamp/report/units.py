@@ -31,7 +31,9 @@ SHOWN: dict[str, tuple[str, float]] = {
 
 
 def shown(value: float, unit: str) -> tuple[float, str]:
-    """Return an SI value and its unit as people read them; a number without unit has the unit ''."""
+    """Return an SI value and its unit as people read them; a number without unit has the unit ''. A kilogram or more stays."""
+    if unit == "kg" and abs(value) >= 1.0:
+        return value, unit
     name, factor = SHOWN.get(unit, (unit, 1.0))
     return value * factor, name
 

