@@ -52,11 +52,11 @@ def diagnose_any(
         from hjcamp.commands._plant_words import Words, print_diagnosis
         from hjcamp.commands.diagnose import considered
         from hjcamp.effects import load_effects
-        from hjcamp.prediction.analysis import calibrated
+        from hjcamp.prediction.analysis import SHORTEST, calibrated
         from hjcamp.prediction.answer import answer
         from hjcamp.prediction.floor import not_above
         from hjcamp.prediction.model_file import load_model
-        from hjcamp.prediction.verdict import judged
+        from hjcamp.prediction.verdict import agreed
 
         measured = measured_at(paths)
         library = load_effects(plant=measured.plant)
@@ -64,7 +64,8 @@ def diagnose_any(
         chosen = considered(library, only, without, start.effects)
         report("compiling, once for this plant and its effects", 0.02)
         analysis = calibrated(measured, chosen, start, report, seed)
-        verdict = judged(analysis)
+        half = max(analysis.windows.layout.width // 2, SHORTEST)
+        verdict = agreed(analysis, lambda: calibrated(measured, chosen, start, report, seed, width=half))
         analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
         content = answer(analysis, verdict, time.perf_counter() - began)
         write_answer(json, content)

@@ -24,7 +24,8 @@ from hjcamp.prediction.windows import DELAY, Layout, Windows
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
 SHORTEST = 24
-WINDOWS = 48
+# So many windows at least: the moments of eight features are known to a tenth from about a hundred.
+WINDOWS = 96
 # Four windows in the time after which a reading has little in common with itself.
 OF_CORRELATION = 0.25
 MOST_DELAY = 2.0

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,6 +32,23 @@ class Verdict:
     law_left: float
     unknown: Scored | None
     lacking: tuple[str, ...]
+
+
+def agreed(analysis: Analysis, shorter: Callable[[], Analysis]) -> Verdict:
+    """Return the verdict; without repetitions one set of names must be what windows of half the length do not rule out.
+
+    ``shorter`` gives the same analysis over such windows. Where they name another set, both are what the tests leave.
+    """
+    verdict = judged(analysis)
+    if verdict.word != EFFECT or analysis.measured.repeated:
+        return verdict
+    other = judged(shorter())
+    known = {frozenset(names) for names in other.confidence_set}
+    if other.word not in (EFFECT, ONE_OF) or frozenset(verdict.effects) in known:
+        return verdict
+    sets = (verdict.effects, *other.confidence_set)
+    group = tuple(dict.fromkeys(name for names in sets for name in names))
+    return replace(verdict, word=ONE_OF, effects=group, confidence_set=sets)
 
 
 def judged(analysis: Analysis) -> Verdict:

@@ -56,7 +56,7 @@ def test_calibrate_saves_the_base_of_any_plant(stage: Path) -> None:
     saved = yaml.safe_load((stage / "conf/model/mine.yaml").read_text(encoding="utf-8"))
     assert set(saved["parameters"]) == {"mass", "coulomb", "viscous", "delay.voltage"} and saved["effects"] == {}
     refused = run(app, ["calibrate", "logs/train.mcap", "--as", "mine"])
-    assert isinstance(refused.exception, UsageError) and "exists already" in str(refused.exception)
+    assert isinstance(refused.exception, UsageError) and "mine.yaml exists" in str(refused.exception)
 
 
 @pytest.mark.parametrize(
