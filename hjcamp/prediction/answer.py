@@ -12,7 +12,6 @@ from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import better
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
-from hjcamp.prediction.likelihood import size
 from hjcamp.prediction.selection import Scored, critical
 from hjcamp.prediction.verdict import Verdict
 from hjcamp.prediction.windows import DELAY
@@ -208,6 +207,3 @@ def removed(analysis: Analysis, model: Scored) -> float:
     least = floor_size(analysis)
     above = np.log(max(analysis.base.left_out / least, 1.0 + 1e-12))
     return float(np.clip(np.log(analysis.base.left_out / model.left_out) / above, -1.0, 1.0))
-
-
-__all__ = ["answer", "channel_rows", "curve_of", "floor_size", "removed", "size"]

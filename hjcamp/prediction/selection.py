@@ -53,7 +53,6 @@ class Step:
     p_value: float
     chance: Array
     gain: float
-    promises: Mapping[str, Promise]
     named: tuple[Scored, ...]
     unknown: tuple[Scored, ...]
 
@@ -126,7 +125,7 @@ class Search:
                 (named if one.effect in self.library else unknown_fits).append(model)
         named.sort(key=lambda model: model.scores.sum())
         unknown_fits.sort(key=lambda model: model.scores.sum())
-        step = Step(before, p_value(gain, chance), chance, gain, promises, tuple(named), tuple(unknown_fits))
+        step = Step(before, p_value(gain, chance), chance, gain, tuple(named), tuple(unknown_fits))
         self.steps.append(step)
         return step
 

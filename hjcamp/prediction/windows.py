@@ -142,7 +142,6 @@ class Windows:
     def move_starts(self, candidate: Candidate, rounds: int = 2) -> None:
         """Move each window's start to where its readings are met best, and renew the sensitivities."""
         for _ in range(rounds):
-            self.__dict__.pop("_free", None)
             error = self.layout.coefficients(self.errors(candidate))
             slopes = self._sensitivities(candidate)
             left = error.reshape(len(error), -1)
