@@ -13,7 +13,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import floor_size
-from hjcamp.prediction.floor import Floor, in_units, not_above
+from hjcamp.prediction.floor import in_units, not_above
 from hjcamp.prediction.likelihood import size
 from hjcamp.prediction.measured import Measured
 
@@ -54,15 +54,24 @@ def compared(
     chosen = {name: effect for name, effect in library.items() if name in needed}
     last = list(models.values())[-1]
     analysis = calibrated(measured, chosen, last, report, unknowns=False)
-    kept = analysis.windows.starts.copy()
-    analysis = replace(analysis, floor=_least(analysis, models))
-    rows = []
+    kept, seen = analysis.windows.starts.copy(), {}
     for done, (name, model) in enumerate(models.items()):
         report(f"predicting with {name}", 0.5 + 0.4 * done / len(models))
-        rows.append(_shown(analysis, name, _whole(measured, model)))
+        seen[name] = _predicted(analysis, _whole(measured, model))
     analysis.windows.starts = kept
-    fitted = _shown(analysis, "calibrated here", analysis.base.fitted.candidate)
-    return Comparison(analysis, tuple(rows), fitted)
+    fitted = _predicted(analysis, analysis.base.fitted.candidate)
+    floor = analysis.floor
+    for features, _ in (*seen.values(), fitted):
+        floor = not_above(floor, features)
+    analysis = replace(analysis, floor=floor)
+    rows = tuple(_shown(analysis, name, *found) for name, found in seen.items())
+    return Comparison(analysis, rows, _shown(analysis, "calibrated here", *fitted))
+
+
+def _predicted(analysis: Analysis, candidate: Candidate) -> tuple[Array, Array]:
+    """Return features (windows, d) and errors (n, sensors) of a model, the starts moved to where it fits best."""
+    analysis.windows.move_starts(candidate)
+    return analysis.windows.features(candidate), analysis.windows.errors(candidate)
 
 
 def _whole(measured: Measured, model: Candidate) -> Candidate:
@@ -71,20 +80,8 @@ def _whole(measured: Measured, model: Candidate) -> Candidate:
     return Candidate({**declared, **model.base}, model.effects)
 
 
-def _least(analysis: Analysis, models: Mapping[str, Candidate]) -> Floor:
-    """Return the floor, which no model on these tests lies below."""
-    floor = not_above(analysis.floor, analysis.base.fitted.features)
-    for model in models.values():
-        analysis.windows.move_starts(_whole(analysis.measured, model))
-        floor = not_above(floor, analysis.windows.features(_whole(analysis.measured, model)))
-    return floor
-
-
-def _shown(analysis: Analysis, name: str, candidate: Candidate) -> Shown:
-    windows, layout = analysis.windows, analysis.windows.layout
-    windows.move_starts(candidate)
-    features = windows.features(candidate)
-    errors = windows.errors(candidate)
+def _shown(analysis: Analysis, name: str, features: Array, errors: Array) -> Shown:
+    layout = analysis.windows.layout
     rms = in_units(np.mean(features**2, axis=0), layout)
     tests = range(len(layout.measured.tests))
     by_test = np.array([
