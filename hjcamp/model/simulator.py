@@ -19,7 +19,7 @@ from hjcamp.model.course import Course, Followed, Given
 from hjcamp.model.kernel import LEVELS, copied, kernel_source, load_model
 from hjcamp.model.law import Law, law_source
 from hjcamp.model.source_text import GATES
-from hjcamp.model.structure import nonlinear_rates
+from hjcamp.model.structure import Point, nonlinear_rates, points_of
 from hjcamp.model.term_checks import check_compiles, check_law_compiles, limited, users_files
 from hjcamp.model.time_limit import time_limit
 
@@ -186,6 +186,10 @@ class Simulator:
     def _found(self) -> dict[int, tuple[list[int], list[int]]]:
         return {}
 
+    @cached_property
+    def _points(self) -> list[Point]:
+        return points_of(self.composition)
+
     def _present(self, gates: int) -> tuple[list[int], list[int]]:
         """Return the positions of the states behind open gates, and which of them have curved rates: positions in the former."""
         if gates not in self._found:
@@ -196,7 +200,7 @@ class Simulator:
             else:
                 absent = {effect.name for k, effect in enumerate(composition.effects) if not gates >> k & 1}
                 present = [i for i, name in enumerate(self.states) if name.rpartition(".")[0] not in absent]
-                curved = nonlinear_rates(composition, self.kernel.rates, gates)
+                curved = nonlinear_rates(composition, self.kernel.rates, gates, self._points)
             self._found[gates] = present, [k for k, i in enumerate(present) if curved[i]]
         return self._found[gates]
 

@@ -12,6 +12,8 @@ from hjcamp.model.compose import Composition
 from hjcamp.model.source_lines import outside_range
 from hjcamp.model.source_text import GATES, names_in
 
+Array = NDArray[np.float64]
+Point = tuple[Array, Array, Array, Array, list[float]]
 NO_LIMITS = 0
 MOST_REGIMES = 13
 
@@ -78,24 +80,22 @@ def couplings(
 
 
 def nonlinear_rates(
-    composition: Composition, rates: Callable[..., None], gates: int = -1, draws: int = 60
+    composition: Composition, rates: Callable[..., None], gates: int = -1, points: list[Point] | None = None
 ) -> NDArray[np.bool_]:
-    """Return (n,) True where a state's rate is not linear in the states within a regime.
+    """Return (n,) True where a state's rate is not linear in the states within a regime, at ``points_of`` the composition.
 
-    The points spread from a hundredth of the states' typical sizes to a thousand times, so that a threshold far from
-    rest is seen. ``gates``: the sum of 2^k over the open gates k of a composition that has them; all by default.
+    ``gates``: the sum of 2^k over the open gates k of a composition that has them; all by default.
     """
-    generator = np.random.default_rng(20090402)
     n = len(composition.states)
-    typical = np.array([state.typical for state in composition.states.values()])
     found = np.zeros(n, dtype=bool)
     values = [np.zeros(n) for _ in range(4)]
     with np.errstate(all="ignore"):
-        for _ in range(draws):
-            _, u, p = _draws(composition, generator, gates)
-            z = typical * 10.0 ** generator.uniform(-2, 3, n) * generator.choice((-1.0, 1.0), n)
-            move = typical * 10.0 ** generator.uniform(-2, 3) * generator.uniform(-1, 1, n)
-            for direction in regimes(composition, generator):
+        gate = list(composition.parameters).index(GATES) if composition.gated else None
+        for u, drawn, z, move, directions in points or points_of(composition):
+            p = drawn.copy()
+            if gate is not None:
+                p[gate] = float(gates)
+            for direction in directions:
                 for value, factor in zip(values, (-1.0, 0.0, 1.0), strict=False):
                     try:
                         rates(NO_LIMITS, 0.1, direction, z + factor * move, u, p, value)
@@ -105,6 +105,23 @@ def nonlinear_rates(
                 scale = np.abs(values[0]) + np.abs(values[1]) + np.abs(values[2]) + 1e-300
                 bend = np.abs(values[0] + values[2] - 2.0 * values[1]) / scale
                 found |= ~(bend <= 1e-9) | (values[3] != values[1])
+    return found
+
+
+def points_of(composition: Composition, draws: int = 60) -> list[Point]:
+    """Return inputs, parameters, states, moves of the states and regimes at which ``nonlinear_rates`` looks.
+
+    The states spread from a hundredth of their typical sizes to a thousand times, so that a threshold far from rest is seen.
+    """
+    generator = np.random.default_rng(20090402)
+    n = len(composition.states)
+    typical = np.array([state.typical for state in composition.states.values()])
+    found = []
+    for _ in range(draws):
+        _, u, p = _draws(composition, generator, 0)
+        z = typical * 10.0 ** generator.uniform(-2, 3, n) * generator.choice((-1.0, 1.0), n)
+        move = typical * 10.0 ** generator.uniform(-2, 3) * generator.uniform(-1, 1, n)
+        found.append((u, p, z, move, regimes(composition, generator)))
     return found
 
 

@@ -14,7 +14,7 @@ from hjcamp.prediction.floor import not_above
 from hjcamp.prediction.intervals import intervals
 from hjcamp.prediction.measured import Measured
 from hjcamp.prediction.model_file import hashes_of
-from hjcamp.prediction.screening import Projection, best_promises, probes_of
+from hjcamp.prediction.screening import Projection, probes_of
 from hjcamp.prediction.selection import Scored
 
 
@@ -45,14 +45,10 @@ def added(
     search, model = analysis.search, analysis.base
     for done, name in enumerate(names):
         report(f"fitting {name}", 0.3 + 0.6 * done / len(names))
-        fitted = model.fitted
-        projection = Projection(fitted)
-        probes = probes_of(analysis.windows, fitted.candidate, fitted.features, library[name])
-        promises = best_promises([projection.promise(probe, library[name]) for probe in probes])
-        if name in promises:
-            model = search.fitted_beside(fitted, promises[name])
-        else:
-            model = search.fitted(fitted.candidate.with_effect(name, library[name].defaults()))
+        projection = Projection(model.fitted)
+        probes = probes_of(analysis.windows, model.fitted.candidate, model.fitted.features, library[name])
+        promises = [projection.promise(probe, library[name]) for probe in probes]
+        model = search.fitted(search.begun(projection, name, promises).candidate)
     settled = search.resettled(model)
     floor = not_above(analysis.floor, settled.fitted.features)
     return Addition(replace(analysis, floor=floor), settled, tuple(names))

@@ -151,9 +151,9 @@ def _candidate(analysis: Analysis, name: str, model: Scored, before: Scored, nam
 
 def _weight(t: float, chapters: int) -> float:
     """Return the probability of Student's t below the comparison: 0 where a model is clearly no better than without."""
-    from scipy.stats import t as student
+    from scipy.special import stdtr
 
-    return float(max(0.0, 2.0 * student.cdf(t, max(chapters - 1, 1)) - 1.0))
+    return float(max(0.0, 2.0 * stdtr(max(chapters - 1, 1), t) - 1.0))
 
 
 def _row(one: Interval, unit: str) -> dict[str, Any]:

@@ -32,7 +32,7 @@ def intervals(fitted: Fitted, chapters: NDArray[np.int64]) -> list[Interval]:
 
     over chapters c (Liang & Zeger 1986, doi:10.1093/biomet/73.1.13), with Student's t of C - 1 degrees of freedom.
     """
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     w = whitener(fitted.features)
     white, left = np.einsum("wfp,fg->wgp", fitted.slopes, w), fitted.features @ w
@@ -43,7 +43,7 @@ def intervals(fitted: Fitted, chapters: NDArray[np.int64]) -> list[Interval]:
     bread = np.linalg.pinv(fitted.information)
     count = max(len(names), 2)
     spread = np.sqrt(np.maximum(np.diag(bread @ (clusters.T @ clusters) @ bread) * count / (count - 1), 0.0))
-    reach = float(t.ppf(1.0 - LEVEL / 2.0, count - 1)) * spread
+    reach = float(stdtrit(count - 1, 1.0 - LEVEL / 2.0)) * spread
     found = []
     for one, half in zip(fitted.free, reach, strict=True):
         x = one.of(fitted.candidate)

@@ -12,3 +12,7 @@ MOST_OF_IT = 0.5
 FITTED = 6
 FITTED_UNKNOWNS = 2
 STEPS = 4
+# A curved law is begun from so many promises, and from its usual values; so many of these are fitted, for so many rounds.
+TRIED_STARTS = 4
+FITTED_STARTS = 2
+TRIED_ROUNDS = 3

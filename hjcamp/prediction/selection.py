@@ -15,8 +15,17 @@ from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
 from hjcamp.prediction.chapters import better, left_out_scores
 from hjcamp.prediction.fitting import Fitted, Free, fit, settled
 from hjcamp.prediction.floor import motion_of
-from hjcamp.prediction.levels import FITTED, FITTED_UNKNOWNS, LEVEL, MATTERS, STEPS
-from hjcamp.prediction.likelihood import size
+from hjcamp.prediction.levels import (
+    FITTED,
+    FITTED_STARTS,
+    FITTED_UNKNOWNS,
+    LEVEL,
+    MATTERS,
+    STEPS,
+    TRIED_ROUNDS,
+    TRIED_STARTS,
+)
+from hjcamp.prediction.likelihood import loss, size
 from hjcamp.prediction.screening import (
     Probe,
     Projection,
@@ -109,39 +118,51 @@ class Search:
         orders = moved_orders(layout.of_test, motion_of(layout), self.seed + len(self.steps))
         gain, chance = chance_gains(projection, probes, orders)
         effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
-        promises = best_promises([projection.promise(probe, effects[probe.effect]) for probe in probes])
-        able = [one for name, one in promises.items() if name in self.library and one.gain > 0.0][: 2 * FITTED]
-        for done, one in enumerate(able):
-            self.report(f"looking closer at {one.effect}", done / len(able))
-            able[done] = refined(self.windows, projection, self.library[one.effect], one, fitted.features)
-        first = sorted(able, key=lambda one: -one.gain)[:FITTED]
-        others = [one for name, one in promises.items() if name in self.unknowns][:FITTED_UNKNOWNS]
-        named: list[Scored] = []
-        unknown_fits: list[Scored] = []
-        for done, one in enumerate([*first, *others]):
-            self.report(f"fitting {one.effect}", done / (len(first) + len(others)))
-            model = self.fitted_beside(fitted, one)
-            if np.isfinite(model.left_out):
-                (named if one.effect in self.library else unknown_fits).append(model)
-        named.sort(key=lambda model: model.scores.sum())
-        unknown_fits.sort(key=lambda model: model.scores.sum())
-        step = Step(before, p_value(gain, chance), chance, gain, tuple(named), tuple(unknown_fits))
+        promises = [projection.promise(probe, effects[probe.effect]) for probe in probes]
+        best = best_promises(promises)
+        able = [name for name, one in best.items() if name in self.library and one.gain > 0.0][: 2 * FITTED]
+        begun: list[Fitted] = []
+        for done, name in enumerate(able):
+            self.report(f"looking closer at {name}", done / len(able))
+            begun.append(self.begun(projection, name, [one for one in promises if one.effect == name]))
+        begun.sort(key=lambda one: one.loss)
+        others = [one for name, one in best.items() if name in self.unknowns][:FITTED_UNKNOWNS]
+        starts = [*begun[:FITTED], *(self.begun_unknown(fitted, one) for one in others)]
+        models = []
+        for done, start in enumerate(starts):
+            self.report(f"fitting {_added(start.candidate, fitted.candidate)}", done / len(starts))
+            models.append(self.fitted(start.candidate))
+        models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.scores.sum())
+        named = tuple(one for one in models if _added(one.fitted.candidate, fitted.candidate) in self.library)
+        others_fitted = tuple(one for one in models if one not in named)
+        step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted)
         self.steps.append(step)
         return step
 
-    def fitted_beside(self, fitted: Fitted, promise: Promise) -> Scored:
-        """Return the better fit of two starts: what is promised, and the same beside the base as it was (an unknown from 0)."""
-        [added] = set(promise.candidate.effects) - set(fitted.candidate.effects)
-        found = self.fitted(promise.candidate)
-        if found.fitted.loss < fitted.loss and added not in self.unknowns:
-            return found
-        small = dict(promise.candidate.effects[added])
-        if added in self.unknowns:
-            small |= dict.fromkeys(self.unknowns[added].amplitudes, 0.0)
-        elif not np.isfinite(found.fitted.loss):
-            small = dict(self.library[added].defaults())
-        again = self.fitted(fitted.candidate.with_effect(added, small))
-        return again if again.fitted.loss < found.fitted.loss else found
+    def begun(self, projection: Projection, name: str, promises: Sequence[Promise]) -> Fitted:
+        """Return the best fit after few rounds: from where a named effect promises most, and from its usual values.
+
+        What is promised is linear: the best start of a curved law need not be the one that promises most.
+        """
+        before, effect = projection.fitted, self.library[name]
+        most = sorted((one for one in promises if one.gain > 0.0), key=lambda one: -one.gain)[:TRIED_STARTS]
+        own = [dict(effect.defaults())]
+        if most:
+            most.append(refined(self.windows, projection, effect, most[0], before.features))
+            own.append(dict(most[0].candidate.effects[name]))
+        starts = [one.candidate for one in most] + [before.candidate.with_effect(name, one) for one in own]
+        starts.sort(key=lambda one: loss(self.windows.features(one)))
+        return self._best_of(starts[:FITTED_STARTS])
+
+    def begun_unknown(self, before: Fitted, promise: Promise) -> Fitted:
+        """Return the better of two starts of an unknown: what is promised, and nothing."""
+        name, knots = promise.effect, self.unknowns[promise.effect].amplitudes
+        zero = {**promise.candidate.effects[name], **dict.fromkeys(knots, 0.0)}
+        return self._best_of([promise.candidate, before.candidate.with_effect(name, zero)])
+
+    def _best_of(self, starts: Sequence[Candidate]) -> Fitted:
+        tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS) for one in starts]
+        return min(tried, key=lambda one: one.loss)
 
     def matters(self, model: Scored, before: Scored) -> bool:
         """Whether a model takes a share of the error that matters, and does so chapter by chapter."""
@@ -189,6 +210,11 @@ class Search:
 
 def critical(chapters: int) -> float:
     """Return the one-sided critical value of Student's t at the level of all claims."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
-    return float(t.ppf(1.0 - LEVEL, chapters - 1)) if chapters > 1 else math.inf
+    return float(stdtrit(chapters - 1, 1.0 - LEVEL)) if chapters > 1 else math.inf
+
+
+def _added(candidate: Candidate, before: Candidate) -> str:
+    [name] = set(candidate.effects) - set(before.effects)
+    return name
