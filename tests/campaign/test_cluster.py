@@ -286,6 +286,7 @@ def test_work_beside_the_package_is_imported_where_it_runs(tmp_path: Path, monke
     assert imported((str(tmp_path), "beside_the_package", "twice", pickle.dumps((3, 1)))) == 7
 
 
+@pytest.mark.study
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.usefixtures("empty_folder")
 def test_the_cases_of_a_benchmark_go_to_a_cluster_and_those_of_a_killed_worker_again(

@@ -16,6 +16,7 @@ effects: {pressure_friction: {coefficient: 6.0e-6, reference: 0.2e+6}}
 """
 
 
+@pytest.mark.study
 def test_the_feedforward_that_knows_the_seals_tracks_better(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("HJCAMP_CONF", raising=False)

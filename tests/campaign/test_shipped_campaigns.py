@@ -17,7 +17,9 @@ from hjcamp.configuration.composer import Composer
 CAMPAIGNS = sorted(path.stem for path in (Path(hjcamp.__file__).parents[1] / "campaigns").glob("*.yaml"))
 
 
-@pytest.mark.parametrize("campaign", CAMPAIGNS)
+@pytest.mark.parametrize(
+    "campaign", [pytest.param(name, marks=pytest.mark.study) if name == "two_pumps" else name for name in CAMPAIGNS]
+)
 def test_every_test_of_a_shipped_campaign_succeeds(campaign: str, composer: Composer, empty_folder: Path) -> None:
     lines = [f"campaign={campaign}", "repetitions=1"]
     plan = make_plan(composer.compose(lines).config, campaign, lines[1:], composer)

@@ -53,6 +53,7 @@ def test_every_command_option_and_kind_of_file_is_tried() -> None:
     assert {case.about for case in cases} >= {f"{name}: {how}" for name in FILES for how in DAMAGES}
 
 
+@pytest.mark.study
 def test_the_study_runs() -> None:
     environment = {**os.environ, "PYTHONPATH": str(Path(hjcamp.__file__).parents[1])}
     words = [sys.executable, str(STUDY), "600", "--only", "'repetitions=0'", "--limit", "100"]

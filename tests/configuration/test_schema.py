@@ -102,7 +102,7 @@ def test_every_choice_of_ours_fits(composer: Composer, empty_folder: Path) -> No
                 check_configuration(composer.compose(["controller=ffwd_pid", f"{group}={choice}"]).config)
 
 
-@pytest.mark.parametrize("backend", ["simulation", "nidaqmx"])
+@pytest.mark.parametrize("backend", ["simulation", pytest.param("nidaqmx", marks=pytest.mark.study)])
 def test_every_campaign_of_ours_fits(composer: Composer, empty_folder: Path, backend: str) -> None:
     for campaign in composer.options("campaign"):
         if backend == "nidaqmx" and composer.compose([f"campaign={campaign}"]).config["campaign"].get("fixed", {}).get(

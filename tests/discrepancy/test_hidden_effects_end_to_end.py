@@ -44,12 +44,14 @@ def test_a_hidden_effect_is_named_added_and_gone(ask: Call, tmp_path: Path) -> N
     assert error["after"] <= 1.3 * error["floor"] < error["before"]
 
 
+@pytest.mark.study
 def test_two_hidden_effects_are_both_found(ask: Call, tmp_path: Path) -> None:
     found = diagnosed(ask, tmp_path / "logs", "leakage", "position_friction", strength="strong", seed=321)
     assert found["verdict"] == "effect"
     assert sorted(found["effects"]) == ["leakage", "position_friction"]
 
 
+@pytest.mark.study
 def test_a_stray_spring_is_outside_the_library_and_depends_on_the_arm_angle(ask: Call, tmp_path: Path) -> None:
     found = diagnosed(ask, tmp_path / "logs", "stray_spring", strength="strong", seed=311)
     assert (found["verdict"], found["effects"]) == ("outside_library", [])

@@ -48,6 +48,7 @@ def test_a_loop_closed_within_the_log_leaves_the_first_reading_as_it_was(logs: l
     assert home_reading(replace(closed, columns=before)) == pytest.approx(math.radians(1.5))
 
 
+@pytest.mark.study
 def test_the_bias_takes_up_what_the_first_readings_show(logs: list[TestLog]) -> None:
     evidence = prepare([log for log in logs if log.metadata["controller"] == "open_loop"][:4])
     bias = float(np.mean([test.home for test in evidence.tests]))

@@ -106,6 +106,7 @@ def test_nothing_is_missing(call: Call, null: Path) -> None:
     assert set(least) == {"parameter", "value", "unit"} and 0 < least["value"] < 1e-15
 
 
+@pytest.mark.study
 def test_a_friction_effect_is_named(call: Call, stribeck: Path) -> None:
     assert call("diagnose", stribeck, "--effort", "quick", "--json", "d.json").code == 0
     found = read_answer(Path("d.json"))

@@ -14,7 +14,10 @@ from truth.case import write_case
 
 @pytest.mark.parametrize(
     ("contact", "hidden", "verdict"),
-    [("bristles", [], "nothing_missing"), ("smooth", ["leakage"], "effect")],
+    [
+        ("bristles", [], "nothing_missing"),
+        pytest.param("smooth", ["leakage"], "effect", marks=pytest.mark.study),
+    ],
 )
 def test_another_contact_gives_the_right_answer(
     call: Call, tmp_path: Path, contact: str, hidden: list[str], verdict: str

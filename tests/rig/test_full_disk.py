@@ -41,7 +41,7 @@ def can_mount(folder: Path) -> bool:
     return subprocess.run(probe, capture_output=True).returncode == 0
 
 
-@pytest.mark.parametrize("kind", ["limit", "disk"])
+@pytest.mark.parametrize("kind", ["limit", pytest.param("disk", marks=pytest.mark.study)])
 def test_a_full_disk_makes_the_rig_safe(kind: str, tmp_path: Path, compose: Any, device: VirtualDevice) -> None:
     folder = tmp_path / "small"
     folder.mkdir()

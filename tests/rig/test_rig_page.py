@@ -16,6 +16,7 @@ from hjcamp.backends.virtual_rig.faults import parse_fault
 ROOT = Path(__file__).parents[2]
 
 
+@pytest.mark.study
 def test_the_burst_line_of_the_example_is_reached(compose: Any, device: VirtualDevice) -> None:
     page = (ROOT / "docs" / "rig.md").read_text(encoding="utf-8")
     leak, fault = re.findall(r"hjcamp rig serve effects\.leakage\.conductance=(\S+) --fault (\S+)", page)[0]

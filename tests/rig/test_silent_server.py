@@ -83,13 +83,18 @@ def test_the_server_is_stopped(running: Test) -> None:
     assert "watchdog makes them safe 5 ms after the last write" in said
 
 
+@pytest.mark.study
 def test_the_cable_is_cut(running: Test) -> None:
     running.cable.cut()
     said = running.end(within=READ_TIMEOUT_S + ANSWER_S + GRACE_S + LOADED_S)
     assert re.search(rf"COULD NOT BE WRITTEN \(.* last written: {OUTPUTS}\)", said), said
 
 
-@pytest.mark.parametrize("numbers", [(signal.SIGTERM,), (signal.SIGINT, signal.SIGINT)], ids=["sigterm", "ctrl_c"])
+@pytest.mark.parametrize(
+    "numbers",
+    [pytest.param((signal.SIGTERM,), marks=pytest.mark.study), (signal.SIGINT, signal.SIGINT)],
+    ids=["sigterm", "ctrl_c"],
+)
 def test_a_stop_is_heard_while_the_server_hangs(running: Test, numbers: tuple[int, ...]) -> None:
     running.server.send_signal(signal.SIGSTOP)
     for number in numbers:
@@ -99,6 +104,7 @@ def test_a_stop_is_heard_while_the_server_hangs(running: Test, numbers: tuple[in
     assert re.search(OUTPUTS, said), said
 
 
+@pytest.mark.study
 def test_a_server_that_goes_on_in_time_obeys(running: Test) -> None:
     # The read is given up after 2.1 s; the outputs are written in the 0.8 s that are left.
     running.server.send_signal(signal.SIGSTOP)
