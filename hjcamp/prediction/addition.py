@@ -48,7 +48,8 @@ def added(
         projection = Projection(model.fitted)
         probes = probes_of(analysis.windows, model.fitted.candidate, model.fitted.features, library[name])
         promises = [projection.promise(probe, library[name]) for probe in probes]
-        model = search.fitted(search.begun(projection, name, promises).candidate)
+        begun = search.begun(projection, name, promises)
+        model = search.fitted(begun.candidate, begun)
     settled = search.resettled(model)
     floor = not_above(analysis.floor, settled.fitted.features)
     return Addition(replace(analysis, floor=floor), settled, tuple(names))

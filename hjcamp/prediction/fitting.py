@@ -18,6 +18,9 @@ STEP = 0.01
 ROUNDS = 12
 GAINED = 0.02
 WORST_DAMPING = 1e6
+# Slopes that are followed by secants are computed afresh where a step gains less, or must be damped more.
+ENOUGH = 2.0
+FARTHEST = 10.0
 
 
 @dataclass(frozen=True)
@@ -96,12 +99,23 @@ def slopes_of(windows: Windows, candidate: Candidate, free: Sequence[Free], base
     return np.nan_to_num(np.stack(columns, axis=2), posinf=0.0, neginf=0.0) if columns else np.zeros((*base.shape, 0))
 
 
-def fit(windows: Windows, start: Candidate, free: Sequence[Free], rounds: int = ROUNDS) -> Fitted:
-    """Return the fit from ``start``; it never is worse than the start. Window starts stay as they are."""
+def fit(
+    windows: Windows,
+    start: Candidate,
+    free: Sequence[Free],
+    rounds: int = ROUNDS,
+    near: Fitted | None = None,
+    exact: bool = True,
+) -> Fitted:
+    """Return the fit from ``start``; it never is worse than the start. Window starts stay as they are.
+
+    Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6) and are computed afresh
+    where a step gains nothing. ``near`` lends its slopes; ``exact`` asks for fresh ones at the end.
+    """
     candidate, damping = start, 1e-3
     features = windows.features(candidate)
     current = _whole(features, candidate, free)
-    slopes = slopes_of(windows, candidate, free, features)
+    slopes, fresh = _lent(windows, candidate, free, features, near)
     for _ in range(rounds):
         if not free or not np.isfinite(current):
             break
@@ -122,14 +136,36 @@ def fit(windows: Windows, start: Candidate, free: Sequence[Free], rounds: int = 
             value = _whole(seen, tried, free)
             if value < current:
                 gained = current - value
+                move = np.array([one.of(tried) - one.of(candidate) for one in free])
+                slopes = slopes + (seen - features - slopes @ move)[:, :, None] * move / float(move @ move)
                 candidate, features, current = tried, seen, value
                 damping = max(damping * 0.1, 1e-9)
                 break
             damping *= 10.0
-        slopes = slopes_of(windows, candidate, free, features)
-        if gained < GAINED:
+            if not fresh and damping > FARTHEST:
+                break
+        if gained < GAINED and fresh:
             break
+        fresh = gained < ENOUGH
+        if fresh:
+            slopes, damping = slopes_of(windows, candidate, free, features), min(damping, 1e-3)
+    if exact and not fresh and np.isfinite(current):
+        slopes = slopes_of(windows, candidate, free, features)
     return Fitted(candidate, tuple(free), features, slopes, current)
+
+
+def _lent(
+    windows: Windows, candidate: Candidate, free: Sequence[Free], base: Array, near: Fitted | None
+) -> tuple[Array, bool]:
+    """Return slopes (windows, d, free), those of ``near`` where it has them, and whether all of them are fresh."""
+    known = {(one.effect, one.name): k for k, one in enumerate(near.free)} if near else {}
+    own = [one for one in free if (one.effect, one.name) not in known]
+    found = iter(np.moveaxis(slopes_of(windows, candidate, own, base), 2, 0))
+    columns = [
+        near.slopes[:, :, known[one.effect, one.name]] if near and (one.effect, one.name) in known else next(found)
+        for one in free
+    ]
+    return (np.stack(columns, axis=2) if columns else np.zeros((*base.shape, 0))), len(own) == len(free)
 
 
 def settled(windows: Windows, start: Candidate, free: Sequence[Free], turns: int = 3) -> Fitted:

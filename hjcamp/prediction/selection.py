@@ -96,9 +96,9 @@ class Search:
             )
         return found
 
-    def fitted(self, start: Candidate) -> Scored:
-        """Return the fit of a model from ``start``."""
-        return self.scored(fit(self.windows, start, self.free_of(start)))
+    def fitted(self, start: Candidate, near: Fitted | None = None) -> Scored:
+        """Return the fit of a model from ``start``; ``near`` lends it slopes to begin with."""
+        return self.scored(fit(self.windows, start, self.free_of(start), near=near))
 
     def look(self, before: Scored) -> Step:
         """Return what a model may miss: screen everything, then fit what promises most."""
@@ -131,7 +131,7 @@ class Search:
         models = []
         for done, start in enumerate(starts):
             self.report(f"fitting {_added(start.candidate, fitted.candidate)}", done / len(starts))
-            models.append(self.fitted(start.candidate))
+            models.append(self.fitted(start.candidate, start))
         models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.scores.sum())
         named = tuple(one for one in models if _added(one.fitted.candidate, fitted.candidate) in self.library)
         others_fitted = tuple(one for one in models if one not in named)
@@ -152,16 +152,16 @@ class Search:
             own.append(dict(most[0].candidate.effects[name]))
         starts = [one.candidate for one in most] + [before.candidate.with_effect(name, one) for one in own]
         starts.sort(key=lambda one: loss(self.windows.features(one)))
-        return self._best_of(starts[:FITTED_STARTS])
+        return self._best_of(starts[:FITTED_STARTS], before)
 
     def begun_unknown(self, before: Fitted, promise: Promise) -> Fitted:
         """Return the better of two starts of an unknown: what is promised, and nothing."""
         name, knots = promise.effect, self.unknowns[promise.effect].amplitudes
         zero = {**promise.candidate.effects[name], **dict.fromkeys(knots, 0.0)}
-        return self._best_of([promise.candidate, before.candidate.with_effect(name, zero)])
+        return self._best_of([promise.candidate, before.candidate.with_effect(name, zero)], before)
 
-    def _best_of(self, starts: Sequence[Candidate]) -> Fitted:
-        tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS) for one in starts]
+    def _best_of(self, starts: Sequence[Candidate], before: Fitted) -> Fitted:
+        tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts]
         return min(tried, key=lambda one: one.loss)
 
     def matters(self, model: Scored, before: Scored) -> bool:
