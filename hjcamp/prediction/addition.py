@@ -49,10 +49,9 @@ def added(
         probes = probes_of(analysis.windows, model.fitted.candidate, model.fitted.features, library[name])
         promises = [projection.promise(probe, library[name]) for probe in probes]
         begun = search.begun(projection, name, promises)
-        model = search.fitted(begun.candidate, begun)
-    settled = search.resettled(model)
-    floor = not_above(analysis.floor, settled.fitted.features)
-    return Addition(replace(analysis, floor=floor), settled, tuple(names))
+        model = search.resettled(search.fitted(begun.candidate, begun))
+    floor = not_above(analysis.floor, model.fitted.features)
+    return Addition(replace(analysis, floor=floor), model, tuple(names))
 
 
 def answer(found: Addition, name: str, path: str) -> dict[str, Any]:

@@ -111,12 +111,14 @@ def calibrated(
             base[DELAY + name] = 0.0
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
     kernels = Kernels(plant, dict(library))
-    windows = Windows(layout, kernels, _first(layout, joined, declared), sizes, lowest)
+    unseen = bool((~np.isfinite(joined)).all(axis=0).any())
+    windows = Windows(layout, kernels, _first(layout, joined, declared), sizes, lowest, unseen)
     _hidden(windows, candidate, joined)
     report("calibrating", 0.1)
     ranges = ranges_of(plant, candidate.base, _filled(joined, windows, candidate), layout.inputs, layout.time)
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
     search = Search(windows, library, found, chapters_of(layout), free, seed, report)
+    windows.move_starts(candidate)
     fitted = settled(windows, candidate, search.free_of(candidate))
     if not np.isfinite(fitted.loss):
         raise UsageError(

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.prediction.analysis import Analysis
-from hjcamp.prediction.chapters import better
+from hjcamp.prediction.chapters import advantages
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
-from hjcamp.prediction.selection import Scored, critical
+from hjcamp.prediction.selection import Scored, critical, error_ratio
 from hjcamp.prediction.verdict import Verdict
 from hjcamp.prediction.windows import DELAY
 
@@ -137,14 +137,14 @@ def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
 def _candidate(analysis: Analysis, name: str, model: Scored, before: Scored, named: bool) -> dict[str, Any]:
     effect = analysis.search.library[name]
     found = [one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name]
-    t = better(model.scores, before.scores)
-    weight = _weight(t, len(model.scores)) if not named else 1.0
+    t, count = analysis.search.t(model, before), len(np.unique(analysis.search.chapters))
+    weight = _weight(t, count) if not named else 1.0
     return {
         "effect": name,
         "posterior": weight,
         "t": float(np.clip(t, -1e3, 1e3)),
-        "t_needed": critical(len(model.scores)),
-        "heldout_error_ratio": float(model.left_out / before.left_out),
+        "t_needed": critical(count),
+        "heldout_error_ratio": error_ratio(model, before),
         "parameters": {one.name: _row(one, effect.parameters[one.name].unit) for one in found},
     }
 
@@ -178,7 +178,7 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
         row = {
             "driver": f"{known.place}_{known.driver}" if known.driver != "time" else "time",
             "quantity": known.quantity, "port": known.place,
-            "gain": float((reference.scores - one.scores).sum()),
+            "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
         }  # fmt: skip
         if place == 0:
             row["curve"] = curve_of(analysis, one, name)

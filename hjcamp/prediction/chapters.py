@@ -17,32 +17,24 @@ MOST = 16
 
 
 def chapters_of(layout: Layout) -> NDArray[np.int64]:
-    """Return the chapter of each window (windows,).
+    """Return the chapter of each window (windows,): equal parts of each condition, its repetitions together.
 
-    Conditions where there are enough of them, else tests, else equal parts of the tests one after the other.
+    Repetitions share what a condition has of its own: apart, they would pass for independent.
     """
     measured, of_test = layout.measured, layout.of_test
-    if len(measured.conditions) >= FEWEST:
-        names = list(measured.conditions)
-        return np.array([names.index(measured.tests[test].condition) for test in of_test])
-    if len(measured.tests) >= FEWEST:
-        return of_test
-    parts = max(1, math.ceil(MOST / len(measured.tests)))
-    found, count = np.zeros(len(of_test), dtype=np.int64), 0
+    conditions = list(measured.conditions)
+    parts = math.ceil(MOST / len(conditions))
+    found = np.zeros(len(of_test), dtype=np.int64)
     for test in np.unique(of_test):
         rows = np.flatnonzero(of_test == test)
-        cut = np.minimum(np.arange(len(rows)) * min(parts, len(rows)) // len(rows), parts - 1)
-        found[rows] = count + cut
-        count += int(cut.max()) + 1
+        cut = np.arange(len(rows)) * min(parts, len(rows)) // len(rows)
+        found[rows] = parts * conditions.index(measured.tests[test].condition) + cut
     return found
 
 
-def left_out_scores(fitted: Fitted, chapters: NDArray[np.int64]) -> tuple[Array, Array]:
-    r"""Return the log error of each chapter (chapters,) by the model that the others give, and the features so predicted.
+def left_out(fitted: Fitted, chapters: NDArray[np.int64]) -> Array:
+    """Return the features (windows, d) of each chapter by the fit of the others.
 
-    .. math:: s_c = \tfrac{1}{2} n_c d \log \Bigl( \frac{1}{n_c d} \sum_{w \in c} f_w^T C_{-c}^{-1} f_w \Bigr)
-
-    for the n_c windows of a chapter and second moments C of the others: a chapter with one large error does not outweigh all.
     The fit without a chapter is one Gauss-Newton step from the fit of all (approximate cross-validation; Beirami et al. 2017).
     """
     w = whitener(fitted.features)
@@ -50,26 +42,33 @@ def left_out_scores(fitted: Fitted, chapters: NDArray[np.int64]) -> tuple[Array,
     each = np.einsum("wgp,wgq->wpq", white, white)
     pull = np.einsum("wgp,wg->wp", white, left)
     whole = fitted.information
-    found, features = [], np.empty_like(fitted.features)
+    features = fitted.features.copy()
+    if not white.shape[2]:
+        return features
     for chapter in np.unique(chapters):
         out = chapters == chapter
-        step = (
-            np.linalg.lstsq(whole - each[out].sum(axis=0), pull[out].sum(axis=0), rcond=1e-10)[0]
-            if white.shape[2]
-            else np.zeros(0)
-        )
-        moved = fitted.features + fitted.slopes @ step
-        moments = covariance(moved[~out])
-        features[out] = moved[out]
-        root = np.linalg.cholesky(moments)
-        square = np.mean(np.linalg.solve(root, moved[out].T) ** 2)
-        found.append(0.5 * moved[out].size * np.log(square) + out.sum() * np.log(np.diag(root)).sum())
-    return np.array(found), features
+        step = np.linalg.lstsq(whole - each[out].sum(axis=0), pull[out].sum(axis=0), rcond=1e-10)[0]
+        features[out] += fitted.slopes[out] @ step
+    return features
 
 
-def better(one: Array, other: Array) -> float:
-    """Return the t value of the paired differences ``other`` - ``one`` (chapters,): positive where ``one`` is better."""
-    difference = other - one
-    spread = float(np.std(difference, ddof=1)) / math.sqrt(len(difference)) if len(difference) > 1 else math.inf
-    mean = float(np.mean(difference))
+def advantages(one: Array, other: Array, chapters: NDArray[np.int64]) -> Array:
+    r"""Return by how much features ``one`` (windows, d) are better than ``other`` in each chapter (chapters,).
+
+    .. math:: a_c = \sum_{w \in c} \tfrac{d}{2} \log \frac{d + g_w^T M^{-1} g_w}{d + f_w^T M^{-1} f_w}
+
+    for features f of one, g of the other, and M half the sum of their second moments: the log scores of Student's t. One large
+    error does not outweigh all, and a difference far below what either model leaves elsewhere counts for nothing.
+    """
+    d = one.shape[1]
+    inverse = np.linalg.inv(0.5 * (covariance(one) + covariance(other)))
+    squares = [np.einsum("wi,ij,wj->w", f, inverse, f) for f in (one, other)]
+    gains = 0.5 * d * np.log((d + squares[1]) / (d + squares[0]))
+    return np.array([gains[chapters == chapter].sum() for chapter in np.unique(chapters)])
+
+
+def t_value(values: Array) -> float:
+    """Return Student's t of the mean of ``values`` (chapters,)."""
+    spread = float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else math.inf
+    mean = float(np.mean(values))
     return mean / spread if spread > 0.0 else math.copysign(math.inf, mean) if mean else 0.0

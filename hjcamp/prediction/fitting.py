@@ -16,6 +16,9 @@ from hjcamp.prediction.windows import Windows
 Array = NDArray[np.float64]
 STEP = 0.01
 ROUNDS = 12
+# The starts are where they belong when moving them gains less.
+SETTLED = 0.5
+TURNS = 3
 GAINED = 0.02
 WORST_DAMPING = 1e6
 # Slopes that are followed by secants are computed afresh where a step gains less, or must be damped more.
@@ -168,16 +171,18 @@ def _lent(
     return (np.stack(columns, axis=2) if columns else np.zeros((*base.shape, 0))), len(own) == len(free)
 
 
-def settled(windows: Windows, start: Candidate, free: Sequence[Free], turns: int = 3) -> Fitted:
+def settled(
+    windows: Windows, start: Candidate, free: Sequence[Free], near: Fitted | None = None, turns: int = TURNS
+) -> Fitted:
     """Return the fit with the windows' starts moved along: fit, move the starts, and fit again until nothing is gained."""
-    windows.move_starts(start)
-    found = fit(windows, start, free)
+    found = fit(windows, start, free, near=near)
     for _ in range(turns):
-        windows.move_starts(found.candidate, rounds=1)
-        again = fit(windows, found.candidate, free)
-        done = found.loss - again.loss < 0.5
-        found = again
-        if done:
+        if not np.isfinite(found.loss):
+            break
+        before = found
+        windows.move_starts(before.candidate, rounds=1)
+        found = fit(windows, before.candidate, free, near=before)
+        if before.loss - found.loss < SETTLED:
             break
     return found
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
-from hjcamp.prediction.chapters import better, left_out_scores
-from hjcamp.prediction.fitting import Fitted, Free, fit, settled
+from hjcamp.prediction.chapters import advantages, left_out, t_value
+from hjcamp.prediction.fitting import TURNS, Fitted, Free, fit, settled
 from hjcamp.prediction.floor import motion_of
 from hjcamp.prediction.levels import (
     FITTED,
@@ -46,12 +46,16 @@ Report = Callable[[str, float], None]
 
 @dataclass(frozen=True)
 class Scored:
-    """A fitted model with what it was made of, its chapters' scores (chapters,) and its size on chapters left out."""
+    """A fitted model with what it was made of, and its features (windows, d) on chapters left out, with their size.
+
+    ``place`` is where the windows begin for it.
+    """
 
     names: tuple[str, ...]
     fitted: Fitted
-    scores: Array
+    features: Array
     left_out: float
+    place: tuple[Array, Array]
 
 
 @dataclass(frozen=True)
@@ -80,12 +84,12 @@ class Search:
     steps: list[Step] = field(default_factory=list)
 
     def scored(self, fitted: Fitted) -> Scored:
-        """Return a fit with its scores on chapters that it does not know."""
+        """Return a fit with what it leaves of chapters that it does not know."""
+        names = tuple(fitted.candidate.effects)
         if not np.isfinite(fitted.loss):
-            worst = np.full(len(np.unique(self.chapters)), np.inf)
-            return Scored(tuple(fitted.candidate.effects), fitted, worst, math.inf)
-        scores, features = left_out_scores(fitted, self.chapters)
-        return Scored(tuple(fitted.candidate.effects), fitted, scores, size(features))
+            return Scored(names, fitted, fitted.features, math.inf, self.windows.place)
+        features = left_out(fitted, self.chapters)
+        return Scored(names, fitted, features, size(features), self.windows.place)
 
     def free_of(self, candidate: Candidate) -> list[Free]:
         """Return all free parameters of a candidate."""
@@ -97,12 +101,18 @@ class Search:
         return found
 
     def fitted(self, start: Candidate, near: Fitted | None = None) -> Scored:
-        """Return the fit of a model from ``start``; ``near`` lends it slopes to begin with."""
-        return self.scored(fit(self.windows, start, self.free_of(start), near=near))
+        """Return the fit of a model from ``start``; ``near`` lends it slopes to begin with.
+
+        Where the plant has states that nothing measures, each model has starts of its own: those of another one favour that.
+        """
+        place, turns = self.windows.place, TURNS if self.windows.unseen else 0
+        found = self.scored(settled(self.windows, start, self.free_of(start), near, turns))
+        self.windows.place = place
+        return found
 
     def look(self, before: Scored) -> Step:
         """Return what a model may miss: screen everything, then fit what promises most."""
-        fitted = before.fitted
+        fitted, self.windows.place = before.fitted, before.place
         projection = Projection(fitted)
         probes: list[Probe] = []
         names = [name for name in self.library if name not in fitted.candidate.effects]
@@ -132,7 +142,7 @@ class Search:
         for done, start in enumerate(starts):
             self.report(f"fitting {_added(start.candidate, fitted.candidate)}", done / len(starts))
             models.append(self.fitted(start.candidate, start))
-        models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.scores.sum())
+        models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.left_out)
         named = tuple(one for one in models if _added(one.fitted.candidate, fitted.candidate) in self.library)
         others_fitted = tuple(one for one in models if one not in named)
         step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted)
@@ -166,17 +176,27 @@ class Search:
 
     def matters(self, model: Scored, before: Scored) -> bool:
         """Whether a model takes a share of the error that matters, and does so chapter by chapter."""
-        return self.beats(model, before) and model.left_out <= (1.0 - MATTERS) * before.left_out
+        return self.beats(model, before) and error_ratio(model, before) <= 1.0 - MATTERS
 
     def beats(self, model: Scored, other: Scored) -> bool:
         """Whether a model is better on chapters that it does not know, at the level of all claims."""
         if not math.isfinite(model.left_out) or not math.isfinite(other.left_out):
             return math.isfinite(model.left_out)
-        return better(model.scores, other.scores) > critical(len(model.scores))
+        return self.t(model, other) > critical(len(np.unique(self.chapters)))
+
+    def t(self, model: Scored, other: Scored) -> float:
+        """Return Student's t of a model's advantage over another, over the chapters."""
+        return t_value(advantages(model.features, other.features, self.chapters))
 
     def resettled(self, model: Scored) -> Scored:
-        """Return a model with the windows' starts moved to where it fits best."""
-        return self.scored(settled(self.windows, model.fitted.candidate, self.free_of(model.fitted.candidate)))
+        """Return a model with the windows' starts moved to where it fits best, if that is better, and leave them there."""
+        self.windows.place = model.place
+        found = self.scored(
+            settled(self.windows, model.fitted.candidate, self.free_of(model.fitted.candidate), model.fitted)
+        )
+        best = min(found, model, key=lambda one: one.left_out)
+        self.windows.place = best.place
+        return best
 
     def run(self, base: Scored) -> Scored:
         """Return the model with all named effects that matter, one added at a time; ``steps`` tells each look."""
@@ -188,24 +208,23 @@ class Search:
             best = step.named[0]
             if not self.matters(best, model):
                 break
-            before, kept = model, self.windows.starts.copy()
-            model = self.resettled(best)
-            if model.left_out > best.left_out:
-                self.windows.starts = kept
-                self.windows.move_starts(before.fitted.candidate, rounds=0)
-                model = best
-            model = self.thinned(model)
+            model = self.thinned(self.resettled(best))
         return model
 
     def thinned(self, model: Scored) -> Scored:
         """Return the model without effects that it can do without (backward elimination)."""
         while len(model.names) > 1:
             less = [self.fitted(model.fitted.candidate.without([name])) for name in model.names]
-            best = min(less, key=lambda one: one.scores.sum())
+            best = min(less, key=lambda one: one.left_out)
             if self.matters(model, best):
                 break
-            model = best
+            model, self.windows.place = best, best.place
         return model
+
+
+def error_ratio(model: Scored, before: Scored) -> float:
+    """Return what a model leaves of another's error on chapters left out."""
+    return model.left_out / before.left_out
 
 
 def critical(chapters: int) -> float:

@@ -101,7 +101,7 @@ def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:
     if last.p_value > LEVEL:
         return None
     found = [one for one in last.unknown if analysis.search.matters(one, model)]
-    return min(found, key=lambda one: one.scores.sum()) if found else None
+    return min(found, key=lambda one: one.left_out) if found else None
 
 
 def _taken(base: Scored, model: Scored) -> float:

@@ -112,13 +112,26 @@ class Layout:
 
 @dataclass
 class Windows:
-    """The residuals of models over the windows of a layout; ``starts`` (windows, states) are moved as the tests tell."""
+    """The residuals of models over the windows of a layout; ``starts`` (windows, states) are moved as the tests tell.
+
+    ``unseen``: the plant has states that nothing measures.
+    """
 
     layout: Layout
     kernels: Kernels
     starts: Array
     sizes: Array
     lowest: Array
+    unseen: bool = False
+
+    @property
+    def place(self) -> tuple[Array, Array]:
+        """The starts and what they explain, to come back to."""
+        return self.starts, self._spans
+
+    @place.setter
+    def place(self, one: tuple[Array, Array]) -> None:
+        self.starts, self._spans = one
 
     def readings(self, candidate: Candidate, starts: Array | None = None) -> tuple[Array, Array]:
         """Return the predicted readings (n, sensors) and states (n, states of the plant), SI; may hold NaN where it diverges."""
