@@ -9,6 +9,17 @@ import types
 from hjcamp.model import integrator, shared
 from hjcamp.model.amount_formula import MATHEMATICS, plain_functions
 from hjcamp.model.compose import Composition
+from hjcamp.model.function_sources import (
+    balance_source,
+    contact_source,
+    limiting_source,
+    limits_vary,
+    memory_source,
+    rates_source,
+    readings_source,
+    signals_source,
+    terms_source,
+)
 from hjcamp.model.kernel_cache import kernel_name, load_kernel
 from hjcamp.model.step_source import correct_source, predict_source, written
 from hjcamp.model.structure import couplings, nonlinear_rates
@@ -120,7 +131,7 @@ def load_model(source: str) -> types.ModuleType:
 
 def kernel_source(composition: Composition, extra: str = "") -> str:
     """Return the whole text of the kernel: the effects' terms, the equations, the integrator, and ``extra``."""
-    equations = LIMITED + composition.terms_source() + composition.rates_source()
+    equations = LIMITED + terms_source(composition) + rates_source(composition)
     states = composition.states.values()
     rates, rows = plain_functions(equations)["rates"], len(written(composition))
     direct, reach = (found[:rows, :rows] for found in couplings(composition, rates))
@@ -143,7 +154,7 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
         curved=curved.tolist(),
         written=rows,
         contact=any(composition.free),
-        limits_vary=composition.limits_vary,
+        limits_vary=limits_vary(composition),
         resolution=[state.resolution for state in states],
         typical=[state.typical for state in states],
         creep=integrator.CREEP,
@@ -151,6 +162,6 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
         all_sides=integrator.SIDES ** len(composition.contacts),
         kinds=integrator.KINDS,
     )
-    rest = composition.contact_source() + composition.limiting_source() + composition.readings_source()
-    rest += composition.memory_source() + composition.signals_source() + composition.balance_source()
+    rest = contact_source(composition) + limiting_source(composition) + readings_source(composition)
+    rest += memory_source(composition) + signals_source(composition) + balance_source(composition)
     return header + equations + rest + step + copied(integrator, INTEGRATOR) + extra

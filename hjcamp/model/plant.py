@@ -34,6 +34,7 @@ class Plant:
     A test follows ``controlled``, a measured field (the first one unless named), with ``choices`` of groups where nothing
     else is said; ``actuation`` is the law between what a controller returns and the inputs. What differs from test to test:
     friction by ``friction_varies``, starts by the ``scatter`` of a state, the ``drawn`` parameters.
+    Lines that occur twice are written once, as a function: ``NAME = part(FUNCTION, ...)`` (see `hjcamp.model.marks.part`).
     ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
     """
 
