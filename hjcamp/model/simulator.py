@@ -25,6 +25,8 @@ from hjcamp.model.time_limit import time_limit
 
 Array = NDArray[np.float64]
 PERIOD = 1e-3
+FRESH = np.array([0.0, -1.0, 0.0, 0.0])  # what `driving.sense` remembers before the first sample
+SAMPLE = ("measure", "sense", "decide", "act")
 RECORDED = ("phase", "reference", "command", "pid", "feedforward", "dither")
 
 
@@ -103,7 +105,7 @@ class Simulator:
             ]
             text = "\n".join(lines) + "\n\n\n"
             text += law_source(self.controller, "control") + law_source(self.procedure, "procedure")
-            return kernel_source(composition, text + copied(driving, ("measure", "closed_loop")))
+            return kernel_source(composition, text + copied(driving, (*SAMPLE, "closed_loop")))
         states, driven = list(composition.states), list(composition.cut.driven)
         # numba takes no empty tuple by an index
         lines = [
@@ -221,7 +223,8 @@ class Simulator:
         count = self.kernel.closed_loop(
             z, self.inputs(), p, *propagators, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
             procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
-            test.counts, test.phases, test.noise, test.scatter, record, work,
+            test.counts, test.phases, test.noise, test.scatter, np.zeros(int(whole) + 2),
+            FRESH.copy(), np.zeros(2), np.zeros(len(RECORDED) + 1), record, work,
         )  # fmt: skip
         phase = int(procedure_memory[list(self.procedure.memories).index("phase")])
         if count < 0 or phase > 5:

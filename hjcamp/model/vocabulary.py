@@ -100,7 +100,10 @@ def read_vocabulary(plant: type[Plant]) -> Vocabulary:
     equations = getattr(plant, "equations", None)
     if not inspect.isfunction(equations):
         raise UsageError(f"{inspect.getfile(plant)}: plant {plant.name}: it has no function 'equations'")
-    function, first = whole_definition(equations), inspect.getsourcelines(equations)[1]
+    first = inspect.getsourcelines(equations)[1]
+    if equations.__name__ == "<lambda>":
+        raise UsageError(f"{inspect.getfile(plant)}: line {first}: plant {plant.name}: 'equations' is no function")
+    function = whole_definition(equations)
     reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
     reader.masses = _masses(function)
     for node in function.body:
