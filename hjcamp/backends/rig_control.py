@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.controllers.procedure import Procedure
 from hjcamp.model.amount_formula import MATHEMATICS
-from hjcamp.model.driving import decide
 from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.law import law_source
 from hjcamp.model.term_checks import check_law_compiles
+from hjcamp.plants.pump_joint.procedure import Procedure
+from hjcamp.plants.pump_joint.sample import decide
 
 Array = NDArray[np.float64]
 PHASE, REFERENCE, COMMAND, PID, FEEDFORWARD, DITHER, PRELOAD_SPEED = range(7)
@@ -59,7 +59,7 @@ class RigControl:
             memory[:] = kept
 
     def step(self, pressure1: float, pressure2: float, arm: float, steps: float) -> Array:
-        """Return the row of `hjcamp.model.driving.decide` for this sample."""
+        """Return the row of `hjcamp.plants.pump_joint.sample.decide` for this sample."""
         self._step(
             pressure1, pressure2, arm, steps, self._period, self._control, self._memory, self._procedure,
             self._procedure_memory, self._reference, self._dither, self._state, self.out,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjcamp.errors import UsageError
-from hjcamp.plants.pump_joint_hardware import plant_parameters, transfer_function
+from hjcamp.plants.pump_joint.hardware import plant_parameters, transfer_function
 from hjcamp.records.log import TestLog
 from hjcamp.yaml_file import yaml_values
 

@@ -265,7 +265,7 @@ def pump_checks(effect: type[Effect], console: Console) -> Iterator[tuple[str, s
     from hjcamp.model.effect_checks import CHECKS, EffectBench, bench_simulator
     from hjcamp.model.time_limit import RunLimit
     from hjcamp.plants.pump_joint import PumpJoint
-    from hjcamp.plants.pump_joint_menu import pump_courses
+    from hjcamp.plants.pump_joint.menu import pump_courses
 
     watch = RunLimit(RUN_S, f"effect {effect.name}: one test of its checks")
     bench = EffectBench(effect, bench_simulator(PumpJoint, (effect,)), pump_courses(), watch)

@@ -18,8 +18,8 @@ from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_schema import GROUPS as HARDWARE
-from hjcamp.plants.pump_joint_schema import check_hardware
+from hjcamp.plants.pump_joint.schema import GROUPS as HARDWARE
+from hjcamp.plants.pump_joint.schema import check_hardware
 from hjcamp.schema import Group, checked, naming
 from hjcamp.trajectories import build_trajectory
 

@@ -16,7 +16,7 @@ from hjcamp.model.compose import Composition
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_file import is_users
 from hjcamp.plants import DEFAULT, find_plant
-from hjcamp.plants.pump_joint_schema import GROUPS as HARDWARE
+from hjcamp.plants.pump_joint.schema import GROUPS as HARDWARE
 from hjcamp.schema import Group, between, checked
 from hjcamp.trajectories import build_trajectory
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hjcamp.model.compose import Composition
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_hardware import plant_parameters
+from hjcamp.plants.pump_joint.hardware import plant_parameters
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]

@@ -56,7 +56,7 @@ PLACES = (
     "SPARE",
 )
 # Which of the compiled functions is called by Python and cached, is put into its caller's text, or is made part of its callers.
-ENTRIES = ("propagators", "closed_loop", "follow", "run_free", "rig_tick")
+ENTRIES = ("propagators", "closed_loop", "follow", "run_free")
 ONCE = (
     "linearise",
     "regime_row",

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from hjcamp.backends.simulation import prepare
 from hjcamp.backends.virtual_rig import tick
-from hjcamp.controllers.procedure import Procedure
 from hjcamp.model.kernel import load_model
-from hjcamp.model.simulator import FRESH, PERIOD
+from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.loop import FRESH
+from hjcamp.plants.pump_joint.procedure import Procedure
 
 Array = NDArray[np.float64]
 LONGEST_DELAY = 1024  # samples of the command that are kept

@@ -18,7 +18,7 @@ def rig_tick(
     """Move the plant from sample k - 1 to sample ``k`` under ``outputs``, then fill ``seen`` with its readings (SI).
 
     ``outputs``: pump command (rad), dither (V), preload speed (m/s). ``burst``: positions of open lines in ``z``.
-    ``sense`` and ``act``, with their ``memory``, are the simulator's (`hjcamp.model.driving`); the procedure runs along only
+    ``sense`` and ``act``, with their ``memory``, are the simulator's (`hjcamp.plants.pump_joint.sample`); the procedure runs along only
     because effects count time from the start of the command phase.
     """
     if k > 0:

@@ -8,8 +8,8 @@ from hjcamp.model.marks import limited, signal, slot
 from hjcamp.model.parameter import Channel, Cut, Input, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
-from hjcamp.plants.pump_joint_effects import COVERS, INSTANCES
-from hjcamp.plants.pump_joint_fields import FIELDS, ONE_OF
+from hjcamp.plants.pump_joint.effects import COVERS, INSTANCES
+from hjcamp.plants.pump_joint.fields import FIELDS, ONE_OF
 
 INFINITE = float("inf")
 
