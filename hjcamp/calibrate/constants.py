@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjcamp.errors import UsageError
-from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants import usual_plant
 from hjcamp.plants.pump_joint.hardware import transfer_function
 from hjcamp.records.log import TestLog
 from hjcamp.yaml_file import yaml_values
 
 Names = tuple[tuple[str, str], ...]
 Configure = Callable[[Names], Mapping[str, Any]]
-NAMED = PumpJoint.rig
+NAMED = usual_plant().rig
 NEEDED = ("pump", "amplifier", "tubing", "joint", "friction", "rig")
 
 
@@ -69,7 +69,7 @@ def _parsed(content: bytes) -> Mapping[str, Any] | None:
 
 def _constants(config: Mapping[str, Any], reference: Mapping[str, Any]) -> Constants:
     try:
-        own = PumpJoint.configured(config)
+        own = usual_plant().configured(config)
     except (KeyError, TypeError, ValueError) as problem:
         raise UsageError(f"a log's config.yaml does not describe its hardware: {problem!r}") from None
     return Constants(
@@ -81,7 +81,7 @@ def _constants(config: Mapping[str, Any], reference: Mapping[str, Any]) -> Const
         own["pulley_radius"],
         own["pump_speed_limit"],
         dict(config["tubing"]),
-        PumpJoint.configured(reference),
+        usual_plant().configured(reference),
         float(transfer_function(reference)["delay_ms"]) * 1e-3,
     )
 

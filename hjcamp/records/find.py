@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from hjcamp.errors import UsageError
-from hjcamp.plants import DEFAULT
-from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants import DEFAULT, usual_plant
 from hjcamp.records.check import RATE_TOLERANCE
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PLANT_KEY, USUAL_PERIOD_S, plant_of, span
@@ -18,7 +17,7 @@ from hjcamp.records.run_folder import planned_only
 SUFFIX = ".mcap"
 # The plants that the analyses of tests can read.
 ANALYSED: tuple[str, ...] = (DEFAULT,)
-HARDWARE = PumpJoint.rig
+HARDWARE = usual_plant().rig
 
 
 def find_logs(paths: Sequence[str | Path]) -> list[Path]:
