@@ -15,6 +15,7 @@ from hjcamp.errors import UsageError, unknown
 Function = Callable[..., Any]
 # Spaces whose members a part may name by an argument: rate[position], memory[integral].
 SPACES = ("state", "parameter", "drive", "rate", "memory", "sample")
+MARKS = "hjcamp.model.marks"
 # What these hold belongs to one part alone.
 OWNED = ("rate", "memory")
 
@@ -140,9 +141,8 @@ class _Writer:
         found: Any = scope.get(text.split(".")[0])
         for name in text.split(".")[1:]:
             found = getattr(found, name, None)
-        if not inspect.isfunction(found):
-            functions = [name for name, value in scope.items() if inspect.isfunction(value) and name != "part"]
-            raise unknown("part", text, functions, where)
+        if not _may_be_part(found):
+            raise unknown("part", text, [name for name, value in scope.items() if _may_be_part(value)], where)
         if found in self.stack:
             chain: list[Any] = [*self.stack[self.stack.index(found) :], found]
             names = " -> ".join(one.__name__ for one in chain)
@@ -217,6 +217,11 @@ def _given(definition: ast.FunctionDef, call: ast.Call, label: str) -> dict[str,
     if lacks := [name for name in arguments if name not in found]:
         raise UsageError(f"{label} lacks '{lacks[0]}'; it takes {', '.join(arguments)}")
     return found
+
+
+def _may_be_part(value: Any) -> bool:
+    """Return whether ``value`` is a function of lines: no mark, no element."""
+    return inspect.isfunction(value) and value.__module__ != MARKS
 
 
 def _is_part(node: ast.AST | None) -> bool:

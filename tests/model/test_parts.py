@@ -198,6 +198,11 @@ def of_nothing(x):  # type: ignore[no-untyped-def]
     return y
 
 
+def of_an_element(x):  # type: ignore[no-untyped-def]
+    y = part(signal, x, "m", "a mark is no part")
+    return y
+
+
 def of_a_wrong_argument(x):  # type: ignore[no-untyped-def]
     y = part(capped, x, most=1.0, sahre=2.0)
     return y
