@@ -250,7 +250,7 @@ def test_effect(name: str, plant: str = "") -> None:
     for one in library.names.get(name, (name,)):
         effect = library.find(one)
         check_units(effect, library.plant)
-        checks = (course_checks if library.plant.courses() else place_checks)(effect, library.plant, console)
+        checks = pump_checks(effect, console) if library.plant.name == DEFAULT else place_checks(effect, library.plant)
         for check, answer in checks:
             console.print(f"  {check:<26} {answer}", markup=False)
         use = (
@@ -259,14 +259,15 @@ def test_effect(name: str, plant: str = "") -> None:
         console.print(f"[bold]{one}[/bold] passes{use}")
 
 
-def course_checks(effect: type[Effect], plant: type[Plant], console: Console) -> Iterator[tuple[str, str]]:
-    """Run the checks on simulated tests of a plant that has such."""
+def pump_checks(effect: type[Effect], console: Console) -> Iterator[tuple[str, str]]:
+    """Run the checks on simulated tests of the pump joint."""
     from hjcamp.campaign.compiling import Kernels, status
     from hjcamp.model.effect_checks import CHECKS, EffectBench, bench_simulator
     from hjcamp.model.time_limit import RunLimit
+    from hjcamp.plants.pump_joint import PumpJoint
 
     watch = RunLimit(RUN_S, f"effect {effect.name}: one test of its checks")
-    bench = EffectBench(effect, bench_simulator(plant, (effect,)), plant.courses(), watch)
+    bench = EffectBench(effect, bench_simulator(PumpJoint, (effect,)), PumpJoint.courses(), watch)
     kernels = Kernels({f"the model with {effect.name}": (bench.simulator.source, "follow")})
     for number, (check, passes) in enumerate(CHECKS.items()):
         with status(console, kernels if not number else Kernels({}), f"checking: {check}"):
@@ -274,7 +275,7 @@ def course_checks(effect: type[Effect], plant: type[Plant], console: Console) ->
         yield check, found
 
 
-def place_checks(effect: type[Effect], plant: type[Plant], console: Console) -> Iterator[tuple[str, str]]:
+def place_checks(effect: type[Effect], plant: type[Plant]) -> Iterator[tuple[str, str]]:
     """Run the checks that need no compiled model."""
     from hjcamp.model.place_checks import PLACE_CHECKS, PlaceBench
     from hjcamp.model.time_limit import time_limit

@@ -17,12 +17,11 @@ from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
-from hjcamp.plants import usual_plant
+from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.schema import Group, checked, naming
 from hjcamp.trajectories import build_trajectory
 
-USUAL = usual_plant()
-GROUPS = (*USUAL.settings(), "controller", "trajectory", "backend", "rig", "model")
+GROUPS = (*PumpJoint.settings(), "controller", "trajectory", "backend", "rig", "model")
 OWN_EFFECTS = "hjcamp.effects."
 
 
@@ -47,7 +46,7 @@ def check_configuration(config: Mapping[str, Any], where: str = "") -> None:
                 read_run_keys(config)
             return
         _check_keys(config)
-        USUAL.check_settings(config)
+        PumpJoint.check_settings(config)
         backend = checked(Backend, config["backend"], "backend")
         checked(Rig, config["rig"], "rig")
         check_controller(config["controller"])
@@ -69,7 +68,7 @@ def check_controller(given: Mapping[str, Any]) -> None:
     law: Any = find_controller(str(given.get("name")))
     if law.results != Controller.results:
         raise UsageError(
-            f"controller {law.name} does not fit plant {USUAL.name}: it gives {', '.join(law.results)}; "
+            f"controller {law.name} does not fit plant pump_joint: it gives {', '.join(law.results)}; "
             f"{' and '.join(Controller.results)} of the pump command are needed"
         )
     checked(controller_schema(law), given, "controller")
@@ -83,17 +82,17 @@ def check_model(model: Any, path: str, further: Sequence[type[Effect]] = ()) -> 
     checked(SavedModel, model, path)
     effects = {one.name: one for one in (*chosen_effects(model["effects"], f"{path}.effects")[0], *further)}
     for name, value in model["parameters"].items():
-        if name not in USUAL.parameters:
-            raise unknown("parameter", str(name), USUAL.parameters, f"{path}.parameters")
-        USUAL.parameters[name].checked(value, f"{path}.parameters.{name}")
+        if name not in PumpJoint.parameters:
+            raise unknown("parameter", str(name), PumpJoint.parameters, f"{path}.parameters")
+        PumpJoint.parameters[name].checked(value, f"{path}.parameters.{name}")
     # A term of a user's effect may name what the plant does not have.
-    Composition(USUAL, tuple(effects[name] for name in sorted(effects)))
+    Composition(PumpJoint, tuple(effects[name] for name in sorted(effects)))
     for effect in effects.values():
         # Ours are checked by the tests; a user's file may have been saved a moment ago.
         if not effect.__module__.startswith(OWN_EFFECTS):
             from hjcamp.model.effect_units import check_units
 
-            check_units(effect, USUAL)
+            check_units(effect, PumpJoint)
 
 
 def _check_keys(config: Mapping[str, Any]) -> None:
