@@ -11,13 +11,22 @@ from types import CodeType
 from typing import Any
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.model.part_lines import (
+    Change,
+    called_like,
+    computed,
+    elements,
+    fixed,
+    given_to,
+    is_part,
+    is_text,
+    names_in_tree,
+    stored,
+    targets_of,
+)
 
 Function = Callable[..., Any]
-# Spaces whose members a part may name by an argument: rate[position], memory[integral].
-SPACES = ("state", "parameter", "drive", "rate", "memory", "sample")
 MARKS = "hjcamp.model.marks"
-# What these hold belongs to one part alone.
-OWNED = ("rate", "memory")
 
 
 def whole_definition(function: Function) -> ast.FunctionDef:
@@ -60,21 +69,22 @@ class _Writer:
         self.definition = definition
         self.owned: dict[str, str] = {}
         if has_parts(function):
-            self.taken = _names(definition) | {argument.arg for argument in definition.args.args}
+            self.taken = names_in_tree(definition) | {argument.arg for argument in definition.args.args}
             definition.body = self._body(definition.body)
 
     def _body(self, lines: Sequence[ast.stmt]) -> list[ast.stmt]:
         found: list[ast.stmt] = []
         for line in lines:
             value = line.value if isinstance(line, ast.Assign | ast.Expr | ast.Return) else None
-            if isinstance(value, ast.Call) and _is_part(value):
+            alone = not isinstance(line, ast.Assign) or len(line.targets) == 1
+            if alone and isinstance(value, ast.Call) and is_part(value):
                 found += self._written(line, value)
                 continue
             for field in ("body", "orelse"):
                 if inner := getattr(line, field, None):
                     setattr(line, field, self._body(inner))
             # what is left stands within an expression
-            if any(_is_part(node) for node in ast.walk(line)):
+            if any(is_part(node) for node in ast.walk(line)):
                 raise UsageError(f"{self._where(line)}: write NAME = part(...) on a line of its own")
             found.append(line)
         return found
@@ -89,37 +99,33 @@ class _Writer:
         inner = _Writer(function, self.stack)
         label = f"{where}: part '{function.__name__}'"
         self._own(inner, function, label)
-        body = [one for one in copy.deepcopy(inner.definition.body) if not _is_text(one)]
+        body = [one for one in copy.deepcopy(inner.definition.body) if not is_text(one)]
         if not body or any(isinstance(node, ast.Return) for one in body[:-1] for node in ast.walk(one)):
             raise UsageError(f"{label}: its one return must be its last line")
         last = body[-1]
         result = last.value if isinstance(last, ast.Return) else None
         body = body[:-1] if isinstance(last, ast.Return) else body
-        targets = _targets(line)
-        prefix = f"{_called(targets[0])}_" if targets else ""
-        given = _given(inner.definition, call, label)
-        names = {name: prefix + name for one in body for name in sorted(_stored(one))}
+        targets = targets_of(line)
+        prefix = f"{called_like(targets[0])}_" if targets else ""
+        given = given_to(inner.definition, call, label)
+        names = {name: prefix + name for one in body for name in sorted(stored(one))}
         if wrong := sorted(set(names) & set(given)):
             raise UsageError(f"{label}: it assigns its argument '{wrong[0]}'; give that line another name")
-        results = [] if result is None else _elements(result) if len(targets) > 1 else [result]
+        results = [] if result is None else elements(result) if len(targets) > 1 else [result]
         if len(results) != len(targets) and not isinstance(line, ast.Return):
             raise UsageError(f"{label} returns {len(results)} values for {len(targets)} names")
         # a result takes the name that it is given, where the arguments do not use that name themselves
-        used = {name for value in given.values() for name in _names(value)}
+        used = {name for value in given.values() for name in names_in_tree(value)}
         for target, value in zip(targets, results, strict=False):
-            if (
-                isinstance(target, ast.Name)
-                and isinstance(value, ast.Name)
-                and names.get(value.id) == prefix + value.id
-            ):
-                names[value.id] = target.id if target.id not in used else names[value.id]
+            if isinstance(target, ast.Name) and target.id not in used and isinstance(value, ast.Name):
+                names |= {value.id: target.id} if names.get(value.id) == prefix + value.id else {}
         own = {target.id for target in targets if isinstance(target, ast.Name)}
-        lines, replaced = _arguments(given, prefix)
-        new = ({*names.values()} - own) | {name for one in lines for name in _stored(one)}
+        lines, replaced = computed(given, prefix)
+        new = ({*names.values()} - own) | {name for one in lines for name in stored(one)}
         if clash := sorted(new & self.taken):
             raise UsageError(f"{label}: its '{clash[0]}' is also a name here; write NAME = part(...) with another NAME")
         self.taken |= new
-        change = _Change(names, replaced)
+        change = Change(names, replaced)
         lines += [change.visit(one) for one in body]
         results = [change.visit(value) for value in results]
         if isinstance(line, ast.Return):
@@ -151,8 +157,8 @@ class _Writer:
 
     def _own(self, inner: _Writer, function: Function, label: str) -> None:
         """Refuse a second part that sets the same state or memory by its fixed name."""
-        fixed = {name: function.__name__ for one in inner.definition.body for name in _fixed(one)}
-        for name, part in fixed.items():
+        set_here = {name: function.__name__ for one in inner.definition.body for name in fixed(one)}
+        for name, part in set_here.items():
             if name in self.owned:
                 space, own = name.split(".")
                 raise UsageError(
@@ -162,102 +168,6 @@ class _Writer:
             self.owned[name] = part
 
 
-class _Change(ast.NodeTransformer):
-    """Gives the lines of a part their names and its arguments their values."""
-
-    def __init__(self, names: dict[str, str], given: dict[str, ast.expr]) -> None:
-        self.names, self.given = names, given
-
-    def visit_Name(self, node: ast.Name) -> ast.AST:
-        if node.id in self.given:
-            return copy.deepcopy(self.given[node.id])
-        return ast.Name(self.names.get(node.id, node.id), node.ctx)
-
-    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
-        changed = self.generic_visit(node)
-        assert isinstance(changed, ast.Subscript)
-        space, member = changed.value, changed.slice
-        if isinstance(space, ast.Name) and space.id in SPACES:
-            name = member.value if isinstance(member, ast.Constant) else getattr(member, "attr", None)
-            if isinstance(name, str):
-                return ast.Attribute(space, name, changed.ctx)
-        return changed
-
-
-def _arguments(given: dict[str, ast.expr], prefix: str) -> tuple[list[ast.stmt], dict[str, ast.expr]]:
-    """Return the lines that compute arguments once, and what stands for each: itself where it is a name or a constant."""
-    lines: list[ast.stmt] = []
-    replaced = {}
-    for name, value in given.items():
-        member = isinstance(value, ast.Attribute) and isinstance(value.value, ast.Name) and value.value.id != "memory"
-        if member or isinstance(value, ast.Name | ast.Constant):
-            replaced[name] = value
-        else:
-            lines.append(ast.Assign([ast.Name(prefix + name, ast.Store())], value))
-            replaced[name] = ast.Name(prefix + name, ast.Load())
-    return lines, replaced
-
-
-def _given(definition: ast.FunctionDef, call: ast.Call, label: str) -> dict[str, ast.expr]:
-    """Return the value of every argument of a part."""
-    arguments = [argument.arg for argument in definition.args.args]
-    values = call.args[1:]
-    if len(values) > len(arguments):
-        raise UsageError(f"{label} takes {len(arguments)} arguments: {', '.join(arguments)}")
-    found = dict(zip(arguments, values, strict=False))
-    for keyword in call.keywords:
-        if keyword.arg not in arguments:
-            raise unknown("argument", str(keyword.arg), arguments, label)
-        if keyword.arg in found:
-            raise UsageError(f"{label} gets '{keyword.arg}' twice")
-        found[keyword.arg] = keyword.value
-    defaults = definition.args.defaults
-    for name, value in zip(arguments[len(arguments) - len(defaults) :], defaults, strict=True):
-        found.setdefault(name, value)
-    if lacks := [name for name in arguments if name not in found]:
-        raise UsageError(f"{label} lacks '{lacks[0]}'; it takes {', '.join(arguments)}")
-    return found
-
-
 def _may_be_part(value: Any) -> bool:
     """Return whether ``value`` is a function of lines: no mark, no element."""
     return inspect.isfunction(value) and value.__module__ != MARKS
-
-
-def _is_part(node: ast.AST | None) -> bool:
-    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "part"
-
-
-def _is_text(line: ast.stmt) -> bool:
-    return isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant)
-
-
-def _targets(line: ast.stmt) -> list[ast.expr]:
-    return _elements(line.targets[0]) if isinstance(line, ast.Assign) else []
-
-
-def _elements(node: ast.expr) -> list[ast.expr]:
-    return list(node.elts) if isinstance(node, ast.Tuple) else [node]
-
-
-def _called(target: ast.expr) -> str:
-    return target.attr if isinstance(target, ast.Attribute) else ast.unparse(target)
-
-
-def _names(tree: ast.AST) -> set[str]:
-    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-
-
-def _stored(tree: ast.AST) -> set[str]:
-    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
-
-
-def _fixed(tree: ast.AST) -> set[str]:
-    """Return what a line sets by a fixed name: ``rate.x``, ``memory.x`` and ``memory.x[...]``."""
-    found = set()
-    for node in ast.walk(tree):
-        stored = isinstance(getattr(node, "ctx", None), ast.Store)
-        one = node.value if isinstance(node, ast.Subscript) else node
-        if stored and isinstance(one, ast.Attribute) and isinstance(one.value, ast.Name) and one.value.id in OWNED:
-            found.add(f"{one.value.id}.{one.attr}")
-    return found

@@ -239,6 +239,16 @@ def clashing(x):  # type: ignore[no-untyped-def]
     return y
 
 
+def of_two_names(x):  # type: ignore[no-untyped-def]
+    y = z = part(capped, x, 1.0, 1.0)
+    return y + z
+
+
+def starred(x):  # type: ignore[no-untyped-def]
+    y = part(capped, *x)
+    return y
+
+
 REFUSED: dict[Callable[..., Any], str] = {
     of_itself: r"part 'around' calls itself \(around -> back -> around\)",
     of_nothing: "unknown part 'capd'.*did you mean 'capped'",
@@ -246,6 +256,8 @@ REFUSED: dict[Callable[..., Any], str] = {
     of_too_little: "part 'capped' lacks 'most'; it takes force, most, share",
     of_an_early_end: "part 'early': its one return must be its last line",
     within_an_expression: r"write NAME = part\(\.\.\.\) on a line of its own",
+    of_two_names: r"write NAME = part\(\.\.\.\) on a line of its own",
+    starred: "part 'capped': it takes its arguments one by one",
     owned_twice: r"'rate.level' is set by part 'fixed' before, and a state of its own serves one part only.*rate\[level\]",
     assigned: "part 'assigning': it assigns its argument 'x'",
     clashing: "part 'capped': its 'y_kept' is also a name here",
@@ -268,6 +280,15 @@ def test_an_unknown_parameter_in_a_part_is_told() -> None:
 
     with pytest.raises(UsageError, match=r"unknown parameter 'gain'.*did you mean 'gane'"):
         law_function(Wrong, {})
+
+
+def into_an_array(x, memory):  # type: ignore[no-untyped-def]
+    memory.errors[0] = part(capped, x, 1.0, share=2.0)
+
+
+def test_a_result_may_go_into_an_array() -> None:
+    lines = [ast.unparse(line) for line in whole_definition(into_an_array).body]
+    assert lines == ["memory_errors_0_kept = x * 2.0", "memory.errors[0] = min(memory_errors_0_kept, 1.0)"]
 
 
 def shadowed(x):  # type: ignore[no-untyped-def]
