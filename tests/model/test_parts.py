@@ -194,7 +194,7 @@ def of_itself(x):  # type: ignore[no-untyped-def]
 
 
 def of_nothing(x):  # type: ignore[no-untyped-def]
-    y = part(capd, x)  # noqa: F821
+    y = part(capd, x)  # type: ignore[name-defined]  # noqa: F821
     return y
 
 
