@@ -14,13 +14,14 @@ from hjcamp.backends.simulation import DEGREE, PreparedTest, prepare
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers.ffwd_pid import FfwdPid
-from hjcamp.controllers.procedure import Procedure
 from hjcamp.effects import load_effects
 from hjcamp.errors import HjcampError
 from hjcamp.model.compose import Composition
 from hjcamp.model.parameter import Parameter
-from hjcamp.model.simulator import PERIOD, Simulator
+from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.loop import JointSimulator
+from hjcamp.plants.pump_joint.procedure import Procedure
 from hjcamp.records.log import TestLog
 from hjcamp.records.plan import seed_of
 from hjcamp.report.indicators import INDICATORS, indicators_of
@@ -60,11 +61,11 @@ class Place:
 
 
 @lru_cache(maxsize=1)
-def gated_simulator() -> Simulator:
+def gated_simulator() -> JointSimulator:
     """Return the closed loop with the whole effect library behind gates, compiled once."""
     library = load_effects([])
     effects = tuple(library[name] for name in sorted(library))
-    return Simulator(Composition(PumpJoint, effects, gated=True), FfwdPid, Procedure)
+    return JointSimulator(Composition(PumpJoint, effects, gated=True), controller=FfwdPid)
 
 
 @lru_cache(maxsize=8)

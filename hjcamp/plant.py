@@ -11,6 +11,7 @@ from hjcamp.model.marks import (
     contact,
     limited,
     outside,
+    part,
     path,
     sensor,
     signal,
@@ -24,6 +25,6 @@ from hjcamp.model.port import Port
 
 __all__ = [
     "Contact", "Cut", "Input", "Instance", "Measured", "Parameter", "Plant", "Port", "State", "actuator", "atan2", "body", "contact",
-    "copysign", "cos", "exp", "hypot", "limited", "log", "outside", "path", "pi", "sensor", "signal", "sin", "slot",
+    "copysign", "cos", "exp", "hypot", "limited", "log", "outside", "part", "path", "pi", "sensor", "signal", "sin", "slot",
     "sqrt", "store", "tan", "tanh", "transmission",
 ]  # fmt: skip

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.open_loop import OpenLoop
-from hjcamp.controllers.procedure import Procedure
 from hjcamp.effects import find_effect
 from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import ClosedLoop, Simulator
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.loop import ClosedLoop, JointSimulator
+from hjcamp.plants.pump_joint.procedure import Procedure
 
 Array = NDArray[np.float64]
 DEGREE = np.pi / 180
@@ -28,10 +28,10 @@ EXACT = {"pump_gain": 6.125 / DEGREE}
 
 
 @cache
-def simulator(law: type[Controller] = OpenLoop, effects: tuple[str, ...] = ()) -> Simulator:
+def simulator(law: type[Controller] = OpenLoop, effects: tuple[str, ...] = ()) -> JointSimulator:
     """Return one simulator for each law and set of effects, so that its kernel is loaded once."""
     chosen = tuple(find_effect(name) for name in sorted(effects))
-    return Simulator(Composition(PumpJoint, chosen), law, Procedure)
+    return JointSimulator(Composition(PumpJoint, chosen), controller=law)
 
 
 def columns(

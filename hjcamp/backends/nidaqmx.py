@@ -36,9 +36,9 @@ from hjcamp.backends.simulation import (
     reference_of,
 )
 from hjcamp.controllers import find_controller
-from hjcamp.controllers.procedure import Procedure
 from hjcamp.errors import RigStopped
 from hjcamp.model.simulator import PERIOD
+from hjcamp.plants.pump_joint.procedure import Procedure
 
 Array = NDArray[np.float64]
 SPARE_SAMPLES = 100

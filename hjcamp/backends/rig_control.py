@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import functools
 import inspect
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.controllers.procedure import Procedure
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.law import law_source
 from hjcamp.model.term_checks import check_law_compiles
+from hjcamp.plants.pump_joint.procedure import Procedure
+from hjcamp.plants.pump_joint.sample import decide
 
 Array = NDArray[np.float64]
 PHASE, REFERENCE, COMMAND, PID, FEEDFORWARD, DITHER, PRELOAD_SPEED = range(7)
@@ -25,41 +25,6 @@ import numpy as np
 
 
 '''
-procedure: Any = None
-control: Any = None
-
-
-def rig_step(pressure1, pressure2, arm, steps, h, c, m, pc, pm, reference, dither, state, out):
-    """Fill ``out`` with phase, reference, command, pid, feedforward, dither (V) and preload speed (m/s).
-
-    ``steps``: sample periods since the last call, 1 unless samples were missed. ``state``: samples of the command
-    phase controlled so far, and periods passed in it. The order is that of ``closed_loop`` in hjcamp/model/driving.py.
-    """
-    phase, speed, offset = procedure(pressure1, pressure2, h * steps, pc, pm)
-    pid = 0.0
-    ahead = 0.0
-    shake = 0.0
-    wanted = reference[0, 0]
-    index = int(state[0])
-    if phase == 3.0:
-        passed = int(state[1]) + int(steps) if index > 0 else 0
-        row = min(passed, reference.shape[0] - 1)
-        wanted = reference[row, 0]
-        pid, ahead = control(wanted, reference[row, 1], reference[row, 2], arm, reference[row, 3], h, index, c, m)
-        shake = dither[row]
-        state[0] = index + 1.0
-        state[1] = passed
-    elif index > 0:
-        wanted = out[1]
-        pid = out[3]
-        ahead = out[4]
-    out[0] = phase
-    out[1] = wanted
-    out[2] = offset + pid + ahead
-    out[3] = pid
-    out[4] = ahead
-    out[5] = shake
-    out[6] = speed
 
 
 @functools.cache
@@ -67,7 +32,7 @@ def control_source(law: type[Controller]) -> str:
     """Return the text that is compiled for a controller."""
     header = HEADER.format(name=law.name or law.__name__, mathematics=", ".join(MATHEMATICS), decorator="{decorator}")
     laws = law_source(law, "control") + law_source(Procedure, "procedure")
-    return header + laws + f"@entry\n{inspect.getsource(rig_step)}"
+    return header + laws + f"@entry\n{inspect.getsource(decide)}"
 
 
 class RigControl:
@@ -77,7 +42,7 @@ class RigControl:
         self, law: type[Controller], control: Array, procedure: Array, reference: Array, dither: Array, period: float
     ) -> None:
         check_law_compiles(law, tuple(MATHEMATICS))  # type: ignore[arg-type]
-        self._step = load_kernel(control_source(law)).rig_step  # type: ignore[arg-type]
+        self._step = load_kernel(control_source(law)).decide  # type: ignore[arg-type]
         self._control, self._memory = control, law.fresh_memory()
         self._procedure, self._procedure_memory = procedure, Procedure.fresh_memory()
         self._reference, self._dither, self._period = np.ascontiguousarray(reference), dither, period
@@ -94,7 +59,7 @@ class RigControl:
             memory[:] = kept
 
     def step(self, pressure1: float, pressure2: float, arm: float, steps: float) -> Array:
-        """Return the row of ``rig_step`` for this sample."""
+        """Return the row of `hjcamp.plants.pump_joint.sample.decide` for this sample."""
         self._step(
             pressure1, pressure2, arm, steps, self._period, self._control, self._memory, self._procedure,
             self._procedure_memory, self._reference, self._dither, self._state, self.out,

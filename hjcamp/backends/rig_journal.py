@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from hjcamp.backends.recording import Recording, Writer, part_of
 from hjcamp.backends.simulation import LOG_NAMES
-from hjcamp.model.simulator import PERIOD, RECORDED
+from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.loop import RECORDED
 
 Array = NDArray[np.float64]
 WRITE_EVERY_S = 0.05

@@ -77,7 +77,7 @@ class LimitCheck:
     def check(
         self, missed: int, volts: Any, pressure1: float, pressure2: float, arm: float, motor: float, out: Any
     ) -> str | None:
-        """Return why the rig must be made safe; pressures in Pa, angles in rad, ``out`` the row of ``rig_step``.
+        """Return why the rig must be made safe; pressures in Pa, angles in rad, ``out`` the row of ``decide``.
 
         ``out`` may still be that of the sample before: the limits come before the law.
         """

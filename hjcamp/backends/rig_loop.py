@@ -97,7 +97,7 @@ class RigLoop:
         return missed, pressure1, wiring.pressures["pressure2"].pascal(float(tasks.volts[1])), arm
 
     def write(self, command: float, dither: float, preload_speed: float) -> None:
-        """Write the outputs (rad, V, m/s); what they really gave stands in the row of ``rig_step`` from here on."""
+        """Write the outputs (rad, V, m/s); what they really gave stands in the row of ``decide`` from here on."""
         if not isfinite(command + dither + preload_speed):
             raise Stopped(f"the control law asks for {command:g} rad, {dither:g} V, {preload_speed:g} m/s")
         try:

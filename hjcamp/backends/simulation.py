@@ -15,15 +15,15 @@ from numpy.typing import NDArray
 from hjcamp.backends import plant_simulation
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
-from hjcamp.controllers.feedforward import Feedforward
-from hjcamp.controllers.procedure import Procedure
 from hjcamp.effects import chosen_effects
 from hjcamp.errors import HjcampError
 from hjcamp.model.compose import Composition
 from hjcamp.model.scatter import Scatter, draw
-from hjcamp.model.simulator import PERIOD, ClosedLoop, NotEndedError, Simulator
+from hjcamp.model.simulator import PERIOD, Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_hardware import plant_parameters
+from hjcamp.plants.pump_joint.feedforward import Feedforward
+from hjcamp.plants.pump_joint.loop import ClosedLoop, JointSimulator, NotEndedError
+from hjcamp.plants.pump_joint.procedure import Procedure
 from hjcamp.trajectories import build_trajectory
 
 Array = NDArray[np.float64]
@@ -44,7 +44,9 @@ LOG_NAMES = {
 def model_values(config: Mapping[str, Any]) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
     """Return the plant parameters of the configured hardware and model, and the effects with their parameters."""
     model = config["model"]
-    values = plant_parameters(config) | {name: float(value) for name, value in (model.get("parameters") or {}).items()}
+    values = PumpJoint.configured(config) | {
+        name: float(value) for name, value in (model.get("parameters") or {}).items()
+    }
     effects = {name: dict(given or {}) for name, given in (model.get("effects") or {}).items()}
     for name, given in (config.get("effects") or {}).items():
         effects[name] = {**effects.get(name, {}), **(given or {})}
@@ -52,9 +54,13 @@ def model_values(config: Mapping[str, Any]) -> tuple[dict[str, float], dict[str,
 
 
 @functools.lru_cache(maxsize=16)
-def _simulator(effects: tuple[Any, ...], controller: type[Controller] | None) -> Simulator:
-    composition = Composition(PumpJoint, effects)
-    return Simulator(composition, controller, Procedure) if controller else Simulator(composition)
+def _model(effects: tuple[Any, ...]) -> Simulator:
+    return Simulator(Composition(PumpJoint, effects))
+
+
+@functools.lru_cache(maxsize=16)
+def _simulator(effects: tuple[Any, ...], controller: type[Controller]) -> JointSimulator:
+    return JointSimulator(Composition(PumpJoint, effects), controller=controller)
 
 
 def full_values(values: dict[str, float], effects: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
@@ -116,14 +122,16 @@ def _feedforward(text: str) -> Array:
     reference, direction = reference_of(config)
     given = config["controller"]["feedforward"]
     model = config["controller_model"]
-    values = plant_parameters(config) | {name: float(value) for name, value in (model.get("parameters") or {}).items()}
+    values = PumpJoint.configured(config) | {
+        name: float(value) for name, value in (model.get("parameters") or {}).items()
+    }
     effects, parameters = chosen_effects(model.get("effects") or {})
     procedure = config["procedure"]
     middle = procedure["preload_mpa"] * 1e6
     ahead = procedure["adjustment"]["positive_mpa" if direction > 0 else "negative_mpa"] * 1e6
     ahead = direction * ahead if procedure["adjustment"]["enabled"] else 0.0
     law = Feedforward(given["gain"], given["static_friction"], given["friction_direction"])
-    simulator = _simulator(tuple(effects), None)
+    simulator = _model(tuple(effects))
     start = (middle + 0.5 * ahead, middle - 0.5 * ahead)
     return law.command(simulator, full_values(values, parameters), reference, start, direction)
 
@@ -141,7 +149,7 @@ def feedforward_of(config: Mapping[str, Any], samples: int) -> Array:
 class PreparedTest:
     """All that one test needs: the simulator, its parameter vector, the start and the closed loop with its draws."""
 
-    simulator: Simulator
+    simulator: JointSimulator
     p: Array
     start: dict[str, float]
     test: ClosedLoop
@@ -209,7 +217,7 @@ def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     found = {f"the test loop with {names}": (_simulator(effects, law).source, "closed_loop")}
     if law.uses_feedforward:
         known = tuple(chosen_effects((config.get("controller_model") or {}).get("effects") or {})[0])
-        found["the model of the feedforward"] = (_simulator(known, None).source, "signals")
+        found["the model of the feedforward"] = (_model(known).source, "signals")
     return found
 
 

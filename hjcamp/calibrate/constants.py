@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjcamp.errors import UsageError
-from hjcamp.plants.pump_joint_hardware import plant_parameters, transfer_function
+from hjcamp.plants import usual_plant
+from hjcamp.plants.pump_joint.hardware import transfer_function
 from hjcamp.records.log import TestLog
 from hjcamp.yaml_file import yaml_values
 
 Names = tuple[tuple[str, str], ...]
 Configure = Callable[[Names], Mapping[str, Any]]
-NAMED = ("pump", "amplifier", "tubing")
+NAMED = usual_plant().rig
 NEEDED = ("pump", "amplifier", "tubing", "joint", "friction", "rig")
 
 
@@ -68,7 +69,7 @@ def _parsed(content: bytes) -> Mapping[str, Any] | None:
 
 def _constants(config: Mapping[str, Any], reference: Mapping[str, Any]) -> Constants:
     try:
-        own = plant_parameters(config)
+        own = usual_plant().configured(config)
     except (KeyError, TypeError, ValueError) as problem:
         raise UsageError(f"a log's config.yaml does not describe its hardware: {problem!r}") from None
     return Constants(
@@ -80,7 +81,7 @@ def _constants(config: Mapping[str, Any], reference: Mapping[str, Any]) -> Const
         own["pulley_radius"],
         own["pump_speed_limit"],
         dict(config["tubing"]),
-        plant_parameters(reference),
+        usual_plant().configured(reference),
         float(transfer_function(reference)["delay_ms"]) * 1e-3,
     )
 

@@ -20,9 +20,9 @@ def is_of_another_plant(paths: Sequence[Path]) -> bool:
     from hjcamp.plants import DEFAULT
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import PLANT_KEY
-    from hjcamp.records.read import read_log
+    from hjcamp.records.read import read_metadata
 
-    return (read_log(find_logs(list(paths))[0]).metadata.get(PLANT_KEY) or DEFAULT) != DEFAULT
+    return (read_metadata(find_logs(list(paths))[0]).get(PLANT_KEY) or DEFAULT) != DEFAULT
 
 
 def measured_at(paths: Sequence[Path]) -> Measured:
@@ -181,9 +181,9 @@ def next_any(paths: list[Path]) -> None:
     """Refuse to propose tests from a menu that a plant does not have; say where the kinds of test that tell are found."""
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import PLANT_KEY
-    from hjcamp.records.read import read_log
+    from hjcamp.records.read import read_metadata
 
-    name = read_log(find_logs(paths)[0]).metadata.get(PLANT_KEY)
+    name = read_metadata(find_logs(paths)[0]).get(PLANT_KEY)
     raise UsageError(
         f"plant {name} has no menu of tests, so none can be proposed by name; hjcamp diagnose says in words which kinds of "
         "test would tell its candidates apart"

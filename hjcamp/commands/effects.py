@@ -265,10 +265,9 @@ def pump_checks(effect: type[Effect], console: Console) -> Iterator[tuple[str, s
     from hjcamp.model.effect_checks import CHECKS, EffectBench, bench_simulator
     from hjcamp.model.time_limit import RunLimit
     from hjcamp.plants.pump_joint import PumpJoint
-    from hjcamp.plants.pump_joint_menu import pump_courses
 
     watch = RunLimit(RUN_S, f"effect {effect.name}: one test of its checks")
-    bench = EffectBench(effect, bench_simulator(PumpJoint, (effect,)), pump_courses(), watch)
+    bench = EffectBench(effect, bench_simulator(PumpJoint, (effect,)), PumpJoint.courses(), watch)
     kernels = Kernels({f"the model with {effect.name}": (bench.simulator.source, "follow")})
     for number, (check, passes) in enumerate(CHECKS.items()):
         with status(console, kernels if not number else Kernels({}), f"checking: {check}"):

@@ -18,12 +18,10 @@ from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_schema import GROUPS as HARDWARE
-from hjcamp.plants.pump_joint_schema import check_hardware
 from hjcamp.schema import Group, checked, naming
 from hjcamp.trajectories import build_trajectory
 
-GROUPS = (*HARDWARE, "controller", "trajectory", "backend", "rig", "model")
+GROUPS = (*PumpJoint.settings(), "controller", "trajectory", "backend", "rig", "model")
 OWN_EFFECTS = "hjcamp.effects."
 
 
@@ -48,7 +46,7 @@ def check_configuration(config: Mapping[str, Any], where: str = "") -> None:
                 read_run_keys(config)
             return
         _check_keys(config)
-        check_hardware(config)
+        PumpJoint.check_settings(config)
         backend = checked(Backend, config["backend"], "backend")
         checked(Rig, config["rig"], "rig")
         check_controller(config["controller"])

@@ -15,14 +15,13 @@ from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.compose import Composition
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_file import is_users
-from hjcamp.plants import DEFAULT, find_plant
-from hjcamp.plants.pump_joint_schema import GROUPS as HARDWARE
+from hjcamp.plants import DEFAULT, find_plant, usual_plant
 from hjcamp.schema import Group, between, checked
 from hjcamp.trajectories import build_trajectory
 
 USUAL = {"controller": "given", "procedure": "at_once", "trajectory": "hold"}
 #: The groups that describe the pump joint's hardware and its rig: another plant has none of them.
-ABSENT = (*(group for group in HARDWARE if group != "procedure"), "rig")
+ABSENT = (*(group for group in usual_plant().settings() if group != "procedure"), "rig")
 GROUPS = ("plant", "controller", "trajectory", "procedure", "backend", "model")
 VALUES = ("parameters", "start")
 

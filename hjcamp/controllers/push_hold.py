@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from hjcamp.controllers.pid import Pid
 from hjcamp.controllers.sum_difference import SumDifference
 from hjcamp.model.law import Memory
+from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
 
 
@@ -35,27 +37,11 @@ class PushHold(SumDifference):
     @staticmethod
     def step(sample, parameter, memory):  # type: ignore[no-untyped-def]
         """Return the commands of both pumps, and the feedback and feedforward parts of the pushing one."""
-        error = sample.reference - sample.arm
-        if memory.direction == 0.0:
-            memory.direction = parameter.first_direction
-            memory.pushing = parameter.first_direction
-            for past in range(100):
-                memory.errors[past] = error
-        if sample.velocity > 0.0:
-            memory.direction = 1.0
-        elif sample.velocity < 0.0:
-            memory.direction = -1.0
+        pid, ahead = part(Pid.step, sample, parameter, memory)
         forward = memory.direction > 0.0
-        kp = parameter.positive_kp if forward else parameter.negative_kp
-        ki = parameter.positive_ki if forward else parameter.negative_ki
-        kd = parameter.positive_kd if forward else parameter.negative_kd
-        memory.integral = memory.integral + error * sample.period
-        count = int(parameter.derivative_samples)
-        place = int(sample.index) % 100
-        slope = (error - memory.errors[(place + 100 - count) % 100]) / (count * sample.period)
-        memory.errors[place] = error
-        pid = parameter.scale * (kp * error + ki * memory.integral + kd * slope)
-        turn = memory.direction * (pid + sample.feedforward)
+        if memory.pushing == 0.0:
+            memory.pushing = parameter.first_direction
+        turn = memory.direction * (pid + ahead)
         low = sample.pressure2 if forward else sample.pressure1
         away = -memory.direction * parameter.scale * sample.arm
         lack = parameter.lowest - low
@@ -71,4 +57,4 @@ class PushHold(SumDifference):
         hold = away + (parameter.hold_kp * lack + parameter.mean_ki * memory.lacking) / parameter.line_pressure
         memory.last1 = push if forward else hold
         memory.last2 = hold if forward else push
-        return memory.last1, memory.last2, pid, sample.feedforward
+        return memory.last1, memory.last2, pid, ahead

@@ -10,7 +10,24 @@ from numpy.typing import NDArray
 
 from hjcamp.controllers.controller import Controller
 from hjcamp.model.law import Memory
+from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
+
+
+def differences(error, sample, memory):  # type: ignore[no-untyped-def]
+    """Return the first and second differences of the error over 10 samples; before the first sample it did not change."""
+    if memory.begun == 0.0:
+        memory.begun = 1.0
+        for past in range(32):
+            memory.errors[past] = error
+    place = int(sample.index) % 32
+    memory.errors[place] = error
+    before = memory.errors[(place + 22) % 32]
+    earlier = memory.errors[(place + 12) % 32]
+    span = 10.0 * sample.period
+    slope = (error - before) / span
+    bend = (error - 2.0 * before + earlier) / (span * span)
+    return slope, bend
 
 
 class Pva(Controller):
@@ -45,16 +62,6 @@ class Pva(Controller):
     def step(sample, parameter, memory):  # type: ignore[no-untyped-def]
         """Return the duties of both cylinders, and the samples for which they hold."""
         error = sample.reference - sample.arm
-        if memory.begun == 0.0:
-            memory.begun = 1.0
-            for past in range(32):
-                memory.errors[past] = error
-        place = int(sample.index) % 32
-        memory.errors[place] = error
-        before = memory.errors[(place + 22) % 32]
-        earlier = memory.errors[(place + 12) % 32]
-        span = 10.0 * sample.period
-        slope = (error - before) / span
-        bend = (error - 2.0 * before + earlier) / (span * span)
+        slope, bend = part(differences, error, sample, memory)
         duty = parameter.kp * error + parameter.kv * slope + parameter.ka * bend
         return duty + sample.feedforward1, duty + sample.feedforward2, parameter.carrier_samples

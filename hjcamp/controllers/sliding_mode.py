@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from hjcamp.controllers.ffwd_pva import FfwdPva
+from hjcamp.controllers.pva import differences
+from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
 
 
@@ -30,17 +32,7 @@ class SlidingMode(FfwdPva):
     def step(sample, parameter, memory):  # type: ignore[no-untyped-def]
         """Return the duties of both cylinders, and the samples for which they hold."""
         error = sample.reference - sample.arm
-        if memory.begun == 0.0:
-            memory.begun = 1.0
-            for past in range(32):
-                memory.errors[past] = error
-        place = int(sample.index) % 32
-        memory.errors[place] = error
-        before = memory.errors[(place + 22) % 32]
-        earlier = memory.errors[(place + 12) % 32]
-        span = 10.0 * sample.period
-        slope = (error - before) / span
-        bend = (error - 2.0 * before + earlier) / (span * span)
+        slope, bend = part(differences, error, sample, memory)
         surface = error + 2.0 * parameter.damping * slope / parameter.frequency + bend / parameter.frequency**2
         duty = parameter.kp * error + parameter.kv * slope + parameter.ka * bend
         duty = duty + parameter.ks * min(max(surface / parameter.phi, -1.0), 1.0)

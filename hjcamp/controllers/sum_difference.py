@@ -9,13 +9,14 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.controllers.feedforward import Feedforward
 from hjcamp.controllers.pid import Pid
 from hjcamp.model.compose import Composition
 from hjcamp.model.law import Memory
+from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.feedforward import Feedforward
 
 LINE = 2.57e13 * math.pi / 4 * 6.35e-3**2 * 1e-3 / (2 * math.pi)  # Pa for one rad of a pump motor
 JOINT_AREA = math.pi / 4 * 4e-3**2
@@ -92,25 +93,7 @@ class SumDifference(Pid):
     @staticmethod
     def step(sample, parameter, memory):  # type: ignore[no-untyped-def]
         """Return the commands of both pumps, and the feedback and feedforward parts of their difference."""
-        error = sample.reference - sample.arm
-        if memory.direction == 0.0:
-            memory.direction = parameter.first_direction
-            for past in range(100):
-                memory.errors[past] = error
-        if sample.velocity > 0.0:
-            memory.direction = 1.0
-        elif sample.velocity < 0.0:
-            memory.direction = -1.0
-        forward = memory.direction > 0.0
-        kp = parameter.positive_kp if forward else parameter.negative_kp
-        ki = parameter.positive_ki if forward else parameter.negative_ki
-        kd = parameter.positive_kd if forward else parameter.negative_kd
-        memory.integral = memory.integral + error * sample.period
-        count = int(parameter.derivative_samples)
-        place = int(sample.index) % 100
-        slope = (error - memory.errors[(place + 100 - count) % 100]) / (count * sample.period)
-        memory.errors[place] = error
-        pid = parameter.scale * (kp * error + ki * memory.integral + kd * slope)
+        pid, ahead = part(Pid.step, sample, parameter, memory)
         half = 0.5 * (sample.pressure1 + sample.pressure2)
         static = max(parameter.static_positive, parameter.static_negative)
         if sample.velocity > 0.0:
@@ -129,5 +112,5 @@ class SumDifference(Pid):
             * (memory.wanted - memory.start + parameter.mean_ki * memory.lacking)
             / parameter.line_pressure
         )
-        turn = pid + sample.feedforward
-        return both + turn, both - turn, pid, sample.feedforward
+        turn = pid + ahead
+        return both + turn, both - turn, pid, ahead

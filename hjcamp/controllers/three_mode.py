@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 from hjcamp.controllers.controller import Controller
+from hjcamp.controllers.pva import differences
 from hjcamp.model.law import Memory
+from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
 
 
@@ -33,17 +35,7 @@ class ThreeMode(Controller):
     def step(sample, parameter, memory):  # type: ignore[no-untyped-def]
         """Return the full duty of both cylinders in one direction, or none, for one sample."""
         error = sample.reference - sample.arm
-        if memory.begun == 0.0:
-            memory.begun = 1.0
-            for past in range(32):
-                memory.errors[past] = error
-        place = int(sample.index) % 32
-        memory.errors[place] = error
-        before = memory.errors[(place + 22) % 32]
-        earlier = memory.errors[(place + 12) % 32]
-        span = 10.0 * sample.period
-        slope = (error - before) / span
-        bend = (error - 2.0 * before + earlier) / (span * span)
+        slope, bend = part(differences, error, sample, memory)
         surface = error + 2.0 * parameter.damping * slope / parameter.frequency + bend / parameter.frequency**2
         mode = 1.0 if surface > parameter.dead_zone else (-1.0 if surface < -parameter.dead_zone else 0.0)
         return mode, mode, 1.0

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from hjcamp.model.compose import Composition
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_hardware import plant_parameters
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]
@@ -69,7 +68,7 @@ def _hardware(names: tuple[tuple[str, str], ...]) -> Hardware:
     from hjcamp.configuration.setups import configuration_for
 
     config: dict[str, Any] = configuration_for(names)
-    values = plant_parameters(config)
+    values = PumpJoint.configured(config)
     effects = {name: dict(given) for name, given in (config.get("effects") or {}).items()}
     return Hardware(names, values, effects)
 

@@ -14,7 +14,6 @@ from hjcamp.backends.simulation import log_columns, model_values, prepare
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.composer import Composer, as_override
 from hjcamp.controllers import find_controller
-from hjcamp.controllers.procedure import Procedure
 from hjcamp.discrepancy.evidence import Evidence, TestEvidence, prepare_test
 from hjcamp.discrepancy.hardware import NAMED, Hardware
 from hjcamp.discrepancy.next_menu import Choice
@@ -23,8 +22,8 @@ from hjcamp.discrepancy.views import Views
 from hjcamp.errors import HjcampError
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.loop import JointSimulator
 from hjcamp.records.log import TestLog
 from hjcamp.trajectories import build_trajectory
 
@@ -34,8 +33,8 @@ RIG_PRESSURE = 0.65
 
 
 @functools.lru_cache(maxsize=8)
-def _simulator(effects: tuple[Any, ...], controller: Any) -> Simulator:
-    return Simulator(Composition(PumpJoint, effects, gated=True), controller, Procedure)
+def _simulator(effects: tuple[Any, ...], controller: Any) -> JointSimulator:
+    return JointSimulator(Composition(PumpJoint, effects, gated=True), controller=controller)
 
 
 @dataclass(frozen=True)

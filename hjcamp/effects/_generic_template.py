@@ -146,6 +146,7 @@ def _names(kind: Kind, plant: type[Plant] | None) -> list[str]:
         *_paragraph("To read", kind.reads),
         "# Units are products of these names and of SI units; a `period` is the time between samples of the plant. Numbers are",
         '# multiples of what that usually is: 0.1 of "coulomb/load" adds a tenth of the usual friction at the usual load.',
+        "# Methods that share lines take them from one function of this file: return part(FUNCTION, ...) (hjcamp.plant.part).",
         "# Own state z: z = State(unit) with d_z (rate) or next_z (new value each sample); start_z says where it begins.",
     ]
     if plant is not None:

@@ -73,6 +73,7 @@ def _names(plant: type[Plant]) -> str:
             *_paragraph("States and inputs", given),
             *_paragraph("Parameters of the plant", constants),
             "# Own state z: z = State(unit, resolution, typical) with d_z (rate) or next_z (new value each sample).",
+            "# Methods that share lines take them from one function of this file: return part(FUNCTION, ...) (hjcamp.plant.part).",
             "# Parameter(..., shape=True) enters non-linearly (a length, a time constant).",
         ]
     )

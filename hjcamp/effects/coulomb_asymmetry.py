@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from hjcamp.model.effect import Effect
+from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
+
+
+def of_direction(friction, direction, push, asymmetry):
+    """Return the friction of the direction in which it moves or is pushed."""
+    forward = direction > 0.0 or (direction == 0.0 and push > 0.0)
+    return friction * (1.0 + (asymmetry if forward else -asymmetry))
 
 
 class CoulombAsymmetry(Effect):
@@ -25,11 +32,9 @@ class CoulombAsymmetry(Effect):
     @staticmethod
     def static(static, direction, push, asymmetry):
         """Static friction of the direction in which it is pushed."""
-        forward = direction > 0.0 or (direction == 0.0 and push > 0.0)
-        return static * (1.0 + (asymmetry if forward else -asymmetry))
+        return part(of_direction, static, direction, push, asymmetry)
 
     @staticmethod
     def coulomb(coulomb, direction, push, asymmetry):
         """Coulomb friction of this direction."""
-        forward = direction > 0.0 or (direction == 0.0 and push > 0.0)
-        return coulomb * (1.0 + (asymmetry if forward else -asymmetry))
+        return part(of_direction, coulomb, direction, push, asymmetry)

@@ -5,7 +5,14 @@ from __future__ import annotations
 from math import exp
 
 from hjcamp.model.effect import Effect
+from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter, State
+
+
+def drifted(friction, time, travelled, drift, settling_time, pace):
+    """Return the friction by now."""
+    progress = max(time, 0.0) + travelled / pace
+    return friction * max(0.05, 1.0 + drift * settling_time * (1.0 - exp(-progress / settling_time)))
 
 
 class FrictionDrift(Effect):
@@ -51,11 +58,9 @@ class FrictionDrift(Effect):
     @staticmethod
     def static(static, time, travelled, drift, settling_time, pace):
         """Static friction by now."""
-        progress = max(time, 0.0) + travelled / pace
-        return static * max(0.05, 1.0 + drift * settling_time * (1.0 - exp(-progress / settling_time)))
+        return part(drifted, static, time, travelled, drift, settling_time, pace)
 
     @staticmethod
     def coulomb(coulomb, time, travelled, drift, settling_time, pace):
         """Coulomb friction by now."""
-        progress = max(time, 0.0) + travelled / pace
-        return coulomb * max(0.05, 1.0 + drift * settling_time * (1.0 - exp(-progress / settling_time)))
+        return part(drifted, coulomb, time, travelled, drift, settling_time, pace)

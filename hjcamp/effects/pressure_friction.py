@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from hjcamp.model.effect import Effect
+from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
+
+
+def loaded(friction, joint_pressure1, joint_pressure2, coefficient, reference):
+    """Return the friction with the pressures on the seals, a fifth of the base at least, N."""
+    added = coefficient * (max(joint_pressure1 + joint_pressure2, 0.0) - reference)
+    return max(friction + added, 0.2 * friction)
 
 
 class PressureFriction(Effect):
@@ -28,11 +35,9 @@ class PressureFriction(Effect):
     @staticmethod
     def friction_static(friction_static, joint_pressure1, joint_pressure2, coefficient, reference):
         """Static friction with the pressures on the seals, a fifth of the base at least, N."""
-        added = coefficient * (max(joint_pressure1 + joint_pressure2, 0.0) - reference)
-        return max(friction_static + added, 0.2 * friction_static)
+        return part(loaded, friction_static, joint_pressure1, joint_pressure2, coefficient, reference)
 
     @staticmethod
     def friction_coulomb(friction_coulomb, joint_pressure1, joint_pressure2, coefficient, reference):
         """Coulomb friction with the pressures on the seals, a fifth of the base at least, N."""
-        added = coefficient * (max(joint_pressure1 + joint_pressure2, 0.0) - reference)
-        return max(friction_coulomb + added, 0.2 * friction_coulomb)
+        return part(loaded, friction_coulomb, joint_pressure1, joint_pressure2, coefficient, reference)

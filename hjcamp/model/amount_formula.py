@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import ast
-import inspect
 import math
-import textwrap
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from hjcamp.model.amount import Amount, dimension, pure
+from hjcamp.model.part import whole_definition
 
 MATHEMATICS = [
     "acos", "asin", "atan", "atan2", "ceil", "copysign", "cos", "cosh", "erf", "exp", "expm1", "floor", "fmod",
@@ -29,15 +28,13 @@ class _Numbers(ast.NodeTransformer):
 
 def with_amounts(function: Callable[..., float]) -> Callable[..., Any]:
     """Return ``function`` for amounts: each of its numbers is one."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    definition = tree.body[0]
-    assert isinstance(definition, ast.FunctionDef)
+    definition = whole_definition(function)
     definition.decorator_list, definition.returns = [], None
     for argument in definition.args.args:
         argument.annotation = None
-    tree = ast.fix_missing_locations(_Numbers().visit(tree))
+    tree = ast.Module([_Numbers().visit(definition)], [])
     scope = names()
-    exec(compile(tree, "<units>", "exec"), scope)
+    exec(compile(ast.fix_missing_locations(tree), "<units>", "exec"), scope)
     return scope[definition.name]
 
 

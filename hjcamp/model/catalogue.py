@@ -14,8 +14,11 @@ from hjcamp.model.user_file import load_module
 Kind = TypeVar("Kind")
 
 
-def class_in(path: Path, base: type[Kind], package: str | None = None) -> type[Kind] | None:
-    """Return the class derived from ``base`` that the file defines, or None for a file without one."""
+def class_in(path: Path, base: type[Kind], package: str | None = None, name: str = "") -> type[Kind] | None:
+    """Return the class derived from ``base`` that the file defines, or None for a file without one.
+
+    It is called ``name``, else like its file.
+    """
     module = importlib.import_module(f"{package}.{path.stem}") if package else load_module(path)
     found = [
         value
@@ -30,18 +33,26 @@ def class_in(path: Path, base: type[Kind], package: str | None = None) -> type[K
         raise UsageError(f"{path}: one file holds one {base.__name__.lower()}, this one holds {names}")
     if not found:
         return None
-    found[0].name = path.stem  # type: ignore[attr-defined]
+    found[0].name = name or path.stem  # type: ignore[attr-defined]
     return found[0]
 
 
 def scan(package_folder: Path, package: str, base: type[Kind], folders: Sequence[Path] = ()) -> dict[str, type[Kind]]:
-    """Return every class derived from ``base`` by file name: the package's own, then those of ``folders``."""
+    """Return every class derived from ``base`` by file name: the package's own, then those of ``folders``.
+
+    One of the package's own may be a folder; the class is then in a file of its kind (``plants/NAME/plant.py``).
+    """
     found: dict[str, type[Kind]] = {}
     for path in sorted(package_folder.glob("*.py")):
         if not path.stem.startswith("_"):
             own = class_in(path, base, package)
             if own is not None:
                 found[path.stem] = own
+    for path in sorted(package_folder.glob(f"*/{base.__name__.lower()}.py")):
+        own = class_in(path, base, f"{package}.{path.parent.name}", path.parent.name)
+        if own is not None:
+            found[path.parent.name] = own
+    found = dict(sorted(found.items()))
     for folder in folders:
         for path in sorted(folder.glob("*.py")):
             if path.stem.startswith("_"):

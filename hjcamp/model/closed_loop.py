@@ -5,20 +5,17 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError
 from hjcamp.model import loop
-from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.compose import Composition
-from hjcamp.model.kernel import kernel_source, load_model
+from hjcamp.model.kernel import kernel_source
 from hjcamp.model.law import Law, law_source
 from hjcamp.model.simulator import Simulator
-from hjcamp.model.term_checks import check_compiles, check_law_compiles, limited, users_files
+from hjcamp.model.term_checks import limited
 
 Array = NDArray[np.float64]
 
@@ -103,18 +100,10 @@ class LoopSimulator(Simulator):
         head = "@inlined\ndef command(running, time, index, row, seen, h, c, m, ap, am, record, u):\n"
         return head + "".join(f"    {line}\n" for line in lines) + "\n\n"
 
-    @cached_property
-    def kernel(self) -> ModuleType:
-        """The imported kernel; raises ``UsageError`` for a user's effect or controller that cannot be compiled."""
-        for effect in self.composition.effects:
-            check_compiles(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
-        check_law_compiles(self.law, tuple(MATHEMATICS))  # type: ignore[arg-type]
-        return load_model(self.source)
-
-    @cached_property
-    def users_files(self) -> str:
-        """The effects and the controller that are files of the user's, in words; empty where all are ours."""
-        return users_files([*self.composition.effects, self.law])
+    @property
+    def laws(self) -> tuple[type[Law], ...]:
+        """The controller."""
+        return (self.law,)
 
     @limited
     def run_loop(

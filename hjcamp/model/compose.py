@@ -1,4 +1,4 @@
-"""Compose a plant's equations with effects into the flat source of three functions: rates, contact, readings."""
+"""Compose a plant's equations with effects: names and positions, and the lines of which every generated function is made."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hjcamp.model.effect import Effect, Term
 from hjcamp.model.effect_names import check_effect
 from hjcamp.model.parameter import Contact, Cut, Parameter, State
 from hjcamp.model.plant import Plant
-from hjcamp.model.source_text import GATES, behind_one_test, copied_function, function_source, live, names_in
+from hjcamp.model.source_text import GATES, behind_one_test, live
 from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
 
 MOST_GATED = 52
@@ -98,45 +98,8 @@ class Composition:
         shown = tuple(channel.signal for channel in self.plant.channels)
         return shown or tuple(item.sensor for item in self.plant.measured.values())
 
-    def rates_source(self) -> str:
-        """Return the source of ``rates(limits, time, direction, z, u, p, f)``: the rates of the states that are present.
-
-        ``limits`` is the code of what every limiter is to do, as `limiting` returns it; negative: what its value says.
-        """
-        blocks: list[tuple[str, list[str]]] = [("", [])]
-        for index, name in enumerate(self.states):
-            gate = self.gate(name)
-            if gate != blocks[-1][0]:
-                blocks.append((gate, []))
-            blocks[-1][1].append(f"f[{index}] = {self.rate(name)}")
-        lines, gated = blocks[0][1], blocks[1:]
-        if gated:
-            # One test for all of them: most models have no effect with states.
-            inside = [line for gate, own in gated for line in (f"if {gate}:", *(f"    {one}" for one in own))]
-            lines = [*lines, f"if {self.any_gate}:", *(f"    {line}" for line in inside)]
-        body = [re.sub(r"\blimited\(", "bounded(limits, ", line) for line in self.body(lines)]
-        return function_source("rates(limits, time, direction, z, u, p, f)", body)
-
-    def contact_source(self) -> str:
-        """Return the source of ``contact(k, time, direction, z, u, p)``: push, limit and locks of contact k; of ``locking``,
-        the last alone; and of ``facing`` and ``faced``, which read and set the side that it is on.
-        """
-        wanted = [f"return {one.push}, {one.limit}, {one.locks}" for one in self.contacts] or ["return 0.0, 0.0, 0.0"]
-        locks = [f"return 1.0 * {one.locks}" for one in self.contacts] or ["return 0.0"]
-        return (
-            self._of_each("contact(k, time, direction, z, u, p)", wanted)
-            + self._of_each("locking(k, time, direction, z, u, p)", locks)
-            + self._of_each("facing(direction, k)", [f"return {side}" for side in self._sides] or ["return 0.0"])
-            + self._of_each(
-                "faced(direction, k, side)",
-                [f"return direction + {3**k}.0 * (side - {side})" for k, side in enumerate(self._sides)]
-                if len(self.contacts) > 1
-                else ["return side"],
-            )
-        )
-
     @property
-    def _sides(self) -> list[str]:
+    def sides(self) -> list[str]:
         """The expression of each contact's side, -1, 0 or 1: ``direction`` is the sum of 3^k times side k."""
         count = len(self.contacts)
         if count == 1:
@@ -146,73 +109,6 @@ class Composition:
     def direction(self, sides: Mapping[str, float]) -> float:
         """Return what stands for the sides of all contacts, from the values of their directions by name; 0 where not given."""
         return float(sum(3**k * sides.get(one.direction, 0.0) for k, one in enumerate(self.contacts)))
-
-    def _of_each(self, signature: str, last: Sequence[str]) -> str:
-        """Return the source of a function that returns for contact ``k`` what the k-th line says."""
-        lines = []
-        for k, one in enumerate(last[:-1]):
-            lines += [f"if k == {k}:", *(f"    {line}" for line in self.body([one]))]
-        return function_source(signature, [*lines, *self.body([last[-1]])])
-
-    def limiting_source(self) -> str:
-        """Return the source of ``limiting(time, direction, z, u, p)``: the code of what the limiters do.
-
-        It is the sum over the limiters of 3^k, twice that where a limiter holds its high end.
-        """
-        lines = [f"return {' + '.join(self._limiters) or '0'}"]
-        return function_source("limiting(time, direction, z, u, p)", self.body(lines))
-
-    @property
-    def _limiters(self) -> list[str]:
-        return [
-            f"(({3**k} if {value} < {low} else 0) + ({2 * 3**k} if {value} > {high} else 0))"
-            for k, (value, low, high) in enumerate(self.vocabulary.limits)
-        ]
-
-    @property
-    def limits_vary(self) -> bool:
-        """Whether what a limiter does can change between two samples, while the states stay: it depends on an input."""
-        last = [f"return {' + '.join(self._limiters)}"] if self._limiters else []
-        return any(name.startswith("u_") for name in names_in("\n".join(self.body(last))))
-
-    def readings_source(self) -> str:
-        """Return the source of ``readings(time, direction, z, u, p, out)``: what the sensors see, in channel order."""
-        lines = [f"out[{index}] = {signal}" for index, signal in enumerate(self.measured)]
-        return function_source("readings(time, direction, z, u, p, out)", self.body(lines))
-
-    def balance_source(self) -> str:
-        """Return the source of ``balance(time, direction, z, u, p, out)``: the plant's force balance."""
-        lines = [f"out[{index}] = {name}" for index, name in enumerate(self.plant.balance)]
-        return function_source("balance(time, direction, z, u, p, out)", self.body(lines))
-
-    def signals_source(self) -> str:
-        """Return the source of ``signals(time, direction, z, u, p, out)``: every slot and signal, in order."""
-        lines = [f"out[{index}] = {name}" for index, name in enumerate(self.vocabulary.signals)]
-        return function_source("signals(time, direction, z, u, p, out)", self.body(lines))
-
-    def memory_source(self) -> str:
-        """Return the source of ``begin`` and ``renew`` (starts of all own states, of those known from the observed ones)
-        and ``remember`` (their once-per-sample updates)."""
-        kinds: dict[str, dict[int, str]] = {"begin": {}, "renew": {}, "remember": {}}
-        for index, name in enumerate(self.states):
-            start, update = self.start(name), self.update(name)
-            if start:
-                kinds["begin"][index] = start
-            if start and self.states[name].known:
-                kinds["renew"][index] = start
-            if update:
-                kinds["remember"][index] = update
-        parts = []
-        for name, found in kinds.items():
-            # all are computed before any is stored, since they may use each other
-            lines = [self._where_open(index, f"next_{index} = {value}") for index, value in found.items()]
-            lines += [self._where_open(index, f"z[{index}] = next_{index}") for index in found]
-            parts.append(function_source(f"{name}(time, direction, z, u, p)", self.body(lines)))
-        return "".join(parts)
-
-    def _where_open(self, index: int, line: str) -> str:
-        gate = self.gate(list(self.states)[index])
-        return f"if {gate}: {line}" if gate else line
 
     def gate(self, state: str) -> str:
         """Return the test in the source of the gate that a state is behind; empty where there is none."""
@@ -244,10 +140,6 @@ class Composition:
         name, own = state.split(".")
         return next(effect for effect in self.effects if effect.name == name), own
 
-    def terms_source(self) -> str:
-        """Return the source of every effect's functions, copied so that the kernel's hash sees their text."""
-        return "\n".join(copied_function(name, function) for name, function in term_functions(self.effects).items())
-
     def body(self, last: Sequence[str]) -> list[str]:
         """Return the statements that ``last`` needs, in order, then ``last``."""
         lines = live(self._statements, "\n".join(last))
@@ -272,7 +164,7 @@ class Composition:
         lines += [f"u_{name} = u[{index}]" for index, name in enumerate(self.inputs)]
         lines += [f"{GATES} = int(p_{GATES})", "u_time = time", "u_direction = direction"]
         if len(self.contacts) > 1:
-            lines += [f"u_{one.direction} = {side}" for one, side in zip(self.contacts, self._sides, strict=True)]
+            lines += [f"u_{one.direction} = {side}" for one, side in zip(self.contacts, self.sides, strict=True)]
         lines += [f"s_{state} = u_slope_{driven}" for state, driven in self.cut.slopes.items()]
         for line in self.vocabulary.statements:
             target = f"d_{line.target}" if line.mark == "rate" else line.target

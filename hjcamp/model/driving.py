@@ -1,4 +1,4 @@
-"""The two sample loops that a kernel can carry: closed loop with procedure and controller, and following a log."""
+"""The sample loops that a kernel can carry: following a log, and running free."""
 
 from __future__ import annotations
 
@@ -14,14 +14,6 @@ OBSERVED = 0
 CONTACTS = 0
 VELOCITIES: Any = ()
 OBSERVED_STATES: Any = ()
-READINGS = 0
-PRESSURE1 = 0
-PRESSURE2 = 0
-ARM = 0
-COMMAND = 0
-DITHER = 0
-PRELOAD = 0
-SCATTER = 0
 DRIVEN_STATES: Any = ()
 DRIVEN_INPUTS: Any = ()
 faced: Any = None
@@ -31,96 +23,6 @@ begin: Any = None
 renew: Any = None
 remember: Any = None
 move: Any = None
-control: Any = None
-procedure: Any = None
-
-
-def measure(time, direction, z, u, p, counts, phases, noise, out):  # type: ignore[no-untyped-def]
-    """Fill ``out`` with what the sensors deliver: whole counts, or the analog value plus its noise (SI)."""
-    readings(time, direction, z, u, p, out)
-    for i in range(READINGS):
-        if counts[i] > 0.0:
-            out[i] = np.floor(out[i] / counts[i] + phases[i]) * counts[i]
-        else:
-            out[i] += noise[i]
-
-
-def closed_loop(  # type: ignore[no-untyped-def]
-    z,
-    u,
-    p,
-    plan,
-    space,
-    steps,
-    h,
-    c,
-    m,
-    pc,
-    pm,
-    reference,
-    dither,
-    delay,
-    preload_area,
-    counts,
-    phases,
-    noise,
-    scatter,
-    record,
-    work,
-):
-    """Run a whole test; return the number of samples recorded.
-
-    ``reference`` (n, 4): arm angle, velocity, acceleration, feedforward. ``record`` (samples, 6 + READINGS): phase,
-    reference, command, pid, feedforward, dither, readings. ``work`` (4, columns): scratch. ``delay``: whole samples and
-    the fraction of one. A row of zeros after the last sample means the record was too short.
-    """
-    a, before, counter, seen = work[0], work[1], work[2], work[3]
-    direction = 0.0
-    whole = int(delay[0])
-    part = delay[1]
-    index = 0
-    first = 0
-    for k in range(record.shape[0]):
-        time = (k - first) * h if index > 0 else 0.0
-        u[SCATTER] = scatter[k]
-        measure(time, direction, z, u, p, counts, phases, noise[k], seen)
-        phase, speed, offset = procedure(seen[PRESSURE1], seen[PRESSURE2], h, pc, pm)
-        if phase > 4.0:
-            return k
-        pid = 0.0
-        ahead = 0.0
-        shake = 0.0
-        wanted = reference[0, 0]
-        if phase == 3.0:
-            if index == 0:
-                first = k
-                time = 0.0
-            row = min(index, reference.shape[0] - 1)
-            wanted = reference[row, 0]
-            pid, ahead = control(
-                wanted, reference[row, 1], reference[row, 2], seen[ARM], reference[row, 3], h, index, c, m
-            )
-            shake = dither[row]
-            index += 1
-        elif index > 0:
-            wanted = record[k - 1, 1]
-            pid, ahead = record[k - 1, 3], record[k - 1, 4]
-        record[k, 0] = phase
-        record[k, 1] = wanted
-        record[k, 2] = offset + pid + ahead
-        record[k, 3] = pid
-        record[k, 4] = ahead
-        record[k, 5] = shake
-        for i in range(READINGS):
-            record[k, 6 + i] = seen[i]
-        late = record[k - whole, 2] if k >= whole else 0.0
-        later = record[k - whole - 1, 2] if k > whole else 0.0
-        u[COMMAND] = (1.0 - part) * late + part * later
-        u[DITHER] = shake
-        u[PRELOAD] = speed * preload_area
-        remember(time, direction, z, u, p)
-        direction = move(time, direction, z, u, p, plan, space, steps, h, a, before, counter)
-    return -1
 
 
 def follow(  # type: ignore[no-untyped-def]

@@ -59,6 +59,8 @@ class Effect:
     multiples of what these usually are. It is bound to each such place of a plant; where it is declared ``together``,
     to all places of a group at once. ``only_in`` gives the units that a name of the place must have one of.
 
+    Methods that share lines take them from one function: ``NAME = part(FUNCTION, ...)`` or ``return part(FUNCTION, ...)``.
+
     An effect in the names of one plant says so: ``plant`` is its name.
     """
 

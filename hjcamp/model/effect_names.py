@@ -8,6 +8,7 @@ from collections.abc import Callable
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.effect import Effect
+from hjcamp.model.part import whole_code
 from hjcamp.model.plant import Plant
 from hjcamp.model.term_checks import check_calls
 from hjcamp.model.vocabulary import read_vocabulary
@@ -61,11 +62,13 @@ def check_functions(effect: type[Effect]) -> None:
 
 
 def _check_globals(function: Callable[..., float], where: str) -> None:
-    code = function.__code__
-    for name in code.co_names:
+    for name in whole_code(function).co_names:
         if name not in MATHEMATICS and name not in BUILTINS:
             raise unknown(
-                "function or constant", name, [*MATHEMATICS, *BUILTINS], f"{where}, method '{function.__name__}'"
+                "function or constant",
+                name,
+                [*MATHEMATICS, *BUILTINS, "part"],
+                f"{where}, method '{function.__name__}'",
             )
 
 

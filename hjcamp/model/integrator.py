@@ -226,11 +226,15 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
 
     ``counter``: 0 level that accuracy asks for, 1 steps, 2 events, 3 largest correction accepted at the finest level,
     4 code of what the limiters do, 5 the correction that is accepted, in units of the states' resolution, 6 length of the
-    step before, 8 row of the regime's propagators, negative where the regime is not known, 9 + k whether contact k locks
-    (0) or, where it does not, slides (1) or creeps (2).
+    step before, 7 whether the states left the finite numbers: then ``z`` is not a number and nothing moves, 8 row of the
+    regime's propagators, negative where the regime is not known, 9 + k whether contact k locks (0) or, where it does not,
+    slides (1) or creeps (2).
     """
     if counter[8] < 0.0 or (LIMITS_VARY and limiting(time, direction, z, u, p) != counter[4]):
         direction = arrive(time, direction, z, u, p, plan, space, steps, h, before, counter)
+        counter[7] = 0.0
+    if counter[7] > 0.0:
+        return direction
     ticks = 1 << LEVELS
     tick = h / ticks
     done = 0
@@ -283,6 +287,15 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
                 level += 1
                 searching = True
                 continue
+        if level == LEVELS:
+            # No step is short enough for what is no number: each further one would be tried at every level.
+            for i in range(N):
+                if not abs(a[i]) < np.inf:
+                    counter[7] = 1.0
+            if counter[7] > 0.0:
+                for i in range(N):
+                    z[i] = np.nan
+                return direction
         for i in range(N):
             z[i] = a[i]
         counter[1] += 1.0

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import inspect
-import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from hjcamp.errors import unknown
 from hjcamp.model.parameter import Parameter, declared
+from hjcamp.model.part import whole_definition
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,10 @@ class Memory:
 
 
 class Law:
-    """The base class: ``parameters`` and ``memories`` by name, ``samples`` the arguments, ``results`` the answers."""
+    """The base class: ``parameters`` and ``memories`` by name, ``samples`` the arguments, ``results`` the answers.
+
+    A step may use another's lines: ``pid, ahead = part(Pid.step, sample, parameter, memory)`` (see `hjcamp.model.marks.part`).
+    """
 
     name: ClassVar[str] = ""
     samples: ClassVar[tuple[str, ...]] = ()
@@ -124,9 +127,7 @@ def law_function(law: type[Law], names: Mapping[str, Any]) -> Callable[..., Any]
 
 
 def _flat(law: type[Law], function: str) -> ast.Module:
-    tree = ast.parse(textwrap.dedent(inspect.getsource(law.step)))  # type: ignore[attr-defined]
-    definition = tree.body[0]
-    assert isinstance(definition, ast.FunctionDef)
+    definition = whole_definition(law.step)  # type: ignore[attr-defined]
     names = [*law.samples, "c", "m"]
     definition.name = function
     definition.decorator_list = []
@@ -136,4 +137,4 @@ def _flat(law: type[Law], function: str) -> ast.Module:
     definition.body = [
         line for line in body if not (isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant))
     ]
-    return ast.fix_missing_locations(tree)
+    return ast.fix_missing_locations(ast.Module([definition], []))

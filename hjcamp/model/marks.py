@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 
 def slot(value: float, unit: str, text: str) -> float:
@@ -23,6 +25,17 @@ def limited(value: float, low: float, high: float) -> float:
 def outside(unit: str, text: str = "outside force") -> float:
     """Return 0: a force from outside, which only effects give."""
     return 0.0
+
+
+def part(function: Callable[..., Any], *given: Any, **named: Any) -> Any:
+    """Return what a function of lines gives; equations, laws and effects have its lines written out in this place.
+
+    ``NAME = part(FUNCTION, ...)`` stands alone on its line. What the function returns is called NAME, each of its other lines
+    ``NAME_line``: a function that is used twice gives two sets of lines. An argument is a value, a space (``parameter``,
+    ``rate``, ``memory``), or a name: with ``position=state.travel``, ``rate[position]`` is ``rate.travel``; with
+    ``total="total2"``, ``memory[total]`` is ``memory.total2``. Its one return is the last line of the function.
+    """
+    return function(*given, **named)
 
 
 # The elements: `hjcamp.model.element` writes each of them out as slots and signals and makes a place (a port) of it.

@@ -15,12 +15,13 @@ from scipy.integrate import solve_ivp
 
 from hjcamp.errors import UsageError
 from hjcamp.model.amount_formula import plain_functions
-from hjcamp.model.binding import usual_sizes
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
+from hjcamp.model.function_sources import memory_source, rates_source, signals_source, terms_source
 from hjcamp.model.parameter import Parameter
 from hjcamp.model.plant import Plant
+from hjcamp.model.quantities import usual_sizes
 from hjcamp.model.vocabulary import read_vocabulary
 
 Array = NDArray[np.float64]
@@ -47,7 +48,7 @@ class PlainModel:
     def functions(self) -> dict[str, Any]:
         """The generated functions."""
         made = self.composition
-        return plain_functions(made.terms_source() + made.rates_source() + made.signals_source() + made.memory_source())
+        return plain_functions(terms_source(made) + rates_source(made) + signals_source(made) + memory_source(made))
 
     @cached_property
     def p(self) -> Array:

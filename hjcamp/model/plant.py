@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.field_table import Field
@@ -12,6 +12,10 @@ from hjcamp.model.law import Law
 from hjcamp.model.parameter import Channel, Cut, Input, Measured, Parameter, State, declared
 from hjcamp.model.port import Port
 from hjcamp.model.scatter import FrictionScatter
+
+if TYPE_CHECKING:
+    from hjcamp.model.course import Course
+    from hjcamp.schema import Group
 
 # What every plant's equations may use: the regime of its contact, the time, and what friction scatters by.
 # Of several contacts each has a regime of its own, ``drive.direction_NAME``.
@@ -34,6 +38,7 @@ class Plant:
     A test follows ``controlled``, a measured field (the first one unless named), with ``choices`` of groups where nothing
     else is said; ``actuation`` is the law between what a controller returns and the inputs. What differs from test to test:
     friction by ``friction_varies``, starts by the ``scatter`` of a state, the ``drawn`` parameters.
+    Lines that occur twice are written once, as a function: ``NAME = part(FUNCTION, ...)`` (see `hjcamp.model.marks.part`).
     ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
     """
 
@@ -63,6 +68,8 @@ class Plant:
     actuation: ClassVar[type[Law] | None] = None
     friction_varies: ClassVar[FrictionScatter] = FrictionScatter()
     drawn: ClassVar[tuple[str, ...]] = ()
+    # Configuration groups whose choices name the machine on which a log was made.
+    rig: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -84,6 +91,25 @@ class Plant:
     def equation(cls) -> str:
         """Return the equation of the docstring (the text of its ``.. math::`` block), or an empty string."""
         return docstring_equation(cls)
+
+    @classmethod
+    def settings(cls) -> Mapping[str, type[Group]]:
+        """Return the configuration groups that describe its hardware and procedure; most plants have parameters alone."""
+        return {}
+
+    @classmethod
+    def check_settings(cls, config: Mapping[str, Any]) -> None:
+        """Raise ``UsageError`` for a configuration of its ``settings`` that cannot be."""
+
+    @classmethod
+    def configured(cls, config: Mapping[str, Any]) -> dict[str, float]:
+        """Return the parameters, SI, that a configuration of its ``settings`` gives."""
+        return {}
+
+    @classmethod
+    def courses(cls) -> Mapping[str, Course]:
+        """Return the tests on which an effect is tried out; without any its places are looked at one by one."""
+        return {}
 
     @classmethod
     def given_inputs(cls) -> dict[str, Input]:

@@ -1,4 +1,4 @@
-"""A composed model ready to run: names to vectors, propagators, one closed-loop test or one replay."""
+"""A composed model ready to run: names to vectors, propagators, a replay or a free run."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.errors import HjcampError, unknown
+from hjcamp.errors import unknown
 from hjcamp.model import driving, integrator, shared, term_checks
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.compose import Composition
 from hjcamp.model.course import Course, Followed, Given
 from hjcamp.model.kernel import LEVELS, copied, kernel_source, load_model
-from hjcamp.model.law import Law, law_source
+from hjcamp.model.law import Law
 from hjcamp.model.source_text import GATES
 from hjcamp.model.structure import Point, nonlinear_rates, points_of
 from hjcamp.model.term_checks import check_compiles, check_law_compiles, limited, users_files
@@ -25,31 +25,6 @@ from hjcamp.model.time_limit import time_limit
 
 Array = NDArray[np.float64]
 PERIOD = 1e-3
-RECORDED = ("phase", "reference", "command", "pid", "feedforward", "dither")
-
-
-class NotEndedError(HjcampError):
-    """A test used up its rows of noise before it came to its end."""
-
-
-@dataclass(frozen=True)
-class ClosedLoop:
-    """What one test needs beyond the model: laws with their parameters, reference, sensors and the draws of its seed.
-
-    ``reference`` (n, 4): angle, velocity, acceleration, feedforward in rad; ``delay`` in s; ``noise`` (samples,
-    channels) and ``scatter`` (samples) hold one row for each sample that the test may last.
-    """
-
-    control: Array
-    procedure: Array
-    reference: Array
-    dither: Array
-    delay: float
-    preload_area: float
-    counts: Array
-    phases: Array
-    noise: Array
-    scatter: Array
 
 
 class Propagators(NamedTuple):
@@ -67,13 +42,11 @@ class Propagators(NamedTuple):
 class Simulator:
     """A composition compiled into one kernel.
 
-    With a controller and a procedure it runs closed loops; ``free`` it runs under its given inputs alone, else it is driven
-    along what was measured.
+    ``free`` it runs under its given inputs alone, else it is driven along what was measured. A loop of its own comes with
+    ``laws``: see `hjcamp.model.closed_loop` and `hjcamp.plants.pump_joint.loop`.
     """
 
     composition: Composition
-    controller: type[Law] | None = None
-    procedure: type[Law] | None = None
     free: bool = False
 
     @cached_property
@@ -89,21 +62,6 @@ class Simulator:
         if self.free:
             return kernel_source(composition, "\n\n" + copied(driving, ("run_free",)))
         inputs = composition.inputs
-        if self.controller is not None and self.procedure is not None:
-            fields = [channel.field for channel in composition.plant.channels]
-            lines = [
-                f"READINGS = {len(fields)}",
-                f"PRESSURE1 = {fields.index('pressure1_mpa')}",
-                f"PRESSURE2 = {fields.index('pressure2_mpa')}",
-                f"ARM = {fields.index('arm_deg')}",
-                f"COMMAND = {inputs.index('command')}",
-                f"DITHER = {inputs.index('dither')}",
-                f"PRELOAD = {inputs.index('preload_flow')}",
-                f"SCATTER = {inputs.index('friction_scatter')}",
-            ]
-            text = "\n".join(lines) + "\n\n\n"
-            text += law_source(self.controller, "control") + law_source(self.procedure, "procedure")
-            return kernel_source(composition, text + copied(driving, ("measure", "closed_loop")))
         states, driven = list(composition.states), list(composition.cut.driven)
         # numba takes no empty tuple by an index
         lines = [
@@ -122,14 +80,19 @@ class Simulator:
         """The imported kernel; raises ``UsageError`` for a user's effect or controller that cannot be compiled."""
         for effect in self.composition.effects:
             check_compiles(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
-        if self.controller is not None:
-            check_law_compiles(self.controller, tuple(MATHEMATICS))  # type: ignore[arg-type]
+        for law in self.laws:
+            check_law_compiles(law, tuple(MATHEMATICS))  # type: ignore[arg-type]
         return load_model(self.source)
 
     @cached_property
     def users_files(self) -> str:
         """The effects and the controller that are files of the user's, in words; empty where all are ours."""
-        return users_files([*self.composition.effects, *([self.controller] if self.controller else [])])
+        return users_files([*self.composition.effects, *self.laws])
+
+    @property
+    def laws(self) -> tuple[type[Law], ...]:
+        """The laws in its loop that a user may have written; none where nothing controls."""
+        return ()
 
     @property
     def states(self) -> list[str]:
@@ -203,47 +166,6 @@ class Simulator:
                 curved = nonlinear_rates(composition, self.kernel.rates, gates, self._points)
             self._found[gates] = present, [k for k, i in enumerate(present) if curved[i]]
         return self._found[gates]
-
-    @limited
-    def run(
-        self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Propagators | None = None,
-        tolerance: float = 1.0,
-    ) -> dict[str, Any]:  # fmt: skip
-        """Run one test from its preload to its release; return the recorded columns in SI units by name.
-
-        ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
-        """
-        assert self.controller is not None and self.procedure is not None
-        z = self.begin(start, p)
-        propagators = propagators or self.propagators(z, p)
-        channels = self.composition.plant.channels
-        record = np.empty((len(test.noise), len(RECORDED) + len(channels)))
-        work = self.scratch()
-        work[2, 5] = tolerance
-        procedure_memory = self.procedure.fresh_memory()
-        whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
-        count = self.kernel.closed_loop(
-            z, self.inputs(), p, *propagators, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
-            procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
-            test.counts, test.phases, test.noise, test.scatter, record, work,
-        )  # fmt: skip
-        phase = int(procedure_memory[list(self.procedure.memories).index("phase")])
-        if count < 0 or phase > 5:
-            reached = record[: count if count >= 0 else None, 0]
-            last = int(reached[-1]) if len(reached) else 0
-            raise (NotEndedError if count < 0 else HjcampError)(
-                f"the test never left phase {last} (0 preload, 1 pressure adjustment, "
-                "2 rest, 3 control, 4 release); check procedure.preload_mpa, the adjustment and procedure.phase_limit_s"
-            )
-        record = record[:count]
-        # a sum is finite where all is, and taken in a tenth of the time
-        if not np.isfinite(record.sum()) and not np.all(np.isfinite(record)):
-            where = int(np.argmax(~np.all(np.isfinite(record), axis=1)))
-            raise HjcampError(f"the simulation left its valid range after {where * PERIOD:.3f} s; check the parameters")
-        columns: dict[str, Any] = {name: record[:, index] for index, name in enumerate(RECORDED)}
-        columns.update({channel.field: record[:, len(RECORDED) + i] for i, channel in enumerate(channels)})
-        columns["steps"], columns["events"] = work[2, 1], work[2, 2]
-        return columns
 
     @limited
     def follow(

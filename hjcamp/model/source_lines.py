@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import inspect
-import textwrap
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
@@ -12,6 +11,8 @@ from typing import Any
 
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import Composition, term_functions
+from hjcamp.model.function_sources import rates_source
+from hjcamp.model.part import whole_definition
 
 KINDS = {
     ValueError: "a function outside its range (sqrt or log of a negative number, asin beyond 1)",
@@ -44,7 +45,7 @@ def _place(composition: Composition, trace: TracebackType | None) -> tuple[str, 
         if name in functions:
             return _line_of(functions[name], offset)
     if names:
-        line = composition.rates_source().splitlines()[names[-1][1]]
+        line = rates_source(composition).splitlines()[names[-1][1]]
         return _line_of_plant(composition, line.strip())
     return "", 0, ""
 
@@ -52,10 +53,10 @@ def _place(composition: Composition, trace: TracebackType | None) -> tuple[str, 
 def _line_of(function: Callable[..., Any], offset: int) -> tuple[str, int, str]:
     """Return the place in its file of a line of a function as it was copied, ``offset`` lines below its one decorator."""
     text, first = inspect.getsourcelines(function)
-    tree = ast.parse(textwrap.dedent("".join(text)))
-    copied = ast.parse(_plain(tree))
+    tree = _bare(ast.Module([whole_definition(function)], []))
+    copied = ast.parse(ast.unparse(tree))
     # both trees have the same nodes in the same order, only their lines differ
-    alike = zip(ast.walk(_bare(tree)), ast.walk(_bare(copied)), strict=True)
+    alike = zip(ast.walk(tree), ast.walk(copied), strict=True)
     lines = [one.lineno for one, other in alike if isinstance(one, ast.stmt) and _at(other) == offset]
     number = lines[-1] if lines else 1
     return _file(function), first + number - 1, text[number - 1].strip()
@@ -73,10 +74,6 @@ def _line_of_plant(composition: Composition, line: str) -> tuple[str, int, str]:
             text, first = inspect.getsourcelines(equations)
             return file, one.line, text[one.line - first].strip()
     return file, 0, ""
-
-
-def _plain(tree: ast.Module) -> str:
-    return ast.unparse(_bare(tree))
 
 
 def _bare(tree: ast.Module) -> ast.Module:

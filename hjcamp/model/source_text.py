@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import ast
 import functools
-import inspect
 import re
-import textwrap
 from collections.abc import Callable, Sequence
+
+from hjcamp.model.part import whole_definition
 
 GATES = "gates"
 INLINED = ("predict", "correct", "contact", "locking", "facing", "faced", "limiting", "readings")
@@ -59,9 +59,7 @@ def names_in(text: str) -> set[str]:
 
 def copied_function(name: str, function: Callable[..., float]) -> str:
     """Return a function's source under another name, without its decorators and annotations."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    definition = tree.body[0]
-    assert isinstance(definition, ast.FunctionDef)
+    definition = whole_definition(function)
     definition.name = name
     definition.decorator_list = []
     definition.returns = None

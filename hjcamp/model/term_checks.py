@@ -15,6 +15,7 @@ import numpy as np
 from hjcamp.errors import UsageError
 from hjcamp.model.effect import Effect, parameters_of
 from hjcamp.model.law import Law, law_function
+from hjcamp.model.part import whole_code
 from hjcamp.model.time_limit import RunLimit, time_limit
 from hjcamp.model.user_file import is_users, line_in
 
@@ -143,8 +144,7 @@ def users_files(parts: Iterable[type]) -> str:
 def _alone(function: Callable[..., float], mathematics: tuple[str, ...]) -> Callable[..., Any]:
     """Return the function with the names that a kernel gives it, whatever its file imports."""
     names = {name: getattr(math, name) for name in mathematics}
-    assert isinstance(function, FunctionType)
-    return FunctionType(function.__code__, {**names, "__name__": function.__module__}, function.__name__)
+    return FunctionType(whole_code(function), {**names, "__name__": function.__module__}, function.__name__)
 
 
 def _told(line: int, effect: type[Effect], function: Callable[..., float], reason: str) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import inspect
 import re
-import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -15,6 +14,7 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.model.cached import cached
 from hjcamp.model.element import BODY, CONTACT, ELEMENTS, bare_name, called, expand
 from hjcamp.model.parameter import Contact
+from hjcamp.model.part import whole_definition
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 
@@ -94,15 +94,16 @@ class _Rename(ast.NodeTransformer):
 def read_vocabulary(plant: type[Plant]) -> Vocabulary:
     """Parse ``plant.equations`` into statements; the docstring and comments are skipped.
 
-    Raises ``UsageError`` for what is no assignment, an element that is not as it should be, and a unit that does not fit.
+    Parts are written out where they stand. Raises ``UsageError`` for what is no assignment, an element that is not as it
+    should be, and a unit that does not fit.
     """
     equations = getattr(plant, "equations", None)
     if not inspect.isfunction(equations):
         raise UsageError(f"{inspect.getfile(plant)}: plant {plant.name}: it has no function 'equations'")
-    lines, first = inspect.getsourcelines(equations)
-    function = ast.parse(textwrap.dedent("".join(lines))).body[0]
-    if not isinstance(function, ast.FunctionDef):
+    first = inspect.getsourcelines(equations)[1]
+    if equations.__name__ == "<lambda>":
         raise UsageError(f"{inspect.getfile(plant)}: line {first}: plant {plant.name}: 'equations' is no function")
+    function = whole_definition(equations)
     reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
     reader.masses = _masses(function)
     for node in function.body:

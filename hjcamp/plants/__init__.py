@@ -20,6 +20,13 @@ def load_plants(folders: Sequence[Path] | None = None) -> dict[str, type[Plant]]
     return scan(OWN_PLANTS, __name__, Plant, chosen)
 
 
+def usual_plant() -> type[Plant]:
+    """Return the plant of logs and configurations that name none; no other plant's file is looked at."""
+    from hjcamp.plants.pump_joint import PumpJoint
+
+    return PumpJoint
+
+
 def plant_names(folder: Path) -> list[str]:
     """Return the plants of a folder by name; a user's files are not run for it."""
     if folder == OWN_PLANTS:

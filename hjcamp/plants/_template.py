@@ -36,6 +36,7 @@ class {title}(Plant):
     @staticmethod
     def equations(state, parameter, drive, rate):
         """Give the rate of every state; each element (actuator, contact, body, ...) is a place where effects may act."""
+        # Lines that occur twice are written once, as a function above: NAME = part(FUNCTION, state.x, parameter, rate)
         force = actuator(parameter.gain * drive.voltage)
         load = outside("N")
         friction = contact(

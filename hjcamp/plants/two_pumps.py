@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from hjcamp.model.field_table import PHASE, TIME, Field
-from hjcamp.model.marks import body, contact, limited, outside, sensor, signal, slot, store, transmission
+from hjcamp.model.marks import body, contact, limited, outside, part, sensor, signal, slot, store, transmission
 from hjcamp.model.parameter import Input, Measured, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.scatter import FrictionScatter
@@ -14,6 +14,22 @@ from hjcamp.plants.pump_joint import PumpJoint
 
 ONE = PumpJoint.parameters
 TRAVEL = (-80 * math.pi, 80 * math.pi)
+
+
+def motor_pump(command, position, velocity, acceleration, parameter, rate):  # type: ignore[no-untyped-def]
+    """Return the speed of a pump's nut (4.3): x / theta = gain / (s^3 + a2 s^2 + a1 s + a0)."""
+    speed = signal(
+        limited(velocity, -parameter.pump_speed_limit, parameter.pump_speed_limit), "m/s", "speed of the nut"
+    )
+    rate[position] = speed
+    rate[velocity] = acceleration
+    rate[acceleration] = (
+        parameter.pump_gain * command
+        - parameter.pump_a2 * acceleration
+        - parameter.pump_a1 * velocity
+        - parameter.pump_a0 * position
+    )
+    return speed
 
 
 class TwoPumps(Plant):
@@ -92,33 +108,13 @@ class TwoPumps(Plant):
     @staticmethod
     def equations(state, parameter, drive, rate):  # type: ignore[no-untyped-def]
         """Give the rate of every state from states, parameters and inputs."""
-        # --- Two motor-cylinder pumps (4.3), each x / theta = gain / (s^3 + a2 s^2 + a1 s + a0)
-        nut1 = signal(
-            limited(state.pump1_velocity, -parameter.pump_speed_limit, parameter.pump_speed_limit),
-            "m/s",
-            "speed of nut 1",
-        )
-        rate.pump1_position = nut1
-        rate.pump1_velocity = state.pump1_acceleration
-        rate.pump1_acceleration = (
-            parameter.pump_gain * drive.command1
-            - parameter.pump_a2 * state.pump1_acceleration
-            - parameter.pump_a1 * state.pump1_velocity
-            - parameter.pump_a0 * state.pump1_position
-        )
-        nut2 = signal(
-            limited(state.pump2_velocity, -parameter.pump_speed_limit, parameter.pump_speed_limit),
-            "m/s",
-            "speed of nut 2",
-        )
-        rate.pump2_position = nut2
-        rate.pump2_velocity = state.pump2_acceleration
-        rate.pump2_acceleration = (
-            parameter.pump_gain * drive.command2
-            - parameter.pump_a2 * state.pump2_acceleration
-            - parameter.pump_a1 * state.pump2_velocity
-            - parameter.pump_a0 * state.pump2_position
-        )
+        # --- Two motor-cylinder pumps (4.3)
+        nut1 = part(
+            motor_pump, drive.command1, state.pump1_position, state.pump1_velocity, state.pump1_acceleration, parameter, rate
+        )  # fmt: skip
+        nut2 = part(
+            motor_pump, drive.command2, state.pump2_position, state.pump2_velocity, state.pump2_acceleration, parameter, rate
+        )  # fmt: skip
         pistons1 = transmission(nut1, subsystem="pump")
         pistons2 = transmission(nut2, subsystem="pump")
 

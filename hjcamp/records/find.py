@@ -7,17 +7,17 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from hjcamp.errors import UsageError
-from hjcamp.plants import DEFAULT
+from hjcamp.plants import DEFAULT, usual_plant
 from hjcamp.records.check import RATE_TOLERANCE
 from hjcamp.records.log import TestLog
-from hjcamp.records.of_plant import PLANT_KEY, USUAL_PERIOD_S, span
+from hjcamp.records.of_plant import PLANT_KEY, USUAL_PERIOD_S, plant_of, span
 from hjcamp.records.read import read_log
 from hjcamp.records.run_folder import planned_only
 
 SUFFIX = ".mcap"
 # The plants that the analyses of tests can read.
 ANALYSED: tuple[str, ...] = (DEFAULT,)
-HARDWARE: tuple[str, ...] = ("pump", "amplifier", "tubing")
+HARDWARE = usual_plant().rig
 
 
 def find_logs(paths: Sequence[str | Path]) -> list[Path]:
@@ -111,10 +111,10 @@ def refuse_unanalysed(logs: Iterable[TestLog], what: str) -> None:
 
 
 def refuse_mixed_hardware(logs: Iterable[TestLog]) -> None:
-    """Raise UsageError where logs name different pumps, amplifiers or tubings: one model fits one rig."""
+    """Raise UsageError where logs name different hardware of their plant: one model fits one rig."""
     first: dict[str, TestLog] = {}
     for log in logs:
-        for name in HARDWARE:
+        for name in plant_of(log.metadata, str(log.path)).rig:
             if name not in log.metadata:
                 continue
             other = first.setdefault(name, log)

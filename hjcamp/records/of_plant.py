@@ -8,8 +8,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.field_unit import FIELD_UNITS
 from hjcamp.model.plant import Plant
-from hjcamp.plants import DEFAULT, find_plant
-from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants import DEFAULT, find_plant, usual_plant
 
 PLANT_KEY, PERIOD_KEY = "plant", "period_s"
 USUAL_PERIOD_S = 1e-3
@@ -19,7 +18,7 @@ LONGEST_PERIOD_S = 86400.0
 def plant_of(metadata: Mapping[str, str], where: str) -> type[Plant]:
     """Return the plant of a log: that of its metadata, else ``pump_joint``. Raises ``UsageError`` with the nearest match."""
     name = metadata.get(PLANT_KEY) or DEFAULT
-    return PumpJoint if name == PumpJoint.name else find_plant(name, where)
+    return usual_plant() if name == DEFAULT else find_plant(name, where)
 
 
 def table_of(metadata: Mapping[str, str], where: str) -> FieldTable:

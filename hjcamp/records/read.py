@@ -25,6 +25,15 @@ def read_log(path: str | Path, validate_crcs: bool = True) -> TestLog:
     return log
 
 
+def read_metadata(path: Path) -> dict[str, str]:
+    """Return the metadata of a test log, its samples neither decoded nor checked: for what is asked before they are read."""
+    data = load(path)
+    try:
+        return metadata_of(scan(data, validate_crcs=False))
+    except Damaged as fault:
+        raise _damaged(path, fault) from fault
+
+
 def read_samples(path: Path, validate_crcs: bool = True) -> tuple[Scan, Samples]:
     """Return what a whole file holds, without asking whether the samples are a whole test."""
     data = load(path)
@@ -34,9 +43,13 @@ def read_samples(path: Path, validate_crcs: bool = True) -> tuple[Scan, Samples]
         for stretch in found.stretches:
             decoder.add(stretch)
     except Damaged as fault:
-        raise UsageError(f"{path}: {fault}; what is whole in it can be saved: hjcamp log recover {path}") from fault
+        raise _damaged(path, fault) from fault
     found.stretches.clear()
     return found, decoder.result()
+
+
+def _damaged(path: Path, fault: Damaged) -> UsageError:
+    return UsageError(f"{path}: {fault}; what is whole in it can be saved: hjcamp log recover {path}")
 
 
 def attachments_of(found: Scan) -> dict[str, bytes]:

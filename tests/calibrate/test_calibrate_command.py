@@ -20,7 +20,7 @@ from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.setups import configuration_for
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_hardware import plant_parameters
+from hjcamp.plants.pump_joint.hardware import plant_parameters
 from hjcamp.records.log import TestLog
 from hjcamp.records.write import write_log
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from quiet_loop import AREA1, AREA2, DEGREE, EXACT, RADIUS, STIFFNESS, cycloid
 
-from hjcamp.controllers.feedforward import Feedforward
 from hjcamp.model.compose import Composition
 from hjcamp.model.course import Course, inputs_along
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.feedforward import Feedforward
 
 MODEL = Simulator(Composition(PumpJoint))
 STATIC, COULOMB, VISCOUS = (7.20, 4.03), (5.27, 2.97), (23.5, 17.2)

@@ -10,7 +10,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.effect_checks import EffectBench, bench_simulator
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_menu import pump_courses
+from hjcamp.plants.pump_joint.menu import pump_courses
 
 THEIRS = "arm_spring"
 

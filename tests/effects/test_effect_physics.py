@@ -13,7 +13,7 @@ from scipy.signal import lfilter, lsim
 from hjcamp.model.course import Course, Followed, inputs_along
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_menu import pump_courses
+from hjcamp.plants.pump_joint.menu import pump_courses
 
 AREA = PumpJoint.parameters["joint_area"].default
 PUMP_AREA = PumpJoint.parameters["pump_area"].default

@@ -13,7 +13,7 @@ from hjcamp.model.effect_checks import CHECKS, EffectBench
 from hjcamp.model.parameter import Parameter
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint_menu import pump_courses
+from hjcamp.plants.pump_joint.menu import pump_courses
 
 CONTRACT = {
     "pump_backlash",

@@ -10,6 +10,15 @@ from laws_before import BEFORE
 from hjcamp.effects import load_effects
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
+from hjcamp.model.function_sources import (
+    balance_source,
+    contact_source,
+    memory_source,
+    rates_source,
+    readings_source,
+    signals_source,
+    terms_source,
+)
 from hjcamp.plants.pump_joint import PumpJoint
 
 LIBRARY = load_effects([])
@@ -38,9 +47,9 @@ def sources(effects: list[type[Effect]], cut: str, gated: bool) -> list[str]:
     """Return all generated source of the pump joint with these effects, by the places of arguments."""
     composition = Composition(PumpJoint, tuple(effects), PumpJoint.cut(cut), gated)
     parts = [
-        composition.terms_source(), composition.rates_source(), composition.contact_source(),
-        composition.readings_source(), composition.balance_source(), composition.signals_source(),
-        composition.memory_source(),
+        terms_source(composition), rates_source(composition), contact_source(composition),
+        readings_source(composition), balance_source(composition), signals_source(composition),
+        memory_source(composition),
     ]  # fmt: skip
     return [ast.unparse(_Names().visit(ast.parse(part))) for part in parts]
 

@@ -23,7 +23,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.effect_checks import EffectBench
 from hjcamp.model.term_checks import check_calls, check_compiles
 from hjcamp.model.time_limit import RunLimit, time_limit
-from hjcamp.plants.pump_joint_menu import pump_courses
+from hjcamp.plants.pump_joint.menu import pump_courses
 
 KINDS = {"effects": ["effects"], "controllers": ["plan"], "trajectories": ["plan"]}
 FILES: dict[str, tuple[bytes, str]] = {

@@ -14,6 +14,7 @@ from hjcamp.model import shared
 from hjcamp.model.kernel import LEVELS, shared_source
 from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.simulator import Propagators, Simulator
+from hjcamp.plants.pump_joint.loop import JointSimulator
 
 LOW_PRESSURES = (0.02e6, 0.12e6)
 
@@ -21,7 +22,7 @@ LOW_PRESSURES = (0.02e6, 0.12e6)
 def hunting(tolerance: float, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """Return a test of the published loop with the payload, whose lines run down to the vapour pressure."""
     with monkeypatch.context() as patch:
-        patch.setattr(Simulator, "run", functools.partialmethod(Simulator.run, tolerance=tolerance))
+        patch.setattr(JointSimulator, "run", functools.partialmethod(JointSimulator.run, tolerance=tolerance))
         return columns(
             cycloid(-120.0), LOW_PRESSURES, Pid, {"first_direction": -1.0}, ("payload_inertia",), count=2 * np.pi / 1024,
             dither=1.2,

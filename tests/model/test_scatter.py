@@ -9,7 +9,7 @@ from hjcamp.backends import simulation
 from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
 from hjcamp.model.scatter import Scatter, draw
-from hjcamp.model.simulator import NotEndedError
+from hjcamp.plants.pump_joint.loop import NotEndedError
 
 NOISE = np.array([0.0, 700.0, 700.0, 0.0])
 

@@ -11,12 +11,14 @@ from hjcamp import cli
 from hjcamp.effects import library_of
 from hjcamp.errors import UsageError
 from hjcamp.model.amount_formula import plain_functions
-from hjcamp.model.binding import bind, usual_sizes
+from hjcamp.model.binding import bind
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
+from hjcamp.model.function_sources import rates_source, signals_source
 from hjcamp.model.parameter import Parameter, State
 from hjcamp.model.plant_checks import check_plant
+from hjcamp.model.quantities import usual_sizes
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.plants import find_plant
 
@@ -77,7 +79,7 @@ def test_elements_stand_for_marked_lines(folder: Path) -> None:
 def test_rates_are_those_of_the_equations(folder: Path) -> None:
     plant = find_plant("axis")
     composition = Composition(plant)
-    rates = plain_functions(composition.rates_source())["rates"]
+    rates = plain_functions(rates_source(composition))["rates"]
     u = np.zeros(len(composition.inputs))
     u[composition.inputs.index("voltage")], u[composition.inputs.index("friction_scatter")] = 2.0, 1.0
     p = np.array([item.default for item in plant.parameters.values()])
@@ -96,7 +98,7 @@ def test_friction_may_differ_between_the_directions(folder: Path) -> None:
     )
     plant = find_plant("axis")
     check_plant(plant)
-    signals = plain_functions(Composition(plant).signals_source())["signals"]
+    signals = plain_functions(signals_source(Composition(plant)))["signals"]
     names = list(read_vocabulary(plant).signals)
     out = np.zeros(len(names))
     p = [item.default for item in plant.parameters.values()]
@@ -245,7 +247,9 @@ def test_base_parameters_that_only_their_product_tells_are_named(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = folder / "plants" / "axis.py"
-    text = path.read_text().replace('Parameter("N/V", 35.0, text', 'Parameter("N/V", 35.0, (1.0, 100.0), base=True, text')
+    text = path.read_text().replace(
+        'Parameter("N/V", 35.0, text', 'Parameter("N/V", 35.0, (1.0, 100.0), base=True, text'
+    )
     path.write_text(text)
     assert cli.run(["plants", "test", "axis"]) == 2
     message = capsys.readouterr().err

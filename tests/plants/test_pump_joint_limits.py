@@ -7,7 +7,7 @@ import pytest
 from quiet_loop import AREA1, AREA2, DEGREE, RADIUS, STIFFNESS, columns, simulator
 
 from hjcamp.configuration.composer import Composer
-from hjcamp.plants.pump_joint_hardware import plant_parameters, transfer_function
+from hjcamp.plants.pump_joint.hardware import plant_parameters, transfer_function
 
 TURN = 360 * DEGREE / 8.5  # reference that asks the pump for one turn, 1 mm
 STATIC = {1: 7.20, -1: 4.03}

@@ -16,7 +16,7 @@ from mcap.writer import CompressionType, Writer
 from hjcamp.errors import UsageError
 from hjcamp.records import layout
 from hjcamp.records.log import TestLog
-from hjcamp.records.read import read_log
+from hjcamp.records.read import read_log, read_metadata
 from hjcamp.records.write import write_log
 
 
@@ -28,6 +28,16 @@ def test_json_of_another_logger(tmp_path: Path, compression: CompressionType, ch
     assert list(log.columns) == list(FIELD_NAMES) and log.metadata["condition"] == "ramp"
     for name, values in columns.items():
         np.testing.assert_array_equal(log.columns[name], values)
+
+
+def test_metadata_are_read_without_the_samples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = write_json(tmp_path / "a.mcap", make_columns())
+    expected = read_log(whole).metadata
+    (tmp_path / "half.mcap").write_bytes(whole.read_bytes()[:-20])
+    monkeypatch.delattr("hjcamp.records.read.SampleDecoder")
+    assert read_metadata(whole) == expected and expected
+    with pytest.raises(UsageError, match=r"half\.mcap: the file is truncated.*hjcamp log recover"):
+        read_metadata(tmp_path / "half.mcap")
 
 
 def test_json_may_hold_more_and_less(tmp_path: Path) -> None:

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from hjcamp.backends.simulation import prepare
 from hjcamp.backends.virtual_rig import tick
-from hjcamp.controllers.procedure import Procedure
 from hjcamp.model.kernel import load_model
 from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.loop import FRESH
+from hjcamp.plants.pump_joint.procedure import Procedure
 
 Array = NDArray[np.float64]
 LONGEST_DELAY = 1024  # samples of the command that are kept
@@ -54,7 +55,7 @@ class VirtualPlant:
         self._delay = np.array([whole, part])
         self._procedure_memory = Procedure.fresh_memory()
         self._history = np.zeros(LONGEST_DELAY)
-        self._memory = np.array([0.0, -1.0, 0.0])
+        self._memory = FRESH.copy()
         self._work = self._simulator.scratch()
         # Loaded here: the first sample of a test is no time to compile.
         self._kernel = load_model(f"{self._simulator.source}\n\n{_tick_text()}\n\n")

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from hjcamp.plants.pump_joint_hardware import transfer_function
+from hjcamp.plants.pump_joint.hardware import transfer_function
 from hjcamp.schema import Group, between, checked, needs
 
 HIGHEST_MPA = 2.0  # half of what bursts the thinnest line, LDPE of 2.69 x 3.99 mm

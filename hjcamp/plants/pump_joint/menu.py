@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from hjcamp.model.course import Course, inputs_along
 from hjcamp.model.simulator import PERIOD
-from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.plant import PumpJoint
 
 Array = NDArray[np.float64]
 SAMPLES = 2000

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from hjcamp.model.marks import limited, signal, slot
 from hjcamp.model.parameter import Channel, Cut, Input, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
-from hjcamp.plants.pump_joint_effects import COVERS, INSTANCES
-from hjcamp.plants.pump_joint_fields import FIELDS, ONE_OF
+from hjcamp.plants.pump_joint.effects import COVERS, INSTANCES
+from hjcamp.plants.pump_joint.fields import FIELDS, ONE_OF
+
+if TYPE_CHECKING:
+    from hjcamp.model.course import Course
+    from hjcamp.schema import Group
 
 INFINITE = float("inf")
 
@@ -25,6 +31,7 @@ class PumpJoint(Plant):
     subsystems = ("pump", "lines", "joint", "sensors")
     fields = FIELDS
     one_of = ONE_OF
+    rig = ("pump", "amplifier", "tubing")
 
     pump_position = State("m", 1e-9, 1e-3, text="travel of the pump motor's nut")
     pump_velocity = State("m/s", 1e-6, 0.01, text="speed of the pump motor's nut")
@@ -170,6 +177,35 @@ class PumpJoint(Plant):
             frozen=("pump_acceleration",),
         ),
     )
+
+    # What follows takes longer to import than the equations, or imports them.
+    @classmethod
+    def settings(cls) -> Mapping[str, type[Group]]:
+        """Return the groups pump, amplifier, tubing, joint, friction, payload, orientation and procedure."""
+        from hjcamp.plants.pump_joint.schema import GROUPS
+
+        return GROUPS
+
+    @classmethod
+    def check_settings(cls, config: Mapping[str, Any]) -> None:
+        """Raise ``UsageError`` for a value of the hardware or the procedure that this joint cannot have."""
+        from hjcamp.plants.pump_joint.schema import check_hardware
+
+        check_hardware(config)
+
+    @classmethod
+    def configured(cls, config: Mapping[str, Any]) -> dict[str, float]:
+        """Return the parameters of the configured hardware, SI."""
+        from hjcamp.plants.pump_joint.hardware import plant_parameters
+
+        return plant_parameters(config)
+
+    @classmethod
+    def courses(cls) -> Mapping[str, Course]:
+        """Return the motions of the pump on which an effect is tried out."""
+        from hjcamp.plants.pump_joint.menu import pump_courses
+
+        return pump_courses()
 
     @staticmethod
     def equations(state, parameter, drive, rate):  # type: ignore[no-untyped-def]

@@ -1,0 +1,55 @@
+"""A plant of ours may be a folder; what belongs to it alone is asked of it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from hjcamp.configuration.composer import Composer
+from hjcamp.model.catalogue import scan
+from hjcamp.model.plant import Plant
+from hjcamp.plants import OWN_PLANTS, load_plants
+from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.two_pumps import TwoPumps
+
+FOLDER = '''"""A tank."""
+from hjcamp.model.parameter import State
+from hjcamp.model.plant import Plant
+
+
+class Tank(Plant):
+    """A tank."""
+
+    level = State("m")
+'''
+
+
+def test_a_folder_with_a_file_of_its_kind_is_called_like_the_folder(tmp_path: Path) -> None:
+    package = tmp_path / "own_machines_of_a_test"
+    (package / "tank").mkdir(parents=True)
+    for file in (package / "__init__.py", package / "tank/__init__.py", package / "tank/numbers.py"):
+        file.write_text("")
+    (package / "tank/plant.py").write_text(FOLDER)
+    sys.path.insert(0, str(tmp_path))
+    try:
+        assert [(name, one.name) for name, one in scan(package, package.name, Plant).items()] == [("tank", "tank")]
+    finally:
+        sys.path.remove(str(tmp_path))
+    assert list(load_plants([])) == ["pump_joint", "two_pumps", "valve_joint"]
+    assert scan(OWN_PLANTS, "hjcamp.plants", Plant)["pump_joint"] is PumpJoint
+
+
+def test_the_joint_answers_for_its_hardware_and_another_plant_has_none(composer: Composer) -> None:
+    config = composer.compose([]).config
+    assert set(PumpJoint.rig) < set(PumpJoint.settings())
+    PumpJoint.check_settings(config)
+    values = PumpJoint.configured(config)
+    assert values.keys() <= PumpJoint.parameters.keys() and values["pump_delay"] == 2e-3
+    assert {course.driven.shape[1] for course in PumpJoint.courses().values()} == {1}
+    assert not TwoPumps.rig and not TwoPumps.settings() and not TwoPumps.configured(config) and not TwoPumps.courses()
+
+
+def test_the_schema_of_the_joint_does_not_import_its_equations() -> None:
+    code = "import sys, hjcamp.plants.pump_joint.schema as _; print('hjcamp.plants.pump_joint.plant' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
