@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hjcamp.prediction.fitting import Fitted
 from hjcamp.prediction.likelihood import covariance, whitener
-from hjcamp.prediction.windows import Layout
+from hjcamp.prediction.windows import Layout, Windows
 
 Array = NDArray[np.float64]
 FEWEST = 8
@@ -32,23 +32,30 @@ def chapters_of(layout: Layout) -> NDArray[np.int64]:
     return found
 
 
-def left_out(fitted: Fitted, chapters: NDArray[np.int64]) -> Array:
+def left_out(windows: Windows, fitted: Fitted, chapters: NDArray[np.int64]) -> Array:
     """Return the features (windows, d) of each chapter by the fit of the others.
 
-    The fit without a chapter is one Gauss-Newton step from the fit of all (approximate cross-validation; Beirami et al. 2017).
+    The parameters without a chapter are one Gauss-Newton step of the others' loss from those of all (approximate cross-validation;
+    Beirami et al. 2017); what they predict is simulated.
     """
     w = whitener(fitted.features)
     white, left = np.einsum("wfp,fg->wgp", fitted.slopes, w), fitted.features @ w
     each = np.einsum("wgp,wgq->wpq", white, white)
     pull = np.einsum("wgp,wg->wp", white, left)
-    whole = fitted.information
+    whole, known = fitted.information, np.array([one.slope * one.surprise(fitted.candidate) for one in fitted.free])
     features = fitted.features.copy()
+    # where the fit has not ended, each fit without a chapter has as far to go
+    ahead = np.linalg.lstsq(whole, pull.sum(axis=0) + known, rcond=1e-10)[0]
     if not white.shape[2]:
         return features
     for chapter in np.unique(chapters):
         out = chapters == chapter
-        step = np.linalg.lstsq(whole - each[out].sum(axis=0), pull[out].sum(axis=0), rcond=1e-10)[0]
-        features[out] += fitted.slopes[out] @ step
+        step = ahead - np.linalg.lstsq(whole - each[out].sum(axis=0), pull[~out].sum(axis=0) + known, rcond=1e-10)[0]
+        moved = fitted.candidate
+        for one, x in zip(fitted.free, step, strict=True):
+            moved = one.into(moved, one.of(moved) + float(x))
+        found = windows.features(moved)[out]
+        features[out] = found if np.all(np.isfinite(found)) else fitted.features[out] + fitted.slopes[out] @ step
     return features
 
 

@@ -248,6 +248,8 @@ def free_of_effect(effect: type[Effect]) -> list[Free]:
 
 
 def free_of_unknown(unknown: Unknown) -> list[Free]:
-    """Return the free parameters of an unknown: its knots."""
+    """Return the free parameters of an unknown: its knots, each known beforehand to be about as large as what it adds to."""
     most = 1e3 * unknown.usual
-    return [Free(unknown.effect.name, name, unknown.usual, -most, most) for name in unknown.amplitudes]
+    return [
+        Free(unknown.effect.name, name, unknown.usual, -most, most, spread=unknown.usual) for name in unknown.amplitudes
+    ]

@@ -88,7 +88,7 @@ class Search:
         names = tuple(fitted.candidate.effects)
         if not np.isfinite(fitted.loss):
             return Scored(names, fitted, fitted.features, math.inf, self.windows.place)
-        features = left_out(fitted, self.chapters)
+        features = left_out(self.windows, fitted, self.chapters)
         return Scored(names, fitted, features, size(features), self.windows.place)
 
     def free_of(self, candidate: Candidate) -> list[Free]:
