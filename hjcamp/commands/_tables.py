@@ -54,7 +54,10 @@ def diagnose_tables(
         folder = folder_of(question.tables, effort, seed)
         folder.mkdir(parents=True, exist_ok=True)
         crew = Crew(workers or min(available(), MOST_WORKERS))
-        found = diagnose(question, others, library, effort, seed, crew, folder, report)
+        try:
+            found = diagnose(question, others, library, effort, seed, crew, folder, report)
+        finally:
+            crew.close()
         command = shlex.join(["hjcamp", "diagnose", "--tables", *words, *(["--held-out", held] if held else [])])
         content = answer(found, effort, seed, f"{command} --effort {effort} --seed {seed}", time.perf_counter() - began)
         write_answer(json, content)

@@ -12,7 +12,7 @@ import polars as pl
 from hjcamp.report.published import cell_key
 from hjcamp.report.sheet import TITLES, Cell, Sheet
 
-#: Means of model `refit` by ``hjcamp compare --tables ... --model refit``: written by `make thesis_gap`, never by hand.
+#: The answer of ``hjcamp compare --tables ... --model refit``: written by `make thesis_gap`, never by hand.
 VALUES = Path(__file__).with_name("published") / "refit.json"
 SHOWN = ("rmse1_deg", "rmse2_deg", "e_max_deg")
 WHY = (
@@ -27,8 +27,8 @@ def refitted_means() -> dict[tuple[str, ...], float]:
     """Return the means of model `refit`, deg, by the choices of a published cell and the indicator; empty without a file."""
     if not VALUES.exists():
         return {}
-    rows = json.loads(VALUES.read_text(encoding="utf-8"))["means"]
-    return {(*cell_key(row), row["indicator"]): float(row["mean"]) for row in rows}
+    rows = json.loads(VALUES.read_text(encoding="utf-8"))["cells"]
+    return {(*cell_key(row["choices"]), row["indicator"]): float(row["simulated"]["refit"]) for row in rows}
 
 
 def beside_refit(conditions: pl.DataFrame) -> Sheet | None:
@@ -50,8 +50,8 @@ def beside_refit(conditions: pl.DataFrame) -> Sheet | None:
 
 
 def _tables() -> str:
-    given = json.loads(VALUES.read_text(encoding="utf-8"))
-    return " and ".join(f"Table {name}" for name in given["fitted_to"])
+    fitted = json.loads(VALUES.read_text(encoding="utf-8"))["models"]["refit"]["tables"]
+    return " and ".join(f"Table {name}" for name in fitted)
 
 
 def _cells(row: dict[str, Any], refitted: float | None, name: str) -> list[Cell]:

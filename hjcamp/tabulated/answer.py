@@ -58,6 +58,7 @@ def _model(model: Fit) -> dict[str, Any]:
 
 
 def error_of(judged: Judged) -> dict[str, Any]:
+    """Return loss, cells within two sigma, and the mean absolute log ratio of each table."""
     tables = {table: _finite(judged.log_ratio(table)) for table in dict.fromkeys(judged.cells.tables)}
     return {"loss": judged.loss, "near": judged.near, "cells": len(judged.cells), "mean_abs_log_ratio": tables}
 
@@ -82,17 +83,23 @@ def _step(step: Step) -> dict[str, Any]:
 
 
 def cell_rows(models: Mapping[str, Judged]) -> list[dict[str, Any]]:
+    """Return one row for each cell: what it is, and what each model makes of it."""
     if not models:
         return []
     cells = next(iter(models.values())).cells
+    errors = {name: one.errors for name, one in models.items()}
     rows = []
     for place in range(len(cells)):
         table, condition, indicator = cells.label(place)
         rows.append({
-            "table": table, "condition": condition, "indicator": indicator, "measured": float(cells.means[place]),
+            "table": table,
+            "condition": condition,
+            "choices": dict(cells.conditions[cells.rows[place]]),
+            "indicator": indicator,
+            "measured": float(cells.means[place]),
             "sigma": float(cells.sigma[place]),
             "simulated": {name: float(one.simulated[place]) for name, one in models.items()},
-            "error_in_sigma": {name: float(one.errors[place]) for name, one in models.items()},
+            "error_in_sigma": {name: float(one[place]) for name, one in errors.items()},
         })  # fmt: skip
     return rows
 

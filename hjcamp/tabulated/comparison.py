@@ -40,6 +40,7 @@ def compare(
     return {
         "schema": "hjcamp.table_comparison/1",
         "tables": list(question.tables),
+        "models": {name: model.get("provenance") or {} for name, model in models.items()},
         "error": {name: error_of(one) for name, one in judged.items()},
         "error_held_out": {},
         "cells": cell_rows(judged),
