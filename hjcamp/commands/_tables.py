@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import time
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,27 +39,37 @@ def diagnose_tables(
     with progress_of(console) as report:
         from hjcamp.commands.diagnose import considered
         from hjcamp.discrepancy.crew import Crew, available
-        from hjcamp.effects import load_effects
         from hjcamp.storage import write_whole
         from hjcamp.tabulated import question as questions
         from hjcamp.tabulated.answer import NAME, answer
         from hjcamp.tabulated.diagnosis import diagnose
         from hjcamp.tabulated.page import PICTURE, draw, page
+        from hjcamp.tabulated.quantities import candidates
         from hjcamp.tabulated.search import EFFORTS
 
         if effort not in EFFORTS:
             raise unknown("effort", effort, EFFORTS)
         question = questions.asked(words)
         others = questions.held_out(question, held.split(",") if held else None)
-        library = list(considered(load_effects(), only, without))
-        folder = folder_of(question.tables, effort, seed)
+        library = list(considered(candidates(), only, without))
+        folder = folder_of(question.tables, effort, seed, (only, without))
         folder.mkdir(parents=True, exist_ok=True)
         crew = Crew(workers or min(available(), MOST_WORKERS))
         try:
             found = diagnose(question, others, library, effort, seed, crew, folder, report)
         finally:
             crew.close()
-        command = shlex.join(["hjcamp", "diagnose", "--tables", *words, *(["--held-out", held] if held else [])])
+        command = shlex.join(
+            [
+                "hjcamp",
+                "diagnose",
+                "--tables",
+                *words,
+                *(["--held-out", held] if held else []),
+                *(["--only", only] if only else []),
+                *(["--without", without] if without else []),
+            ]
+        )
         content = answer(found, effort, seed, f"{command} --effort {effort} --seed {seed}", time.perf_counter() - began)
         write_answer(json, content)
         write_answer_file(folder / NAME, content)
@@ -68,10 +79,13 @@ def diagnose_tables(
     _print(console, content, folder)
 
 
-def folder_of(tables: Sequence[str], effort: str, seed: int) -> Path:
-    """Return where the answer of a table and its finished fits are kept."""
+def folder_of(
+    tables: Sequence[str], effort: str, seed: int, chosen: tuple[str | None, str | None] = (None, None)
+) -> Path:
+    """Return where the answer of a table and its finished fits are kept; another one for each choice of candidates."""
     label = "_".join(Path(name).stem if name.endswith(".csv") else name for name in tables)
-    return Path("runs") / f"tables_{label}_{effort}_{seed}"
+    mark = f"_{zlib.crc32(repr(chosen).encode()):08x}" if any(chosen) else ""
+    return Path("runs") / f"tables_{label}_{effort}_{seed}{mark}"
 
 
 def write_answer_file(path: Path, content: Mapping[str, Any]) -> None:

@@ -15,7 +15,6 @@ from hjcamp.discrepancy.crew import Crew
 from hjcamp.tabulated.cells import Cells, robust
 from hjcamp.tabulated.fit import Fit
 from hjcamp.tabulated.ledger import Ledger
-from hjcamp.tabulated.quantities import candidates
 from hjcamp.tabulated.question import Question
 from hjcamp.tabulated.rig import Rig, gated
 from hjcamp.tabulated.search import EFFORTS, LEVEL, Search, Step, penalised
@@ -91,7 +90,10 @@ def diagnose(
     folder: Path | None,
     report: Callable[[str, float], None],
 ) -> Diagnosis:
-    """Return the diagnosis of a table; finished fits are kept in ``folder`` and read from there."""
+    """Return the diagnosis of a table; finished fits are kept in ``folder`` and read from there.
+
+    ``library`` names what may be missing; effects that some test has anyway, such as its payload, are left out.
+    """
     published = Fit((), {}, math.nan)
     if question.lacking:
         return Diagnosis(
@@ -101,7 +103,7 @@ def diagnose(
     rig = Rig.planned(question.conditions, REPETITIONS, seed, lambda at: report("preparing the tests", 0.02 * at))
     other = Rig.planned(others.conditions, REPETITIONS, seed) if others else None
     known = rig.known | (other.known if other else frozenset())
-    names = candidates(known, library)
+    names = [name for name in library if name not in known]
     laws = sorted({gated(place.law).source for tests in rig.tests for place in tests})
     ledger = Ledger(folder / "fits.json" if folder else None, _asked(question, laws, names, seed))
     search = Search(rig, question.cells, names, EFFORTS[effort], seed, crew, ledger, report)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,9 +89,10 @@ def candidate_quantities(name: str) -> list[Quantity]:
     return found
 
 
-def candidates(known: frozenset[str], chosen: Sequence[str]) -> list[str]:
-    """Return the effects ``chosen`` that no test has anyway, then every factor and constant."""
-    return [*(name for name in sorted(chosen) if name not in known), *FACTORS, *CONSTANTS]
+def candidates() -> dict[str, Any]:
+    """Return all that may be missing by name: every effect, then the factors of the loop and the open constants."""
+    constants = {name: PumpJoint.parameters[name] for name in CONSTANTS}
+    return {**dict(sorted(load_effects().items())), **FACTORS, **constants}
 
 
 def quantities_of(names: Sequence[str]) -> list[Quantity]:

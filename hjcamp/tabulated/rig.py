@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from hjcamp.backends.factors import FACTORS, changed_loop, changed_values
 from hjcamp.backends.simulation import DEGREE, PreparedTest, prepare
 from hjcamp.controllers import find_controller
-from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.ffwd_pid import FfwdPid
 from hjcamp.controllers.pid import Pid
 from hjcamp.controllers.procedure import CONTROL, Procedure
@@ -37,13 +36,13 @@ class Place:
     """One test: its trajectory, its law, what it takes to run it, and its effects, which are known and not fitted."""
 
     trajectory: str
-    law: type[Controller]
+    law: Any
     prepared: PreparedTest
     effects: frozenset[str]
 
 
 @lru_cache(maxsize=4)
-def gated(law: type[Controller]) -> Simulator:
+def gated(law: Any) -> Simulator:
     """Return the closed loop with the whole effect library behind gates, compiled once for each law.
 
     A PID law is the same law with a feedforward of zero, so both share a kernel.
@@ -68,7 +67,7 @@ class Rig:
         for number, condition in enumerate(conditions):
             if report:
                 report(number / len(conditions))
-            law: Any = find_controller(condition.config["controller"]["name"])
+            law = find_controller(condition.config["controller"]["name"])
             known = frozenset(
                 {**(condition.config["model"].get("effects") or {}), **(condition.config.get("effects") or {})}
             )
