@@ -19,11 +19,12 @@ NAMES = ("rmse1_deg", "rmse2_deg", "e_max_deg")
 def shipped(tmp_path, monkeypatch):
     values = tmp_path / "refit.json"
     rows = [
-        {"choices": PLACE, "indicator": name, "simulated": {"refit": 2.0 + place}} for place, name in enumerate(NAMES)
+        {"choices": PLACE, "indicator": name, "simulated": {"published": 9.0, "accepted": 2.0 + place}}
+        for place, name in enumerate(NAMES)
     ]
-    values.write_text(
-        json.dumps({"models": {"refit": {"tables": ["5.4.1", "5.4.2"]}}, "cells": rows}), encoding="utf-8"
-    )
+    models = {"published": {}, "accepted": {}}
+    found = {"tables": ["5.4.1", "5.4.2"], "models": models, "cells": [], "cells_held_out": rows}
+    values.write_text(json.dumps(found), encoding="utf-8")
     monkeypatch.setattr(refitted, "VALUES", values)
     refitted.refitted_means.cache_clear()
     yield
