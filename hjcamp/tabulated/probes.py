@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 SHIFT = 0.15
 #: Where a logarithmic quantity is looked at besides its usual value.
 FACTORS_LOOKED_AT = (0.4, 2.5)
-#: The model's own quantities move by at most this in the linear prediction.
-FARTHEST = 0.6
+#: The linear prediction moves the model's own quantities by at most this: beyond, breakaways make it worthless.
+FARTHEST = 2 * SHIFT
 
 
 @dataclass(frozen=True)
