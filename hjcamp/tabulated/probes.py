@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 SHIFT = 0.15
 #: Where a logarithmic quantity is looked at besides its usual value.
 FACTORS_LOOKED_AT = (0.4, 2.5)
-#: The linear prediction moves the model's own quantities by at most this: beyond, breakaways make it worthless.
-FARTHEST = 2 * SHIFT
+#: The linear prediction moves the model's own quantities by at most this; a step of the fit may be longer.
+FARTHEST = 0.6
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ class Effort:
 
 
 EFFORTS = {
-    "quick": Effort(base=400, short=40, long=250, refitted=4, twins=4, steps=3),
+    "quick": Effort(base=400, short=40, long=250, refitted=2, twins=4, steps=4),
     "standard": Effort(base=1500, short=150, long=1000, refitted=5, twins=19, steps=5),
     "thorough": Effort(base=4000, short=400, long=3000, refitted=8, twins=39, steps=6),
 }
