@@ -118,17 +118,17 @@ def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
         console.print(f"next    hjcamp add {folder} --as {free_model_name('refitted')}", markup=False)
 
 
-def print_errors(console: Console, content: Mapping[str, Any]) -> None:
-    """Print loss and mean absolute log ratio of each model, table by table."""
+def print_errors(console: Console, content: Mapping[str, Any], fitted: str = "fitted") -> None:
+    """Print loss and mean absolute log ratio of each model, table by table; ``fitted`` says what was done with the cells."""
     console.print(
         "error   mean absolute log ratio of RMSE1, RMSE2 and largest error; cells within two sigma", markup=False
     )
-    for key, used in (("error", "fitted"), ("error_held_out", "held out")):
+    for key, used in (("error", fitted), ("error_held_out", "held out")):
         for name, one in content[key].items():
             ratios = [f"{table} {ratio:.2f}" for table, ratio in one["mean_abs_log_ratio"].items() if ratio is not None]
             near = f"{one['near']} of {one['cells']} near"
             console.print(f"  {used:<9} {name:<10} {'  '.join(ratios)}   {near}, loss {one['loss']:.0f}", markup=False)
-    if not content["error_held_out"]:
+    if fitted and not content["error_held_out"]:
         console.print("  no table is held out: nothing shows what the model predicts", markup=False)
 
 
@@ -145,7 +145,7 @@ def compare_tables(words: Sequence[str], names: Sequence[str], json: Path | None
 
         content = compare(asked(words), names, 7, 1, report)
         write_answer(json, content)
-    print_errors(console, content)
+    print_errors(console, content, "")
 
 
 def add_table(path: Path, name: str, json: Path | None) -> None:
