@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.backends import plant_simulation
+from hjcamp.backends.factors import changed_loop, changed_values
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.effects import chosen_effects
@@ -164,7 +165,9 @@ def prepare(config: Mapping[str, Any], seed: int, whole: bool = True) -> Prepare
     values, given = model_values(config)
     effects, parameters = chosen_effects(given)
     simulator = _simulator(tuple(effects), law)
-    p = simulator.vector(full_values(values, parameters))
+    factors = {name: float(value) for name, value in (config["model"].get("factors") or {}).items()}
+    changed = changed_values(values, factors) if factors else values
+    p = simulator.vector(full_values(changed, parameters))
     plant = dict(zip(simulator.composition.parameters, p, strict=True))
     reference, direction = reference_of(config)
     samples = len(reference)
@@ -198,13 +201,13 @@ def prepare(config: Mapping[str, Any], seed: int, whole: bool = True) -> Prepare
         reference=np.column_stack([reference, feedforward_of(config, samples)]),
         dither=dither_of(config, samples),
         delay=plant["pump_delay"],
-        preload_area=plant["pump_area"],
+        preload_area=values["pump_area"],
         counts=counts,
         phases=drawn.phases,
         noise=drawn.noise,
         scatter=drawn.friction,
     )
-    return PreparedTest(simulator, p, start, test)
+    return PreparedTest(simulator, p, start, changed_loop(test, law, factors) if factors else test)
 
 
 def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:

@@ -25,7 +25,10 @@ def register(app: typer.Typer) -> None:
 
 
 def add(
-    effects_and_paths: Annotated[list[str], typer.Argument(metavar="EFFECT... PATH...", help="Effects, then logs.")],
+    effects_and_paths: Annotated[
+        list[str],
+        typer.Argument(metavar="EFFECT... PATH...", help="Effects, then logs; or the folder of a table's diagnosis."),
+    ],
     name: Annotated[str, typer.Option("--as", help="Name of the new model: conf/model/NAME.yaml.")],
     model: Annotated[str, typer.Option(help="The model to add to.")] = "published",
     json: Annotated[
@@ -36,12 +39,17 @@ def add(
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._any_plant import add_any, is_of_another_plant
     from hjcamp.commands._session import check_answer_file, evidence_of, joined, progress_of, write_answer
+    from hjcamp.commands._tables import add_table
     from hjcamp.discrepancy.saved import check_new_name, saved_model, write_model
     from hjcamp.effects import load_effects
     from hjcamp.storage import named_file
+    from hjcamp.tabulated.answer import is_answer
 
     check_answer_file(json)
     named_file(name, "model", Path("conf") / "model")
+    if len(effects_and_paths) == 1 and is_answer(Path(effects_and_paths[0])):
+        add_table(Path(effects_and_paths[0]), name, json)
+        return
     found_paths = [Path(word) for word in effects_and_paths if Path(word).exists()]
     if found_paths and is_of_another_plant(found_paths):
         add_any(effects_and_paths, name, model, json)

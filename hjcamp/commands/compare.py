@@ -24,7 +24,7 @@ def register(app: typer.Typer) -> None:
 
 
 def compare(
-    paths: Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")],
+    paths: Annotated[list[Path] | None, typer.Argument(help="Run folders, folders of logs, or log files.")] = None,
     model: Annotated[list[str] | None, typer.Option(help="A saved model; may be repeated.")] = None,
     json: Annotated[
         Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
@@ -32,15 +32,25 @@ def compare(
     into: Annotated[
         Path | None, typer.Option(help="The folder of the page; compare, beside the logs, by default.")
     ] = None,
+    tables: Annotated[
+        str | None,
+        typer.Option(help="Compare with tables instead: 5.4.1 and further ones, or a CSV file and campaign=NAME."),
+    ] = None,
 ) -> None:
     """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._any_plant import compare_any, is_of_another_plant
     from hjcamp.commands._session import check_answer_file, evidence_of, folder_for, progress_of, write_answer
+    from hjcamp.commands._tables import compare_tables, no_logs
 
     names = model or ["published"]
     if len(set(names)) < len(names):
         raise UsageError(f"--model {' --model '.join(names)}: each model once")
+    if tables is not None:
+        compare_tables([tables, *map(str, paths or [])], names, json)
+        return
+    if not paths:
+        raise no_logs()
     check_answer_file(json)
     if into is not None:
         check_place(into, "--into", folder=True)

@@ -29,8 +29,15 @@ def register(app: typer.Typer) -> None:
 
 
 def diagnose(
-    paths: Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")],
+    paths: Annotated[list[Path] | None, typer.Argument(help="Run folders, folders of logs, or log files.")] = None,
     model: Annotated[str, typer.Option(help="The model to start from.")] = "published",
+    tables: Annotated[
+        str | None,
+        typer.Option(help="Judge by tables instead: 5.4.1 and further ones, or a CSV file and campaign=NAME."),
+    ] = None,
+    held_out: Annotated[
+        str | None, typer.Option("--held-out", help="Tables to predict, with commas; by default all that are not used.")
+    ] = None,
     json: Annotated[
         Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
     ] = None,
@@ -44,6 +51,20 @@ def diagnose(
     without: Annotated[str | None, typer.Option(help="Effects to leave out, with commas.")] = None,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
+    from hjcamp.commands._tables import diagnose_tables, no_logs
+
+    if workers is not None and workers < 1:
+        raise UsageError(f"--workers {workers}: give a whole number, 1 or more")
+    if tables is not None:
+        if model != "published":
+            raise UsageError(f"--model {model}: tables are judged from the published model")
+        words = [tables, *map(str, paths or [])]
+        diagnose_tables(words, held_out, json, effort, seed, workers, only, without)
+        return
+    if held_out is not None:
+        raise UsageError(f"--held-out {held_out}: it goes with --tables")
+    if not paths:
+        raise no_logs()
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._any_plant import diagnose_any, is_of_another_plant
     from hjcamp.commands._session import (
@@ -58,8 +79,6 @@ def diagnose(
     began = time.perf_counter()
     check_answer_file(json)
     check_seed(seed)
-    if workers is not None and workers < 1:
-        raise UsageError(f"--workers {workers}: give a whole number, 1 or more")
     if is_of_another_plant(paths):
         diagnose_any(paths, model, json, seed, only, without)
         return

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from hjcamp.errors import HjcampError, UsageError
+
+if TYPE_CHECKING:
+    from hjcamp.records.log import TestLog
 
 SHOWN = 20
 
@@ -28,6 +31,9 @@ def report(
     ] = None,
     junit: Annotated[Path | None, typer.Option(help="Write the check as JUnit XML to this file; with --check.")] = None,
     output: Annotated[Path | None, typer.Option(help="Another folder for tables and page.")] = None,
+    repetition: Annotated[
+        int | None, typer.Option(help="Draw this repetition of each condition alone, into repetition_N of the folder.")
+    ] = None,
 ) -> None:
     """Make tables and the report page of a run folder or of logs, beside the published values."""
     from hjcamp.campaign.console import make_console
@@ -48,7 +54,9 @@ def report(
     if output is not None:
         check_place(output, "--output", folder=True)
     tolerances = None if check is None else read_tolerances(check)
-    made = build_report(path, against=against, output=output, further=study_pictures)
+    logs = None if repetition is None else of_repetition(path, repetition)
+    target = output or (None if repetition is None else path / f"repetition_{repetition}")
+    made = build_report(path, against=against, output=target, logs=logs, further=study_pictures)
     console = make_console()
     console.print(summary_table(made.indicators, against))
     for sheet in made.sheets:
@@ -69,3 +77,15 @@ def report(
             lines = "\n  ".join(map(str, violations[:SHOWN]))
             raise HjcampError(f"{len(violations)} means are outside the tolerances\n  {lines}{more}")
         console.print("  check   every mean is within the tolerances")
+
+
+def of_repetition(path: Path, repetition: int) -> list[TestLog]:
+    """Return the logs of one repetition; ``UsageError`` with those that are there for one that is not."""
+    from hjcamp.records.stored import stored_logs
+
+    logs = stored_logs([path])
+    found = [log for log in logs if log.metadata.get("repetition") == str(repetition)]
+    if logs and not found:
+        there = sorted({log.metadata.get("repetition") or "none" for log in logs}, key=lambda one: (len(one), one))
+        raise UsageError(f"--repetition {repetition}: no log in {path} is of it; there are {', '.join(there)}")
+    return found

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import Field
 
+from hjcamp.backends.factors import FACTORS
 from hjcamp.backends.rig_schema import Backend, Rig
 from hjcamp.configuration.plant_settings import check_plant_configuration
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
@@ -26,11 +27,12 @@ OWN_EFFECTS = "hjcamp.effects."
 
 
 class SavedModel(Group):
-    """A model: base parameters that differ from the hardware's and added effects, SI; where they come from."""
+    """A model: base parameters that differ from the hardware's and added effects, SI; factors; where they come from."""
 
     name: str
     parameters: dict[str, Any]
     effects: dict[str, Any]
+    factors: dict[str, Any] = Field(default={})
     provenance: dict[str, Any] = Field(default={})
 
 
@@ -85,6 +87,10 @@ def check_model(model: Any, path: str, further: Sequence[type[Effect]] = ()) -> 
         if name not in PumpJoint.parameters:
             raise unknown("parameter", str(name), PumpJoint.parameters, f"{path}.parameters")
         PumpJoint.parameters[name].checked(value, f"{path}.parameters.{name}")
+    for name, value in (model.get("factors") or {}).items():
+        if name not in FACTORS:
+            raise unknown("factor", str(name), FACTORS, f"{path}.factors")
+        FACTORS[name].checked(value, f"{path}.factors.{name}")
     # A term of a user's effect may name what the plant does not have.
     Composition(PumpJoint, tuple(effects[name] for name in sorted(effects)))
     for effect in effects.values():

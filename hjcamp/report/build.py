@@ -24,6 +24,7 @@ from hjcamp.report.indicators import COLUMNS, IDENTITY, INDICATORS, frame_with_v
 from hjcamp.report.line_indicators import FURTHER
 from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
 from hjcamp.report.page import Picture, build_page
+from hjcamp.report.refitted import beside_refit
 from hjcamp.report.sheet import Sheet, arrange, arrange_conditions, arrange_lines
 from hjcamp.report.spread import Condition, Gathering
 from hjcamp.report.store import replace_file, write_frame
@@ -111,7 +112,8 @@ def build_report(
     more = further(found) if further else {}
     said = verdict(comparison, differs) if against else ""
     dots = _dots(conditions, found)
-    page = _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out, shown, dots)
+    beside = beside_refit(conditions) if against else None
+    page = _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out, shown, dots, beside)
     replace_file(target / "report.html", page)
     return Report(run_dir, target / "report.html", indicators, tables, sheets, comparison, differs)
 
@@ -196,6 +198,7 @@ def _page(
     left_out: Sequence[str],
     shown: Exploration,
     dots: Sequence[Dots],
+    beside: Sheet | None,
 ) -> Iterator[str]:
     tests = Counter(log.condition_key for log in logs)
     pictures = {name: Picture(caption, partial(str, svg)) for name, (svg, caption) in more.items()}
@@ -216,6 +219,7 @@ def _page(
         small=spreads,
         explorer=explorer_html(shown),
         sheets=sheets,
+        beside=beside,
         pictures=pictures,
         origin=[*origin_facts(origin, logs), *(("left out", text) for text in left_out)],
         command=origin.command,

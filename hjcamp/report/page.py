@@ -43,6 +43,7 @@ $style</style>
 <h1>$title</h1>
 <p class="soft">$facts</p>
 $verdict
+$beside
 $overview
 $small
 $explorer
@@ -84,6 +85,7 @@ def build_page(
     small: Sequence[Condition] = (),
     explorer: str = "",
     sheets: Sequence[Sheet],
+    beside: Sheet | None = None,
     pictures: Mapping[str, Picture],
     origin: Sequence[tuple[str, str]],
     command: str,
@@ -91,7 +93,8 @@ def build_page(
 ) -> Iterator[str]:
     """Yield the HTML of the report piece by piece, one picture after the other; every text is escaped.
 
-    ``overview`` is the SVG of all conditions, ``small`` are those drawn small, ``explorer`` is a block of HTML.
+    ``beside`` is a table that stands open at the top, ``overview`` the SVG of all conditions, ``small`` are those drawn
+    small, ``explorer`` is a block of HTML.
     ``pictures`` are those of the conditions by name, ``origin`` are name and value of what made the run, ``command``
     runs it again.
     """
@@ -104,6 +107,7 @@ def build_page(
         facts=escape(" · ".join(facts)),
         verdict=f'<p class="verdict">{escape(verdict)}</p>' if verdict else "",
         policy=NOTHING_FETCHED,
+        beside=table_html(beside) if beside else "",
         overview=f"<figure>{shaded(tidy(overview), OVERVIEW)}</figure>" if overview else "",
         small=small_multiples(small, numbered, {}) if small else "",
         explorer=explorer,

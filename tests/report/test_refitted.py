@@ -1,0 +1,74 @@
+"""Printed, refitted and measured side by side; a report of one repetition."""
+
+import json
+
+import polars as pl
+import pytest
+from report_samples import make_logs
+
+from hjcamp.commands.report import of_repetition
+from hjcamp.errors import UsageError
+from hjcamp.records.write import write_log
+from hjcamp.report import refitted
+
+PLACE = {"trajectory": "mixed", "controller": "pid", "payload": "brass_8p5g", "orientation": "vertical"}
+NAMES = ("rmse1_deg", "rmse2_deg", "e_max_deg")
+
+
+@pytest.fixture
+def shipped(tmp_path, monkeypatch):
+    values = tmp_path / "refit.json"
+    rows = [
+        {"choices": PLACE, "indicator": name, "simulated": {"published": 9.0, "accepted": 2.0 + place}}
+        for place, name in enumerate(NAMES)
+    ]
+    models = {"published": {}, "accepted": {}}
+    found = {"tables": ["5.4.1", "5.4.2"], "models": models, "cells": [], "cells_held_out": rows}
+    values.write_text(json.dumps(found), encoding="utf-8")
+    monkeypatch.setattr(refitted, "VALUES", values)
+    refitted.refitted_means.cache_clear()
+    yield
+    refitted.refitted_means.cache_clear()
+
+
+def conditions(measured):
+    row = {"condition": "mixed__pid", **PLACE, "friction": "bidirectional", "tubing": "ldpe_300mm"}
+    for place, name in enumerate(NAMES):
+        row |= {f"{name}_mean": 20.0 + place, f"{name}_published_mean": measured}
+    return pl.DataFrame([row])
+
+
+def test_each_condition_stands_with_its_three_values(shipped):
+    sheet = refitted.beside_refit(conditions(1.8))
+    [row] = sheet.rows
+    assert [cell.text for cell in row] == [
+        "mixed__pid",
+        "20.00",
+        "2.00",
+        "1.8",
+        "21.00",
+        "3.00",
+        "1.8",
+        "22.00",
+        "4.00",
+        "1.8",
+    ]
+    assert "Table 5.4.1 and Table 5.4.2" in sheet.notes[0] and "hunt" in sheet.notes[1]
+
+
+def test_nothing_stands_beside_what_was_not_measured_or_not_refitted(shipped, tmp_path, monkeypatch):
+    assert refitted.beside_refit(conditions(None)) is None
+    monkeypatch.setattr(refitted, "VALUES", tmp_path / "none.json")
+    refitted.refitted_means.cache_clear()
+    assert refitted.beside_refit(conditions(1.8)) is None
+
+
+def test_one_repetition_is_read_alone_and_one_that_is_not_there_is_refused(tmp_path):
+    logs = make_logs()
+    for number, log in enumerate(logs):
+        write_log(tmp_path / f"{number}.mcap", log)
+    chosen = logs[0].metadata["repetition"]
+    expected = sum(log.metadata["repetition"] == chosen for log in logs)
+    assert 0 < len(of_repetition(tmp_path, int(chosen))) == expected < len(logs)
+    with pytest.raises(UsageError, match="--repetition 99: no log"):
+        of_repetition(tmp_path, 99)

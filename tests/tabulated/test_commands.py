@@ -1,0 +1,85 @@
+"""The commands on tables: what they refuse, and the model that `add` makes of a diagnosis."""
+
+import json
+
+import pytest
+import yaml
+
+from hjcamp.cli import run
+from hjcamp.configuration.check import check_model
+from hjcamp.tabulated.answer import SCHEMA
+from hjcamp.tabulated.page import page
+
+FOUND = {
+    "schema": SCHEMA,
+    "command": "hjcamp diagnose --tables 5.4.1",
+    "tables": ["5.4.1"],
+    "held_out": [],
+    "verdict": "effect",
+    "effects": ["controller_scale"],
+    "p_value": 0.001,
+    "p_left": 0.4,
+    "lacking": [],
+    "table_sha256": "0" * 64,
+    "models": {
+        "published": {"names": [], "quantities": {}, "settings": {"parameters": {}, "effects": {}, "factors": {}}},
+        "accepted": {
+            "names": ["controller_scale", "leakage"],
+            "quantities": {},
+            "settings": {
+                "parameters": {"coulomb_positive": 4.0},
+                "effects": {"leakage": {"conductance": 1e-15}},
+                "factors": {"controller_scale": 1.3},
+            },
+        },
+    },
+    "error": {"accepted": {"mean_abs_log_ratio": {"5.4.1": 0.15}}},
+    "error_held_out": {},
+}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["diagnose"], "--tables"),
+        (["compare"], "--tables"),
+        (["diagnose", "--tables", "5.4.11"], "did you mean '5.4.1'"),
+        (["compare", "--tables", "5.6.2"], "5.4.1"),
+        (["diagnose", "--tables", "5.4.1", "--workers", "0"], "--workers 0"),
+        (["diagnose", "--tables", "5.4.1", "--effort", "quik"], "did you mean 'quick'"),
+        (["diagnose", "--tables", "5.4.1", "--model", "other"], "--model other"),
+        (["diagnose", "run", "--held-out", "5.5.1"], "--held-out 5.5.1"),
+        (["diagnose", "--tables", "nothing.csv"], "cannot be read"),
+    ],
+)
+def test_calls_that_cannot_be_are_refused_in_one_message(empty_folder, capsys, words, said):
+    assert run(words) == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert said in told and "Traceback" not in told
+
+
+def test_add_saves_the_model_of_a_diagnosis_with_where_it_comes_from(empty_folder):
+    folder = empty_folder / "found"
+    folder.mkdir()
+    (folder / "diagnosis.json").write_text(json.dumps(FOUND), encoding="utf-8")
+    assert run(["add", str(folder), "--as", "mended"]) == 0
+    made = yaml.safe_load((empty_folder / "conf" / "model" / "mended.yaml").read_text(encoding="utf-8"))
+    check_model(made, "model")
+    assert made["factors"] == {"controller_scale": 1.3} and made["effects"] == {"leakage": {"conductance": 1e-15}}
+    assert made["provenance"]["tables"] == ["5.4.1"]
+    assert made["provenance"]["mean_abs_log_ratio"] == {"error": {"5.4.1": 0.15}}
+    assert run(["add", str(folder), "--as", "mended"]) == 2
+
+
+def test_add_refuses_what_is_no_diagnosis_of_a_table_and_one_that_cannot_tell(empty_folder):
+    path = empty_folder / "found.json"
+    path.write_text("{}", encoding="utf-8")
+    assert run(["add", str(path), "--as", "mended"]) == 2
+    path.write_text(json.dumps({**FOUND, "verdict": "cannot_tell"}), encoding="utf-8")
+    assert run(["add", str(path), "--as", "mended"]) == 2
+    assert not (empty_folder / "conf" / "model" / "mended.yaml").exists()
+
+
+def test_a_page_of_cells_that_cannot_tell_says_why_and_nothing_more():
+    told = page({**FOUND, "verdict": "cannot_tell", "effects": [], "lacking": ["2 conditions; 3 at least are needed"]})
+    assert "2 conditions; 3 at least are needed" in told and "##" not in told

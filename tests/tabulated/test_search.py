@@ -1,0 +1,104 @@
+"""The search on a rig whose answers are written down here: a hidden factor is found, and nothing where nothing is hidden."""
+
+import math
+
+import numpy as np
+import pytest
+
+from hjcamp.discrepancy.crew import Crew
+from hjcamp.tabulated.cells import Cells, robust
+from hjcamp.tabulated.diagnosis import EFFECT, NOTHING, verdict_of
+from hjcamp.tabulated.fit import fit
+from hjcamp.tabulated.ledger import Ledger
+from hjcamp.tabulated.search import Effort, Search, Step
+
+CONDITIONS = 14
+ACTS = ("coulomb_positive", "viscous_negative", "line_stiffness", "controller_scale", "pump_bandwidth", "head_start")
+PRINTED = {"coulomb_positive": 5.27, "viscous_negative": 17.2, "line_stiffness": 2.57e13}
+
+
+class LogLinearRig:
+    """Indicators that answer to the logarithm of each quantity by a fixed random matrix."""
+
+    def __init__(self):
+        generator = np.random.default_rng(4)
+        self.usual = generator.uniform(0.5, 2.0, (CONDITIONS, 1, 4))
+        self.answers = {name: generator.normal(0.0, 0.8, (CONDITIONS, 1, 4)) for name in ACTS}
+        self.calls = 0
+
+    def repeated(self, _count):
+        return self
+
+    def indicators(self, settings):
+        self.calls += 1
+        change = sum(
+            math.log(max(settings.get(name, PRINTED.get(name, 1.0)), 1.0) / PRINTED.get(name, 1.0)) * answer
+            for name, answer in self.answers.items()
+        )
+        return self.usual * np.exp(change)
+
+
+def measured(rig, settings, seed=0):
+    means = rig.indicators(settings)[:, 0, :3].ravel()
+    means = means * np.exp(0.05 * np.random.default_rng(seed).standard_normal(len(means)))
+    rows, columns = np.divmod(np.arange(3 * CONDITIONS), 3)
+    conditions = [{"trajectory": str(number)} for number in range(CONDITIONS)]
+    return Cells(("t",) * len(means), conditions, rows, columns, means, 0.02 * means, 0.0)
+
+
+def searched(rig, cells, ledger):
+    effort = Effort(base=150, short=60, long=80, refitted=2, twins=5, steps=2)
+    names = ("controller_scale", "pump_bandwidth", "head_start")
+    return Search(rig, cells, names, effort, 1, Crew(1), ledger, lambda text, share: None)
+
+
+def test_a_hidden_factor_is_named_with_its_size():
+    rig = LogLinearRig()
+    cells = measured(rig, {"pump_bandwidth": 2.0, "coulomb_positive": 6.5})
+    model, steps = searched(rig, cells, Ledger(None, "")).run()
+    assert model.names == ("pump_bandwidth",)
+    assert model.settings["pump_bandwidth"] == pytest.approx(2.0, rel=0.15)
+    assert model.settings["coulomb_positive"] == pytest.approx(6.5, rel=0.15)
+    assert steps[0].p_value < 0.01 < steps[-1].p_value
+    assert verdict_of(model, steps, 0.5) == (EFFECT, ("pump_bandwidth",))
+
+
+def test_nothing_is_named_where_only_the_base_differs():
+    rig = LogLinearRig()
+    model, steps = searched(rig, measured(rig, {"coulomb_positive": 6.5}), Ledger(None, "")).run()
+    assert model.names == () and len(steps) == 1 and steps[0].p_value > 0.05
+    assert verdict_of(model, steps, 0.5)[0] == NOTHING
+    assert verdict_of(model, steps, 0.005)[0] == "outside_library"
+
+
+def test_a_search_that_was_stopped_goes_on_and_ends_alike(tmp_path):
+    rig = LogLinearRig()
+    cells = measured(rig, {})
+    path = tmp_path / "fits.json"
+    first = searched(rig, cells, Ledger(path, "asked")).base()
+    calls = rig.calls
+    assert searched(rig, cells, Ledger(path, "asked")).base() == first and rig.calls == calls
+    assert Ledger(path, "asked otherwise").found == {}
+    path.write_text("{ damaged", encoding="utf-8")
+    assert Ledger(path, "asked").found == {}
+
+
+def test_the_fit_pays_for_moves_away_from_what_is_known():
+    rig = LogLinearRig()
+    cells = measured(rig, {})
+    found = fit(rig, cells, (), [{}], 60, 1)
+    assert found.loss == pytest.approx(
+        robust(cells.errors(cells.of(rig.indicators(found.settings)))).sum() + found.surprise
+    )
+
+
+def test_the_chance_of_a_gain_is_that_of_a_gumbel_law_through_the_twins():
+    from scipy.stats import gumbel_r
+
+    from hjcamp.tabulated.fit import Fit
+
+    control, rival = Fit((), {}, 50.0), Fit(("pump_ratio",), {"pump_ratio": 0.1}, 36.0)
+    step = Step(control, control, [rival], [1.0, 3.0, 2.0, 6.0, 4.0])
+    scale = np.std(step.twins, ddof=1) * math.sqrt(6) / math.pi
+    assert step.gain == 12.0
+    assert step.p_value == pytest.approx(gumbel_r.sf(12.0, np.mean(step.twins) - 0.5772 * scale, scale), rel=1e-3)
