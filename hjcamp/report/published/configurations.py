@@ -59,7 +59,7 @@ def difference(config: Mapping[str, Any], published: Mapping[str, Any]) -> list[
         parts = [
             _in_words(key, ours.get(key, ABSENT), theirs.get(key, ABSENT))
             for key in dict.fromkeys((*theirs, *ours))
-            if key != names and not _equal(ours.get(key, ABSENT), theirs.get(key, ABSENT))
+            if key != names and not equal(ours.get(key, ABSENT), theirs.get(key, ABSENT))
         ]
         if parts and ours.get(names) != theirs.get(names):
             parts = [_in_words(group, ours.get(names, ABSENT), theirs.get(names, ABSENT))]
@@ -84,7 +84,8 @@ def _differs(config: Mapping[str, Any], published: Mapping[str, Any]) -> str:
     return f"{found[0]}{more}" if found else ""
 
 
-def _equal(one: Any, other: Any) -> bool:
+def equal(one: Any, other: Any) -> bool:
+    """Return whether two values are the same; numbers up to the rounding of text."""
     numbers = [value for value in (one, other) if isinstance(value, int | float) and not isinstance(value, bool)]
     if len(numbers) == 2:
         return math.isclose(*numbers, rel_tol=1e-9)
