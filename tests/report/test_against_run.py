@@ -12,12 +12,16 @@ from report_samples import make_log, make_logs
 from scipy.special import stdtr
 from scipy.stats import ttest_ind
 
+from hjcamp.commands.diff import diff
 from hjcamp.commands.report import report
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.records.log import TestLog
 from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
 from hjcamp.report.check import read_tolerances
+from hjcamp.report.indicators import indicators_frame
+from hjcamp.report.run_difference import run_difference
+from hjcamp.report.tables import by_condition
 from hjcamp.report.welch import Sample, holm, welch
 
 
@@ -147,3 +151,33 @@ def test_the_only_condition_of_each_is_compared(tmp_path: Path) -> None:
     made = build_report(one, against=str(other), output=tmp_path)
     assert made.comparison["p_holm"].to_list() == [1.0, 1.0, 1.0] and made.baseline is not None
     assert any("controller is pid instead of ffwd_pid" in note for note in made.baseline.notes)
+
+
+def test_two_runs_side_by_side(runs: tuple[Path, Path], capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    before, after = runs
+    found = run_difference(after, before)
+    assert found["alone"] == [["sine_0p5hz__pid"], []] and len(found["pairs"]) == 4 and found["origin"] == []
+    (changed,) = found["configuration"]
+    assert changed["parameter"] == "controller.positive.kp" and changed["values"][0] == 0.5
+    assert changed["conditions"] == ["ramp_pos__pid"] and changed["absent_in"] == []
+    assert sum(row["p_holm"] < 0.05 for row in found["results"]) == 3
+    diff(after, before, json=tmp_path / "a.json")
+    out = capsys.readouterr().out
+    assert "controller.positive.kp" in out and "3 of 14 means differ" in out and "11 that do not are left out" in out
+    assert json.loads((tmp_path / "a.json").read_text()) == found
+    # Of one test against itself nothing differs; and no condition in common is told, not refused.
+    diff(before, before)
+    assert "nothing is set differently" in capsys.readouterr().out
+    other = kept(tmp_path / "other", [make_log("sine_0p5hz"), make_log("cycloid_neg")])
+    assert run_difference(before, other)["results"] == []
+    diff(before, other)
+    assert "no condition is in both" in capsys.readouterr().out
+
+
+def test_an_effect_as_it_is_by_default_is_no_published_configuration() -> None:
+    log = make_log("ramp_pos", "pid", overrides=("+effects.stribeck_friction={}",))
+    (row,) = by_condition(indicators_frame([log])).iter_rows(named=True)
+    assert (
+        row["rmse1_deg_published_mean"] is None
+        and "effects.stribeck_friction is {} instead of absent" in row["published_differs"]
+    )

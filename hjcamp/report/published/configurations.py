@@ -68,8 +68,11 @@ def difference(config: Mapping[str, Any], published: Mapping[str, Any]) -> list[
 
 
 def leaves(value: Any, key: str) -> Iterator[tuple[str, Any]]:
-    """Yield every value of a nested configuration under its full name; an empty mapping yields nothing."""
-    if isinstance(value, Mapping):
+    """Yield every value of a nested configuration under its full name; a group that is empty yields nothing.
+
+    An empty mapping inside a group is a value: an effect with all its parameters as they are by default.
+    """
+    if isinstance(value, Mapping) and (value or "." not in key):
         for name, part in value.items():
             yield from leaves(part, f"{key}.{name}" if key else str(name))
     else:
