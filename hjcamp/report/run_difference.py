@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.report.against_run import RunComparison, read_tests
-from hjcamp.report.published.configurations import ABSENT, equal, leaves
+from hjcamp.report.published.configurations import ABSENT, unequal
 
 SCHEMA = "hjcamp.run_difference/1"
 #: What the logs say of where they come from.
@@ -43,12 +43,8 @@ def configuration_rows(found: RunComparison) -> list[dict[str, Any]]:
     """Return each parameter that differs in a pair: its values (None and ``absent_in`` where it is not there), the conditions."""
     rows: dict[tuple[str, str, str], dict[str, Any]] = {}
     for name, other in found.pairs.items():
-        ours = dict(leaves(found.run.configurations.get(name, {}), ""))
-        theirs = dict(leaves(found.baseline.configurations.get(other, {}), ""))
-        for key in dict.fromkeys((*ours, *theirs)):
-            values = [ours.get(key, ABSENT), theirs.get(key, ABSENT)]
-            if equal(*values):
-                continue
+        ours, theirs = found.run.configurations.get(name, {}), found.baseline.configurations.get(other, {})
+        for key, *values in unequal(ours, theirs):
             row = rows.setdefault(
                 (key, repr(values[0]), repr(values[1])),
                 {

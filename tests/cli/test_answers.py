@@ -55,7 +55,8 @@ def one_run(call: Call) -> None:
 
 
 def test_real_answers_meet_their_schemas(call: Call, one_run: None, tmp_path: Path) -> None:
-    (tmp_path / "table.csv").write_text("t,q,p1,p2,u\n" + "".join(f"{k / 1000},{k / 20},0.3,0.3,{k / 20}\n" for k in range(600)))
+    rows = [f"{k / 1000},{k / 20},{0.3 + k % 7 / 1000},{0.3 + k % 5 / 1000},{k / 20}" for k in range(600)]
+    (tmp_path / "table.csv").write_text("\n".join(["t,q,p1,p2,u", *rows, ""]))
     (tmp_path / "map.yaml").write_text(
         "fields: {time_s: t, arm_deg: q, pressure1_mpa: p1, pressure2_mpa: p2, pump_deg: u}\n"
         "metadata: {condition: one, pump: pump2, amplifier: high_gain, tubing: ldpe_300mm}\n"

@@ -54,25 +54,42 @@ def difference(config: Mapping[str, Any], published: Mapping[str, Any]) -> list[
     for group in dict.fromkeys((*published, *config)):
         if group in NO_PHYSICS:
             continue
-        ours, theirs = dict(leaves(config.get(group), group)), dict(leaves(published.get(group), group))
-        names = f"{group}.name"
-        parts = [
-            _in_words(key, ours.get(key, ABSENT), theirs.get(key, ABSENT))
-            for key in dict.fromkeys((*theirs, *ours))
-            if key != names and not equal(ours.get(key, ABSENT), theirs.get(key, ABSENT))
-        ]
-        if parts and ours.get(names) != theirs.get(names):
-            parts = [_in_words(group, ours.get(names, ABSENT), theirs.get(names, ABSENT))]
+        pairs = unequal(config.get(group), published.get(group), group)
+        names = next(((ours, theirs) for key, ours, theirs in pairs if key == f"{group}.name"), None)
+        parts = [_in_words(key, ours, theirs) for key, ours, theirs in pairs if key != f"{group}.name"]
+        if parts and names:
+            parts = [_in_words(group, *names)]
         found += parts
     return found
 
 
-def leaves(value: Any, key: str) -> Iterator[tuple[str, Any]]:
-    """Yield every value of a nested configuration under its full name; a group that is empty yields nothing.
+def unequal(ours: Any, theirs: Any, key: str = "") -> list[tuple[str, Any, Any]]:
+    """Return every value that differs between two nested configurations, with `ABSENT` where one has none; theirs first.
 
-    An empty mapping inside a group is a value: an effect with all its parameters as they are by default.
+    Inside a group an empty mapping differs from none: it is an effect with its parameters as they are by default.
     """
-    if isinstance(value, Mapping) and (value or "." not in key):
+    return sorted(_unequal(ours, theirs, key), key=lambda one: one[2] is ABSENT)
+
+
+def _unequal(ours: Any, theirs: Any, key: str) -> Iterator[tuple[str, Any, Any]]:
+    held = [one for one in (ours, theirs) if isinstance(one, Mapping)]
+    if not held:
+        if not equal(ours, theirs):
+            yield key, ours, theirs
+    elif len(held) == 2 or ABSENT in (ours, theirs):
+        if not any(held) and len(held) == 1 and "." in key:
+            yield key, ours, theirs
+        for name in dict.fromkeys(name for one in reversed(held) for name in one):
+            parts = (one.get(name, ABSENT) if isinstance(one, Mapping) else ABSENT for one in (ours, theirs))
+            yield from _unequal(*parts, f"{key}.{name}" if key else str(name))
+    else:
+        yield from _unequal(ours, ABSENT, key)
+        yield from _unequal(ABSENT, theirs, key)
+
+
+def leaves(value: Any, key: str) -> Iterator[tuple[str, Any]]:
+    """Yield every value of a nested configuration under its full name; an empty mapping yields nothing."""
+    if isinstance(value, Mapping):
         for name, part in value.items():
             yield from leaves(part, f"{key}.{name}" if key else str(name))
     else:
