@@ -27,6 +27,7 @@ def draw_history(
         figure = Figure(figsize=(8.4, 3.6), layout="constrained")
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
         axes = figure.subplots()
+        dress(axes, TITLES.get(indicator, indicator))
         for name in rows[0]["conditions"]:
             axes.plot(places, [row["conditions"][name]["mean"] for row in rows], color=INK, linewidth=0.6, alpha=0.3)
         axes.errorbar(
@@ -42,8 +43,6 @@ def draw_history(
         every = max(1, -(-len(rows) // MOST_LABELS))
         shown = [text[:LONGEST_LABEL] for text in labels]
         axes.set_xticks(places[::every], shown[::every], rotation=40, ha="right", fontsize=7.5)
-        axes.set_ylabel(TITLES.get(indicator, indicator), fontsize=8.5)
-        dress(axes, "")
         axes.legend(fontsize=8, frameon=False)
         with whole_file(path) as stream:
             figure.savefig(stream, dpi=150, format=path.suffix[1:].lower())
