@@ -69,7 +69,7 @@ def test_the_figure(runs: Sequence[FoundRun], tmp_path: Path) -> None:
 def test_bad_calls(runs: Sequence[FoundRun], tmp_path: Path) -> None:
     assert read_words(["campaign=x", "git=abc", "sse_deg"]) == (["campaign=x", "git=abc"], "sse_deg")
     for words, said in (
-        (["campaign=x", "rmse"], "unknown indicator 'rmse'.*did you mean 'rmse1_deg'"),
+        (["campaign=x", "e_max"], "unknown indicator 'e_max'.*did you mean 'e_max_deg'"),
         (["rmse1_deg"], "a history is of one campaign"),
         (["campaign=x", "rmse1_deg", "sse_deg"], "one indicator at a time"),
     ):
