@@ -72,16 +72,16 @@ def unequal(ours: Any, theirs: Any, key: str = "") -> list[tuple[str, Any, Any]]
 
 
 def _unequal(ours: Any, theirs: Any, key: str) -> Iterator[tuple[str, Any, Any]]:
-    held = [one for one in (ours, theirs) if isinstance(one, Mapping)]
+    held = [side for side in (ours, theirs) if isinstance(side, Mapping)]
     if not held:
         if not equal(ours, theirs):
             yield key, ours, theirs
     elif len(held) == 2 or ABSENT in (ours, theirs):
         if not any(held) and len(held) == 1 and "." in key:
             yield key, ours, theirs
-        for name in dict.fromkeys(name for one in reversed(held) for name in one):
-            parts = (one.get(name, ABSENT) if isinstance(one, Mapping) else ABSENT for one in (ours, theirs))
-            yield from _unequal(*parts, f"{key}.{name}" if key else str(name))
+        for name in dict.fromkeys(name for side in reversed(held) for name in side):
+            one, other = (side.get(name, ABSENT) if isinstance(side, Mapping) else ABSENT for side in (ours, theirs))
+            yield from _unequal(one, other, f"{key}.{name}" if key else str(name))
     else:
         yield from _unequal(ours, ABSENT, key)
         yield from _unequal(ABSENT, theirs, key)
