@@ -174,7 +174,8 @@ def test_latex_compiles_the_folder(run: Path, tmp_path: Path) -> None:
     for name, answer in ANSWERS.items():
         (tmp_path / name).write_text(json.dumps(answer))
     out = tmp_path / "text"
-    paper([run, *(tmp_path / name for name in ANSWERS)], out, "elsevier", None, "pdf")
+    paper([run, *(tmp_path / name for name in ANSWERS)], out, "elsevier", None, "pdf,pgf")
+    assert r"\begin{pgfpicture}" in (out / "figures" / "means.pgf").read_text()
     done = subprocess.run(
         ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "main"],
         cwd=out,

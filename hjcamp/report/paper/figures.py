@@ -84,7 +84,8 @@ def write_figure(
         "svg.fonttype": "none", "svg.hashsalt": name, "pgf.texsystem": LATEX, "pgf.rcfonts": False, "lines.linewidth": 1.0,
         "axes.edgecolor": INK, "text.color": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK,
     }  # fmt: skip
-    nothing = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "pgf": None}
+    # A pgf has no metadata, and takes no word about them.
+    undated: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
     files = []
     with matplotlib.rc_context(settings):  # type: ignore[arg-type]
         figure = Figure(figsize=(style.width_mm * MM, style.width_mm * MM * height), layout="constrained")
@@ -92,7 +93,8 @@ def write_figure(
         for kind in formats:
             files.append(folder / f"{name}.{kind}")
             with whole_file(files[-1]) as stream:
-                figure.savefig(stream, format=kind, metadata=nothing[kind])
+                words: dict[str, Any] = {"metadata": undated[kind]} if kind in undated else {}
+                figure.savefig(stream, format=kind, **words)
     return files
 
 
