@@ -62,7 +62,7 @@ def main() -> None:
 
 def answer_bash() -> int:
     """Answer bash's request for completions; returns the exit code."""
-    from hjcamp.commands._complete import complete_for_bash
+    from hjcamp.commands._complete_bash import complete_for_bash
 
     return complete_for_bash(run)
 

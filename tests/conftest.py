@@ -1,11 +1,15 @@
-"""A composer that is made once, and an empty working folder."""
+"""A composer that is made once, an empty working folder, and a look at every answer for programs."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from answer_schemas import check_answer
 
+from hjcamp.commands import _session
 from hjcamp.configuration.composer import Composer
 
 
@@ -21,3 +25,17 @@ def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("HJCAMP_CONF", raising=False)
     return tmp_path
+
+
+@pytest.fixture(scope="session", autouse=True)
+def every_answer_meets_its_schema() -> Iterator[None]:
+    """Hold whatever a command answers in any test against its schema, whether or not the answer is written."""
+    write = _session.write_answer
+
+    def checked(path: Path | None, answer: dict[str, Any]) -> None:
+        check_answer(answer)
+        write(path, answer)
+
+    _session.write_answer = checked
+    yield
+    _session.write_answer = write

@@ -141,10 +141,10 @@ def add_any(names_and_paths: list[str], name: str, model: str, json: Path | None
     console.print(f"next    hjcamp compare {joined(paths)} --model {model} --model {name}", markup=False)
 
 
-def calibrate_any(paths: list[Path], name: str) -> None:
+def calibrate_any(paths: list[Path], name: str, json: Path | None = None) -> None:
     """Fit the base parameters of a plant to tests and save them as a model."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import joined, progress_of
+    from hjcamp.commands._session import joined, progress_of, write_answer
 
     console = make_console()
     with progress_of(console) as report:
@@ -164,6 +164,13 @@ def calibrate_any(paths: list[Path], name: str) -> None:
             {"command": command, "logs_sha256": hashes_of(measured)},
         )  # fmt: skip
         rows = calibration(analysis)
+        head = {
+            "schema": "hjcamp.calibration/1",
+            "plant": measured.plant.name,
+            "tests": len(measured.tests),
+            "hardware": {},
+        }
+        write_answer(json, {**head, "calibration": rows, "notes": [], "model": str(path), "rig": None, "page": None})
     print_calibration(console, analysis, rows)
     console.print(f"model   {path}", markup=False)
     console.print(f"next    hjcamp compare {joined(paths)} --model published --model {name}", markup=False)

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
-import os
 import typing
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
 
 import typer
 from typer.models import ArgumentInfo, OptionInfo
 
-BREAKS = "=:"
 RUN_PLACES = ("runs/*/*/plan.json", "multirun/*/*/plan.json")
 
 
@@ -58,6 +53,14 @@ def complete_words(ctx: typer.Context, incomplete: str) -> list[str]:
     """Return what may follow ``hjcamp effects`` (an effect, ``new``, ``test``, then overrides) and ``hjcamp next``."""
     if ctx.info_name == "next":
         return [*complete_run(incomplete), *complete_override(incomplete)]
+    if ctx.info_name == "history":
+        return complete_filter(incomplete)
+    if ctx.info_name == "plants":
+        named = [str(word) for word in ctx.params.get("words") or []]
+        words = [] if named else starting(incomplete, ("new", "test"))
+        return [*complete_plant(incomplete), *words] if named in ([], ["test"]) else []
+    if ctx.info_name == "sizing":
+        return starting(incomplete, ("capability", "figures", "torque_mnm=", "range_deg=", "diameter_mm="))
     before = [str(word) for word in ctx.params.get("words") or []]
     if not before:
         return [*complete_effect(incomplete), *starting(incomplete, ("new", "test"))]
@@ -69,6 +72,83 @@ def complete_words(ctx: typer.Context, incomplete: str) -> list[str]:
 def complete_effects_and_runs(incomplete: str) -> list[str]:
     """Return effects and run folders."""
     return [*complete_effect(incomplete), *complete_run(incomplete)]
+
+
+def complete_paths(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Return run folders and logs; for ``hjcamp paper`` answers, too."""
+    answers = quietly(lambda: paths_at(incomplete, (".json",))) if ctx.info_name == "paper" else []
+    return list(dict.fromkeys([*complete_run(incomplete), *answers]))
+
+
+def complete_only(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Return effects, and for ``hjcamp calibrate`` the hardware that metadata name."""
+    return complete_override(incomplete) if ctx.info_name == "calibrate" else complete_rivals(incomplete)
+
+
+def complete_against(incomplete: str) -> list[str]:
+    """Return ``published``, and run folders."""
+    return [*starting(incomplete, ("published",)), *complete_run(incomplete)]
+
+
+def complete_filter(incomplete: str) -> list[str]:
+    """Return what may filter runs (``state=``, and what configures a run), and indicators for ``hjcamp history``."""
+    from hjcamp.report.indicators import INDICATORS
+
+    states = [f"state={state}" for state in ("complete", "failed", "interrupted", "new", "running")]
+    return [*starting(incomplete, states), *complete_override(incomplete), *starting(incomplete, INDICATORS)]
+
+
+def complete_columns(incomplete: str) -> list[str]:
+    """Return columns of a list of runs, behind the commas, the plus or the minus that are there."""
+
+    def found() -> list[str]:
+        from hjcamp.campaign.listing import SESSION, USUAL
+        from hjcamp.report.indicators import CHOICES, INDICATORS
+
+        head, comma, last = incomplete.rpartition(",")
+        sign = last[:1] if last[:1] in ("+", "-") else ""
+        names = starting(last[len(sign) :], dict.fromkeys((*USUAL, *CHOICES, *INDICATORS, *SESSION)))
+        return [f"{head}{comma}{sign}{name}" for name in names]
+
+    return quietly(found)
+
+
+def complete_plant(incomplete: str) -> list[str]:
+    """Return the names of plants."""
+
+    def found() -> list[str]:
+        from hjcamp.plants import load_plants
+
+        return starting(incomplete, load_plants())
+
+    return quietly(found)
+
+
+def complete_kind(incomplete: str) -> list[str]:
+    """Return the kinds of places."""
+
+    def found() -> list[str]:
+        from hjcamp.model.port import KINDS
+
+        return starting(incomplete, KINDS)
+
+    return quietly(found)
+
+
+def complete_style(incomplete: str) -> list[str]:
+    """Return the styles of figures for a text."""
+
+    def found() -> list[str]:
+        from hjcamp.report.paper.figures import STYLES
+
+        return starting(incomplete, STYLES)
+
+    return quietly(found)
+
+
+def complete_files(*suffixes: str) -> Callable[[str], list[str]]:
+    """Return the completion of a path to a file of these suffixes, or to a folder on the way."""
+    return lambda incomplete: quietly(lambda: paths_at(incomplete, suffixes))
 
 
 def complete_tolerances(incomplete: str) -> list[str]:
@@ -110,15 +190,34 @@ def complete_rivals(incomplete: str) -> list[str]:
 #: Parameters of the commands by their names, which mean the same in each of them.
 COMPLETIONS: dict[str, Callable[..., list[str]]] = {
     "path": complete_run,
-    "paths": complete_run,
+    "paths": complete_paths,
     "run": complete_run,
+    "other": complete_run,
+    "filters": complete_filter,
+    "columns": complete_columns,
+    "sort": complete_columns,
+    "plant": complete_plant,
+    "on": complete_kind,
+    "style": complete_style,
+    "only": complete_only,
+    "without": complete_rivals,
+    "over": lambda incomplete: starting(incomplete, ("commits", "runs")),
+    "json": complete_files(".json"),
+    "json_file": complete_files(".json"),
+    "figure": complete_files(".png", ".svg", ".pdf"),
+    "summary": complete_files(".md"),
+    "junit": complete_files(".xml"),
+    "mapping": complete_files(".yaml", ".yml"),
+    "files": complete_files(".csv", ".mat", ".parquet", ".mcap"),
+    "page": complete_files(".html"),
+    **dict.fromkeys(("folder", "output", "into", "conf", "config_dir"), complete_files()),
     "overrides": complete_override,
     "words": complete_words,
     "effects_and_paths": complete_effects_and_runs,
     "model": complete_choice("model"),
     "start": complete_choice("controller/gains"),
     "effort": complete_effort,
-    "against": lambda incomplete: starting(incomplete, ("published",)),
+    "against": complete_against,
     "check": complete_tolerances,
     "rivals": complete_rivals,
 }
@@ -168,35 +267,3 @@ def quietly(found: Callable[[], list[str]]) -> list[str]:
     except Exception:
         # A shell waits for an answer: a broken configuration must not print into the prompt.
         return []
-
-
-def complete_for_bash(complete: Callable[[], Any]) -> int:
-    """Answer bash, which splits words at ``=`` and ``:``: whole words go to ``complete``, the last piece comes back."""
-    pieces = os.environ.get("COMP_WORDS", "").split("\n")
-    try:
-        place = int(os.environ.get("COMP_CWORD", ""))
-    except ValueError:
-        return 0
-    words, before = whole_words(pieces[: place + 1])
-    os.environ |= {"COMP_WORDS": "\n".join(words), "COMP_CWORD": str(len(words) - 1)}
-    out = io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.suppress(SystemExit):
-        complete()
-    lines = list(dict.fromkeys(out.getvalue().splitlines()))
-    print("\n".join(line.removeprefix(before) for line in lines), end="")
-    return 0
-
-
-def whole_words(pieces: list[str]) -> tuple[list[str], str]:
-    """Return the words that bash has split into ``pieces``, and what stands before the last piece in its word."""
-    words: list[list[str]] = []
-    glued = False
-    for place, piece in enumerate(pieces):
-        is_break = bool(piece) and not piece.strip(BREAKS)
-        if place > 1 and (is_break or glued):
-            words[-1].append(piece)
-        else:
-            words.append([piece])
-        glued = is_break
-    last = words[-1] if words else [""]
-    return ["".join(word) for word in words], "".join(last if glued else last[:-1])

@@ -8,7 +8,9 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from hjcamp.errors import UsageError, shown
 from hjcamp.storage import check_place, shown_path
@@ -20,6 +22,16 @@ if TYPE_CHECKING:
 
 
 PICTURES = (".pdf", ".png", ".svg")
+#: ``--json`` of every command that answers.
+AnswerFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--json",
+        metavar="FILE|-",
+        help="Write the answer for programs to this file; - is standard output.",
+        show_default=False,
+    ),
+]
 # Standard output, while it is kept for the answer alone.
 _kept: list[IO[str]] = []
 
@@ -53,10 +65,25 @@ def check_answer_file(path: Path | None) -> None:
     if path is None:
         return
     if not _is_standard_output(path):
+        _refuse_no_file(path)
         check_place(path, "--json")
     elif sys.stdout is not sys.stderr:
         _kept.append(sys.stdout)
         sys.stdout = sys.stderr
+
+
+def _refuse_no_file(path: Path) -> None:
+    """Refuse a device, a link, a folder and an option in the place of the file; a pipe takes the answer as a file does."""
+    said = f"--json {shown_path(path)}"
+    if str(path).startswith("-"):
+        raise UsageError(f"{said}: this is an option; give a file, or - for standard output")
+    try:
+        is_pipe, is_link, is_other = path.is_fifo(), path.is_symlink(), path.exists() and not path.is_file()
+    except OSError:
+        return  # check_place says what is wrong with the name
+    if not is_pipe and (is_link or is_other):
+        kind = "a link" if is_link else "a folder" if path.is_dir() else "a device"
+        raise UsageError(f"{said}: this is {kind}; give a file, or - for standard output")
 
 
 def check_seed(seed: int) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -29,9 +30,7 @@ def budget(
     repetitions: Annotated[int, typer.Option(min=1, max=100, help="Simulated tests of each part.")] = 7,
     seed: Annotated[int, typer.Option(help="Every random number follows from it.")] = 1,
     keep_gains: Annotated[bool, typer.Option("--keep-gains", help="Do not tune the gains anew: faster.")] = False,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the answer as JSON; - is standard output.")
-    ] = None,
+    json_file: AnswerFile = None,
     figure: Annotated[Path, typer.Option(help="Where the bars go (png, svg, pdf).")] = Path("budget.png"),
 ) -> None:
     """What costs how much: each part of the rig halved or each effect removed, gains tuned anew, errors before and after."""

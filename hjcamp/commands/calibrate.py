@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
+from hjcamp.plants import DEFAULT
 
 if TYPE_CHECKING:
     from hjcamp.calibrate.estimate import Estimate
@@ -27,6 +29,7 @@ def calibrate(
     ] = None,
     conf: Annotated[Path, typer.Option(help="Configuration folder to write into.")] = Path("conf"),
     replace: Annotated[bool, typer.Option("--replace", help="Replace files of that name.")] = False,
+    json: AnswerFile = None,
 ) -> None:
     """Identify a rig's constants from its own logs and save them as configuration."""
     from hjcamp.calibrate.configuration_file import check_name, write_configuration
@@ -34,14 +37,16 @@ def calibrate(
     from hjcamp.calibrate.identify import only as select
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._any_plant import calibrate_any, is_of_another_plant
+    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.configuration.setups import configuration_for
     from hjcamp.records.find import read_logs, refuse_unanalysed
     from hjcamp.report.identification_figures import identification_page
     from hjcamp.storage import whole_file
 
+    check_answer_file(json)
     check_name(name, conf, replace)
     if is_of_another_plant(paths):
-        calibrate_any(paths, name)
+        calibrate_any(paths, name, json)
         return
     logs = select(read_logs(paths), _pairs(only or []))
     refuse_unanalysed(logs, "calibrate")
@@ -55,6 +60,7 @@ def calibrate(
     rows = [row_of(one) for one in found.estimates.values()]
     with whole_file(page) as stream:
         stream.write(identification_page(f"Calibration {name}", facts, rows, notes_of(found), charts).encode())
+    write_answer(json, answer_of(found) | {"model": str(model), "rig": str(rig), "page": str(page)})
     _print(make_console(), found)
     console = make_console()
     console.print(f"  model   {model}   rig  {rig}", markup=False, soft_wrap=True)
@@ -65,6 +71,19 @@ def calibrate(
         console.print(
             f"          hjcamp compare {' '.join(map(str, paths))} --model {name}", markup=False, soft_wrap=True
         )
+
+
+def answer_of(found: Calibration) -> dict[str, Any]:
+    """Return the constants with their 95 % intervals (SI), as a diagnosis tells its calibration."""
+    rows = {
+        name: {
+            "published": one.published, "value": one.value, "unit": one.unit,
+            "ci95": list(one.interval) if one.interval else None, "tests": one.tests, "text": one.text,
+        }
+        for name, one in found.estimates.items()
+    }  # fmt: skip
+    head = {"schema": "hjcamp.calibration/1", "plant": DEFAULT, "tests": found.tests, "hardware": dict(found.hardware)}
+    return {**head, "calibration": rows, "notes": notes_of(found)}
 
 
 def row_of(one: Estimate) -> list[str]:

@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import HjcampError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+SCHEMA = "hjcamp.doctor/1"
 Finding = tuple[str, str, str]  # state (good, note, broken), subject, text
 
 
@@ -26,31 +28,38 @@ def register(app: typer.Typer) -> None:
 
 def doctor(
     warm: Annotated[bool, typer.Option("--warm", help="Compile the kernels that runs and diagnoses need.")] = False,
+    json: AnswerFile = None,
 ) -> None:
     """Check this installation: versions, folders, caches, the rig's driver; exit code 1 where something is broken."""
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._session import check_answer_file, write_answer
 
+    check_answer_file(json)
     console = make_console()
     if warm:
-        compile_kernels(console)
+        compiled = [{"kernel": what, "seconds": seconds} for what, seconds in compile_kernels(console)]
+        write_answer(json, {"schema": SCHEMA, "findings": [], "broken": 0, "compiled": compiled})
         return
     marks = {"good": "[green]ok[/green]    ", "note": "[yellow]note[/yellow]  ", "broken": "[red]BROKEN[/red]"}
-    broken = 0
+    told, broken = [], 0
     for check in (versions, configuration, folders, kernel_cache, driver):
         for state, subject, text in findings(check):
             broken += state == "broken"
+            told.append({"state": state, "subject": subject, "text": text})
             console.print(f"{marks[state]} {subject:<14}", end="")
             console.print(text, markup=False)
+    write_answer(json, {"schema": SCHEMA, "findings": told, "broken": broken, "compiled": []})
     if broken:
         raise HjcampError(f"{broken} thing{'s are' if broken > 1 else ' is'} broken")
 
 
-def compile_kernels(console: Console) -> None:
-    """Compile what is not compiled yet, saying what; nothing is written but the cache of kernels."""
+def compile_kernels(console: Console) -> Iterator[tuple[str, float]]:
+    """Compile what is not compiled yet, saying what (and yielding it); nothing is written but the cache of kernels."""
     from hjcamp.campaign.warm import warm as made_ready
 
     for subject, seconds in made_ready():
         console.print(f"  {seconds:5.1f} s  {subject}", markup=False)
+        yield subject, seconds
 
 
 def findings(check: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import HjcampError, UsageError
 
 if TYPE_CHECKING:
@@ -60,17 +61,22 @@ def effects(
     on: Annotated[
         str, typer.Option(help="With new: write it for this kind of place, on any plant.", show_default=False)
     ] = "",
+    json: AnswerFile = None,
 ) -> None:
     """Show the effect library, or one effect with a picture; write and test an effect of one's own."""
+    from hjcamp.commands._session import check_answer_file, write_answer
+
     if on and (words or [])[:1] != ["new"]:
         raise UsageError(f"--on is for a new effect: {USAGE}")
+    check_answer_file(json)
     match words or []:
         case []:
-            show_catalogue(plant)
+            write_answer(json, show_catalogue(plant))
         case ["new", name]:
-            write_new(name, plant, on)
+            written = write_new(name, plant, on)
+            write_answer(json, {"schema": "hjcamp.template/1", "name": name, "file": str(written)})
         case ["test", name]:
-            test_effect(name, plant)
+            write_answer(json, test_effect(name, plant))
         case ["new" | "test", *_]:
             raise UsageError(f"give one name: {USAGE}")
         case [name, *overrides]:
@@ -83,16 +89,17 @@ def effects(
             config = configured(overrides) if pictured else None
             path = figure or Path(f"effect_{name}.png")
             check_picture(path)
-            show_effect(name, plant)
+            write_answer(json, show_effect(name, plant))
             if config is not None:
                 draw(name, config, path)
 
 
-def show_catalogue(plant: str = "") -> None:
+def show_catalogue(plant: str = "") -> dict[str, Any]:
     """Print every effect of a plant, and without one those for any plant: where it acts, what it is, its parameters."""
     from rich.table import Table
 
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._answers import effect_row
     from hjcamp.effects import effect_files, library_of
     from hjcamp.model.port import KINDS
     from hjcamp.plants import DEFAULT
@@ -118,6 +125,11 @@ def show_catalogue(plant: str = "") -> None:
             said = f"{len(rows)} for any plant with such a place; which fit: hjcamp plants PLANT"
         if rows or rows is shown:
             console.print(f"  {said}", style="dim", markup=False, soft_wrap=True)
+    told = {
+        "effects": [effect_row(one) for _, _, one in shown],
+        "for_any_plant": [effect_row(one) for _, _, one in others],
+    }
+    return {"schema": "hjcamp.effects/1", "plant": library.plant.name, **told}
 
 
 def is_pictured(name: str, plant: str) -> bool:
@@ -142,13 +154,14 @@ def shown_effect(name: str, plant: str) -> type[Effect]:
     return library.find(name)
 
 
-def show_effect(name: str, plant: str = "") -> None:
+def show_effect(name: str, plant: str = "") -> dict[str, Any]:
     """Print one effect: what it is, equation, validity, source, parameters, and on what it acts."""
     import inspect
 
     from rich.table import Table
 
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._answers import effect_row
 
     effect = shown_effect(name, plant)
     console = make_console()
@@ -179,6 +192,7 @@ def show_effect(name: str, plant: str = "") -> None:
             markup=False,
             soft_wrap=True,
         )
+    return {"schema": "hjcamp.effect/1", "documentation": text, **effect_row(effect)}
 
 
 def configured(overrides: list[str]) -> dict[str, Any]:
@@ -219,7 +233,7 @@ def draw(name: str, config: dict[str, Any], path: Path) -> None:
     console.print(f"\n  picture  {path}", markup=False, soft_wrap=True)
 
 
-def write_new(name: str, plant: str = "", on: str = "") -> None:
+def write_new(name: str, plant: str = "", on: str = "") -> Path:
     """Write the template of an effect into ./effects: in the names of pump_joint, or for a kind of place on any plant."""
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import effect_files, load_effects
@@ -236,9 +250,10 @@ def write_new(name: str, plant: str = "", on: str = "") -> None:
     console.print(f"  written  {path}", markup=False)
     where = f" --plant {plant}" if plant else " --plant PLANT" if on else ""
     console.print(f"  next     hjcamp effects test {name}{where}", markup=False)
+    return path
 
 
-def test_effect(name: str, plant: str = "") -> None:
+def test_effect(name: str, plant: str = "") -> dict[str, Any]:
     """Run the checks that every effect of the library passes on one effect, at each of its places."""
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import library_of
@@ -247,16 +262,21 @@ def test_effect(name: str, plant: str = "") -> None:
 
     library = library_of(plant or DEFAULT)
     console = make_console()
+    passed: list[dict[str, Any]] = []
     for one in library.names.get(name, (name,)):
         effect = library.find(one)
         check_units(effect, library.plant)
         checks = pump_checks(effect, console) if library.plant.name == DEFAULT else place_checks(effect, library.plant)
+        told: dict[str, str] = {}
         for check, answer in checks:
+            told[check] = answer
             console.print(f"  {check:<26} {answer}", markup=False)
         use = (
             f"; use it: hjcamp run campaign=controllers '+effects.{one}={{}}'" if library.plant.name == DEFAULT else ""
         )
+        passed.append({"name": one, "checks": told})
         console.print(f"[bold]{one}[/bold] passes{use}")
+    return {"schema": "hjcamp.checks/1", "of": "effect", "passed": passed}
 
 
 def pump_checks(effect: type[Effect], console: Console) -> Iterator[tuple[str, str]]:

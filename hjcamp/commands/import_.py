@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
 from hjcamp.storage import check_place
 
@@ -45,20 +46,30 @@ def import_table(
     mapping: Annotated[Path, typer.Option("--map", help="Which column is which field, in which unit (YAML).")],
     into: Annotated[Path | None, typer.Option(help="The folder of the new logs; beside each file by default.")] = None,
     output: Annotated[Path | None, typer.Option(help="The new log of one file; FILE.mcap by default.")] = None,
+    json: AnswerFile = None,
 ) -> None:
     """Turn measurements from elsewhere into test logs."""
-    from hjcamp.commands._session import joined
+    from hjcamp.commands._session import check_answer_file, joined, write_answer
     from hjcamp.plants import DEFAULT
     from hjcamp.records.find import ANALYSED
     from hjcamp.records.import_map import read_import_map
     from hjcamp.records.importing import import_files
 
+    check_answer_file(json)
     targets = targets_of(files, into, output)
     rules = read_import_map(mapping)
     if rules.plant.name == DEFAULT:
         _check_hardware([rules.metadata, *rules.files.values()], mapping)
     left = [target for target in targets if target.with_name(target.name + ".part").exists()]
     logs = import_files(files, mapping, targets)
+    rows = [
+        {
+            "file": str(file), "log": str(target), "samples": log.samples, "duration_s": log.duration,
+            "fields": list(log.fields), "metadata": log.metadata, "warnings": [one.line for one in log.doubtful],
+        }
+        for file, target, log in zip(files, targets, logs, strict=True)
+    ]  # fmt: skip
+    write_answer(json, {"schema": "hjcamp.import/1", "plant": rules.plant.name, "logs": rows})
     for target, log in zip(targets, logs, strict=True):
         for one in log.doubtful:
             print(f"{target}: {one.line}", file=sys.stderr)

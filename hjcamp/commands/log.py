@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import HjcampError
 
 Paths = Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")]
@@ -23,36 +24,47 @@ def register(app: typer.Typer) -> None:
     app.add_typer(group)
 
 
-def info(paths: Paths) -> None:
+def info(paths: Paths, json: AnswerFile = None) -> None:
     """Show what logs hold: samples, duration, fields, metadata."""
+    from hjcamp.commands._answers import log_rows
+    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import span
     from hjcamp.records.recover import verify_log
 
+    check_answer_file(json)
+    rows = []
     for path in find_logs(paths):
         found = verify_log(path)
+        rows.append(found)
         print(f"{path}: {found.samples} samples, {found.duration:.3f} s, {'whole' if found.whole else 'NOT WHOLE'}")
         print(f"  of           plant {found.plant}, one sample each {span(found.period)}")
         print(f"  fields       {' '.join(found.fields)}")
         print(f"  attachments  {' '.join(found.attachments) or 'none'}")
         for name, value in found.metadata.items():
             print(f"  {name:<12} {value}")
+    write_answer(json, {"schema": "hjcamp.logs/1", "logs": log_rows(rows)})
 
 
-def verify(paths: Paths) -> None:
+def verify(paths: Paths, json: AnswerFile = None) -> None:
     """Check that logs are whole, meet the contract and are plausible; exit code 1 where one is not."""
     from collections import Counter
 
+    from hjcamp.commands._answers import log_rows
+    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.plants import DEFAULT
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import span
     from hjcamp.records.recover import verify_log
 
+    check_answer_file(json)
     damaged, implausible, doubtful = 0, 0, 0
+    rows = []
     kinds: Counter[tuple[str, float, tuple[str, ...]]] = Counter()
     logs = find_logs(paths)
     for path in logs:
         found = verify_log(path)
+        rows.append(found)
         damaged += not found.whole
         if found.whole and found.plant != DEFAULT:
             kinds[found.plant, found.period, found.fields] += 1
@@ -64,6 +76,7 @@ def verify(paths: Paths) -> None:
         print(f"{number} logs of plant {plant}, one sample each {span(period)}: {' '.join(fields)}")
     whole = f"{len(logs)} logs, {len(logs) - damaged} whole, {damaged} not"
     print(f"{whole}; {implausible} with what cannot be, {doubtful} with warnings" if implausible + doubtful else whole)
+    write_answer(json, {"schema": "hjcamp.logs/1", "logs": log_rows(rows)})
     if damaged:
         raise HjcampError(f"{damaged} of {len(logs)} logs are not whole; try: hjcamp log recover PATH")
     if implausible:

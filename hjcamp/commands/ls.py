@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
 from hjcamp.storage import check_place, shown_path
 
@@ -27,9 +28,7 @@ def ls(
     page: Annotated[
         Path | None, typer.Option(help="Write a page of these runs, such as runs/index.html, with links to reports.")
     ] = None,
-    json: Annotated[
-        Path | None, typer.Option(help="Write the rows for programs to this file; - is standard output.")
-    ] = None,
+    json: AnswerFile = None,
 ) -> None:
     """List runs, newest first; filter them with KEY=VALUE (campaign, state, payload, git, any parameter)."""
     from rich.table import Table

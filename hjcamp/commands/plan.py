@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from hjcamp.commands._complete import complete_override
+from hjcamp.commands._session import AnswerFile
 
 if TYPE_CHECKING:
     from hjcamp.records.plan import Plan
@@ -21,18 +21,20 @@ def register(app: typer.Typer) -> None:
 
 def plan(
     overrides: Annotated[list[str] | None, typer.Argument(autocompletion=complete_override)] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="The whole plan as JSON.")] = False,
     condition: Annotated[
         str | None, typer.Option("--condition", help="Show the resolved configuration of this condition.")
     ] = None,
     cfg: Annotated[bool, typer.Option("--cfg", help="Show the resolved configuration of every condition.")] = False,
     config_dir: Annotated[Path | None, typer.Option("--config-dir", help="A further folder of groups.")] = None,
+    json: AnswerFile = None,
 ) -> None:
     """Show what a run would do: conditions, tests, duration, configuration. Nothing is run or written."""
+    from hjcamp.commands._session import check_answer_file, write_answer
+
+    check_answer_file(json)
     made = compose_plan(overrides or [], config_dir)
-    if as_json:
-        print(json.dumps(made.as_json(), indent=1))
-    elif condition is not None or cfg:
+    write_answer(json, made.as_json())
+    if condition is not None or cfg:
         show_configuration(made, condition)
     else:
         show_plan(made)

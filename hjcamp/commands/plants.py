@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -31,28 +32,33 @@ def plants(
         Path | None,
         typer.Option(help="Write the block diagram of NAME to this .svg, .png or .pdf.", show_default=False),
     ] = None,
+    json: AnswerFile = None,
 ) -> None:
     """Show the plants, or one of them; write and test a plant of one's own."""
+    from hjcamp.commands._session import check_answer_file, write_answer
+
+    check_answer_file(json)
     match words or []:
         case []:
-            show_list()
+            write_answer(json, show_list())
         case ["new", name]:
-            write_new(name)
+            write_answer(json, {"schema": "hjcamp.template/1", "name": name, "file": str(write_new(name))})
         case ["test", name]:
-            run_tests(name)
+            write_answer(json, run_tests(name))
         case ["new" | "test", *_]:
             raise UsageError(f"give one name: {USAGE}")
         case [name]:
-            show_plant(name, figure)
+            write_answer(json, show_plant(name, figure))
         case _:
             raise UsageError(f"give one name: {USAGE}")
 
 
-def show_list() -> None:
+def show_list() -> dict[str, Any]:
     """Print every plant: what it is, what is measured, how many effects fit."""
     from rich.table import Table
 
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._answers import plant_row
     from hjcamp.effects import library_of
     from hjcamp.plants import load_plants
 
@@ -68,12 +74,16 @@ def show_list() -> None:
     console.print(
         "  one of them: hjcamp plants NAME; one of your own: hjcamp plants new NAME", style="dim", markup=False
     )
+    rows = [plant_row(plant, list(library_of(plant).effects)) for plant in found.values()]
+    return {"schema": "hjcamp.plants/1", "plants": rows}
 
 
-def show_plant(name: str, figure: Path | None) -> None:
+def show_plant(name: str, figure: Path | None) -> dict[str, Any]:
     """Print one plant: states, inputs, parameters, lines, places, and which effects fit."""
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._answers import plant_answer
     from hjcamp.commands._session import check_picture
+    from hjcamp.effects import library_of
     from hjcamp.model.plant_checks import check_plant
     from hjcamp.plants import find_plant
 
@@ -95,6 +105,8 @@ def show_plant(name: str, figure: Path | None) -> None:
 
         draw_plant(figure, plant)
         console.print(f"\n  picture  {figure}", markup=False, soft_wrap=True)
+    library = library_of(plant)
+    return plant_answer(plant, list(library.effects), library.unfit)
 
 
 def _declared(console: Console, plant: type[Plant]) -> None:
@@ -164,7 +176,7 @@ def _import_map(console: Console, plant: type[Plant]) -> None:
     console.print(example_map(plant), markup=False, soft_wrap=True, highlight=False)
 
 
-def write_new(name: str) -> None:
+def write_new(name: str) -> Path:
     """Write the template of a plant into ./plants."""
     from hjcamp.campaign.console import make_console
     from hjcamp.plants import load_plants
@@ -174,9 +186,10 @@ def write_new(name: str) -> None:
     console = make_console()
     console.print(f"  written  {path}", markup=False)
     console.print(f"  next     hjcamp plants test {name}", markup=False)
+    return path
 
 
-def run_tests(name: str) -> None:
+def run_tests(name: str) -> dict[str, Any]:
     """Run the checks that every plant passes on one plant."""
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import library_of
@@ -185,12 +198,15 @@ def run_tests(name: str) -> None:
     from hjcamp.plants import find_plant
 
     plant = find_plant(name)
-    console = make_console()
+    console, passed = make_console(), {}
     for check, passes in CHECKS.items():
-        console.print(f"  {check:<26} {passes(plant)}", markup=False)
+        passed[check] = str(passes(plant))
+        console.print(f"  {check:<26} {passed[check]}", markup=False)
     if plant.measured:
         with console.status("compiling two kernels of this plant and running it"):
             told, seen = identified(plant), effects_seen(plant, library_of(plant).effects)
         console.print(f"  {'base can be told':<26} {told}", markup=False)
         console.print(f"  {'effects that show':<26} {seen}", markup=False)
+        passed |= {"base can be told": str(told), "effects that show": str(seen)}
     console.print(f"[bold]{name}[/bold] passes; see what fits it: hjcamp plants {name}")
+    return {"schema": "hjcamp.checks/1", "of": "plant", "passed": [{"name": name, "checks": passed}]}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import HjcampError, UsageError
 
 if TYPE_CHECKING:
@@ -22,7 +23,9 @@ def register(app: typer.Typer) -> None:
 
 def report(
     path: Annotated[Path, typer.Argument(help="A run folder or a folder of logs.")],
-    against: Annotated[str | None, typer.Option(help="Values to stand beside: published.")] = "published",
+    against: Annotated[
+        str | None, typer.Option(help="What stands beside: published, or another run folder.")
+    ] = "published",
     check: Annotated[
         str | None, typer.Option(help="Fail where a mean is outside these tolerances: a YAML file, or default.")
     ] = None,
@@ -34,18 +37,22 @@ def report(
     repetition: Annotated[
         int | None, typer.Option(help="Draw this repetition of each condition alone, into repetition_N of the folder.")
     ] = None,
+    json: AnswerFile = None,
 ) -> None:
     """Make tables and the report page of a run folder or of logs, beside the published values."""
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.study_pictures import study_pictures
-    from hjcamp.report.build import build_report, verdict
+    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.report.answer import report_answer
+    from hjcamp.report.build import AGAINST, build_report
     from hjcamp.report.check import check as check_cells
     from hjcamp.report.check import read_tolerances
     from hjcamp.report.ci import junit_xml, summary_markdown
     from hjcamp.report.store import replace_file
-    from hjcamp.report.terminal import FittedSheet, summary_table
+    from hjcamp.report.terminal import FittedSheet
     from hjcamp.storage import check_place
 
+    check_answer_file(json)
     if junit is not None and check is None:
         raise UsageError("--junit needs --check: without tolerances there is nothing that passes or fails")
     for option, file in (("--summary", summary), ("--junit", junit)):
@@ -53,22 +60,24 @@ def report(
             check_place(file, option)
     if output is not None:
         check_place(output, "--output", folder=True)
-    tolerances = None if check is None else read_tolerances(check)
+    beside = "published" if against is None or against in AGAINST else "baseline"
+    tolerances = None if check is None else read_tolerances(check, beside)
     logs = None if repetition is None else of_repetition(path, repetition)
     target = output or (None if repetition is None else path / f"repetition_{repetition}")
     made = build_report(path, against=against, output=target, logs=logs, further=study_pictures)
     console = make_console()
-    console.print(summary_table(made.indicators, against))
+    console.print(FittedSheet(made.conditions))
     for sheet in made.sheets:
         console.print(f"\n[bold]{sheet.title}[/bold]")
         console.print(FittedSheet(sheet))
-    if against and (sentence := verdict(made.comparison, made.differs)):
-        console.print(f"  {sentence}", markup=False)
+    if made.verdict:
+        console.print(f"  {made.verdict}", markup=False)
     console.print(f"  report  {made.page}", markup=False, soft_wrap=True)
     violations = None if tolerances is None else check_cells(made.comparison, tolerances, made.differs)
     if summary is not None:
-        said = verdict(made.comparison, made.differs) if against else ""
-        replace_file(summary, summary_markdown(str(made.run_dir), said, made.sheets, violations))
+        sheets = [*made.sheets, made.conditions]
+        replace_file(summary, summary_markdown(str(made.run_dir), made.verdict, sheets, violations))
+    write_answer(json, report_answer(made, against, violations))
     if tolerances is not None and violations is not None:
         if junit is not None:
             replace_file(junit, junit_xml("hjcamp", made.comparison, violations, list(tolerances)))

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -18,15 +20,19 @@ def register(app: typer.Typer) -> None:
     app.command("show")(show)
 
 
-def show(run: Annotated[Path, typer.Argument(help="The run folder.")]) -> None:
+def show(run: Annotated[Path, typer.Argument(help="The run folder.")], json: AnswerFile = None) -> None:
     """Show one run: its state, what it varies, its failures, its tables and where they are."""
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.finding import FoundRun
     from hjcamp.campaign.folder import open_folder
+    from hjcamp.commands._answers import run_answer
+    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.commands.plan import common_choices
 
+    check_answer_file(json)
     folder = open_folder(run)
     found = FoundRun(run, folder.plan, folder.manifest)
+    write_answer(json, run_answer(found))
     console = make_console()
     console.print(
         f"[bold]{run}[/bold]   {folder.plan.campaign}, {found.state}, {found.done} of {len(folder.plan.tests)} tests"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -32,9 +33,7 @@ def sizing(
             show_default=False,
         ),
     ] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the answer as JSON; - is standard output.")
-    ] = None,
+    json_file: AnswerFile = None,
     output: Annotated[Path, typer.Option(help="With figures: the folder for them.")] = Path("sizing"),
 ) -> None:
     """The formulas of chapter 3 beside the print; whether this joint can do a task, and which limit stops it; figures."""

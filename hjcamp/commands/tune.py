@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from hjcamp.commands._complete import complete_override
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from hjcamp.campaign.retune import Retuned
+    from hjcamp.campaign.retune_law import RetunedLaw
     from hjcamp.records.plan import Condition, Plan
 
 SIDES = (("positive", 1.0), ("negative", -1.0))
@@ -32,6 +34,7 @@ def tune(
     step_deg: Annotated[float, typer.Option(min=0.1, help="Step of the stability method, deg.")] = 30.0,
     replace: Annotated[bool, typer.Option("--replace", help="Overwrite a gain set that exists.")] = False,
     config_dir: Annotated[Path | None, typer.Option("--config-dir", help="A further folder of groups.")] = None,
+    json: AnswerFile = None,
 ) -> None:
     """Find PID gains on the simulated rig: by the stability method, or anew for the cases of a campaign.
 
@@ -40,17 +43,20 @@ def tune(
     sought from those of Table 5.3.1 (--from simulation) and written to conf/controller/gains/CASE.yaml.
     """
     from hjcamp.campaign.console import make_console
+    from hjcamp.commands._session import check_answer_file, write_answer
 
+    check_answer_file(json)
     lines = overrides or []
     if any(line.split("=")[0].lstrip("+~") == "campaign" for line in lines):
-        tune_campaign(lines, name, start, replace, config_dir, make_console())
+        cases = tune_campaign(lines, name, start, replace, config_dir, make_console())
     else:
-        stability_method(lines, name, step_deg, replace, config_dir, make_console())
+        cases = [stability_method(lines, name, step_deg, replace, config_dir, make_console())]
+    write_answer(json, {"schema": "hjcamp.tuning/1", "cases": cases})
 
 
 def stability_method(
     lines: list[str], name: str | None, step_deg: float, replace: bool, config_dir: Path | None, console: Console
-) -> None:
+) -> dict[str, Any]:
     """Print, and save where asked, the gains that follow from the critical point of each direction."""
     from hjcamp.campaign.compiling import kernels_of, status
     from hjcamp.campaign.critical_gain import critical_point
@@ -75,6 +81,7 @@ def stability_method(
     for side, point in points.items():
         text = ", ".join(f"{key} {value:.4g}" for key, value in gains[side].items())
         console.print(f"  {side}   critical gain {point.gain:.3g}, period {1e3 * point.period:.1f} ms   ->   {text}")
+    path = None
     if name is not None:
         call = " ".join(["hjcamp tune", *lines, f"--step-deg {step_deg:g}", f"--as {name}"])
         found = ", ".join(f"{side} {point.gain:.3g} and {1e3 * point.period:.1f} ms" for side, point in points.items())
@@ -83,14 +90,16 @@ def stability_method(
             f"Critical gain and period on the simulated rig: {found}.",
             f"Made by: {call}",
         ]
-        console.print(
-            f"  saved   {write_gains(name, gains, source, replace)}: use controller/gains={name}", markup=False
-        )
+        path = write_gains(name, gains, source, replace)
+        console.print(f"  saved   {path}: use controller/gains={name}", markup=False)
+    critical = {side: {"gain": point.gain, "period_s": point.period} for side, point in points.items()}
+    told = {"method": "stability", "step_deg": step_deg, "critical": critical, "gains": gains}
+    return {"case": name, **told, "file": str(path) if path else None}
 
 
 def tune_campaign(
     lines: list[str], name: str | None, start: str, replace: bool, config_dir: Path | None, console: Console
-) -> None:
+) -> list[dict[str, Any]]:
     """Tune the gains of every case of a campaign and save them."""
     from hjcamp.campaign.gains_file import free_place, write_gains
     from hjcamp.campaign.retune import FACTOR, gains_of
@@ -100,8 +109,7 @@ def tune_campaign(
 
     plan = compose_plan(lines, config_dir)
     if plan.conditions[0].config.get("plant"):
-        tune_laws(plan, lines, name, replace, console)
-        return
+        return tune_laws(plan, lines, name, replace, console)
     config = Composer(folder=config_dir).compose([f"controller/gains={start}"]).config
     check_configuration(config, f"--from {start}")
     first = gains_of(config, f"--from {start}")
@@ -113,6 +121,7 @@ def tune_campaign(
         for condition in conditions:
             gains_of(condition.config, f"condition '{condition.name}'")
         free_place(case, replace)
+    told = []
     for case, conditions in named.items():
         console.print(f"[bold]{case}[/bold]   {', '.join(one.name for one in conditions)}")
         result = search(conditions, first, plan.seed, console)
@@ -127,9 +136,18 @@ def tune_campaign(
         console.print(f"  mean RMSE1 {result.before:.4f} -> {result.after:.4f} deg, {result.evaluations} evaluations")
         console.print(f"  {_shown(result.gains)}", markup=False)
         console.print(f"  saved   {path}: use controller/gains={case}", markup=False)
+        told.append(_case(case, result, "deg", result.gains, path))
+    return told
 
 
-def tune_laws(plan: Plan, lines: list[str], name: str | None, replace: bool, console: Console) -> None:
+def _case(case: str, result: Retuned | RetunedLaw, unit: str, gains: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    return {
+        "case": case, "method": "search", "conditions": list(result.conditions), "mean_error_before": result.before,
+        "mean_error_after": result.after, "unit": unit, "evaluations": result.evaluations, "gains": dict(gains), "file": str(path),
+    }  # fmt: skip
+
+
+def tune_laws(plan: Plan, lines: list[str], name: str | None, replace: bool, console: Console) -> list[dict[str, Any]]:
     """Tune the controllers of a campaign of another plant, one parameter set for each case, and save them."""
     from hjcamp.campaign.compiling import Doing, kernels_of, status
     from hjcamp.campaign.gains_file import free_place, write_gains
@@ -142,6 +160,7 @@ def tune_laws(plan: Plan, lines: list[str], name: str | None, replace: bool, con
     named = {name or f"{plant}_{case}": conditions for case, conditions in cases.items()}
     for case in named:
         free_place(case, replace)
+    told = []
     for case, conditions in named.items():
         console.print(f"[bold]{case}[/bold]   {', '.join(one.name for one in conditions)}")
         doing = Doing("searching for the smallest mean error")
@@ -159,6 +178,8 @@ def tune_laws(plan: Plan, lines: list[str], name: str | None, replace: bool, con
         console.print(f"  mean error {result.before:.5g} -> {result.after:.5g} (SI), {result.evaluations} evaluations")
         console.print(f"  {', '.join(f'{key} {value:.4g}' for key, value in result.found.items())}", markup=False)
         console.print(f"  saved   {path}: use controller/gains={case}", markup=False)
+        told.append(_case(case, result, "SI", result.found, path))
+    return told
 
 
 def search(

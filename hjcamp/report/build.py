@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import polars as pl
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.report.against_run import RunComparison, read_tests, tests_of
 from hjcamp.report.ci import metrics_json, params_yaml
 from hjcamp.report.declared import TableDefinition, declared_tables
 from hjcamp.report.dot_plot import Dots, dots_of, draw_dots
@@ -48,8 +49,12 @@ class Report:
     indicators: pl.DataFrame
     tables: dict[str, pl.DataFrame]
     sheets: list[Sheet]
+    by_condition: pl.DataFrame
+    conditions: Sheet
     comparison: pl.DataFrame
     differs: dict[str, list[str]]
+    verdict: str
+    baseline: RunComparison | None = None
 
 
 def build_report(
@@ -62,17 +67,17 @@ def build_report(
 ) -> Report:
     """Write ``tables/`` and ``report.html`` of a run folder, or of a folder of logs, each file whole or not at all.
 
-    With ``against="published"`` the published values stand beside. ``output`` is another folder for the files, ``logs``
-    are the logs where they have been read already, ``further`` gives more pictures for the page. The logs of the folder
-    are read one after the other. `UsageError` where there is no log, a log that cannot be read, or an unknown
-    ``against`` or table.
+    With ``against="published"`` the published values stand beside, with a path those of that run. ``output`` is another
+    folder for the files, ``logs`` are the logs where they have been read already, ``further`` gives more pictures for the
+    page. The logs of the folder are read one after the other. `UsageError` where there is no log, a log that cannot be
+    read, an unknown ``against`` or table, or a baseline that has no condition of this run.
     """
     from hjcamp.records.find import refuse_mixed_plants, tell
     from hjcamp.records.run_folder import refuse_links_out
     from hjcamp.records.stored import stored_logs
 
-    if against is not None and against not in AGAINST:
-        raise unknown("comparison", against, AGAINST, "--against")
+    if against is not None and against not in AGAINST and not Path(against).exists():
+        raise unknown("comparison", against, (*AGAINST, "a run folder"), "--against")
     run_dir, target = Path(run_dir), Path(output or run_dir)
     if target.is_file():
         raise UsageError(f"{target} is a file; name the folder for tables and page with output (--output DIR)")
@@ -91,12 +96,18 @@ def build_report(
     refuse_mixed_plants(found)
     found = in_plan_order(found, origin)
     shown = Exploration(len(found), [REFERENCE])
+    baseline = read_tests(Path(against)) if against is not None and against not in AGAINST else None
     indicators, spreads = _condensed(found, origin, run_dir, shown)
+    beside: str | RunComparison | None = against
+    if baseline is not None:
+        beside = runs = RunComparison(tests_of(str(run_dir), indicators, found), baseline)
+        runs.refuse_without_pairs()
     definitions = _with_rows(declared_tables(origin.tables), indicators)
-    tables = {one.name: build_table(indicators, one, against) for one in definitions}
+    tables = {one.name: build_table(indicators, one, beside) for one in definitions}
     sheets = [arrange(tables[one.name], one) for one in definitions]
-    comparison = against_published(indicators, definitions)
-    conditions = by_condition(indicators, against)
+    compared = beside if isinstance(beside, RunComparison) else None
+    comparison = compared.cells if compared else against_published(indicators, definitions)
+    conditions = by_condition(indicators, beside)
     differs = differences(conditions.iter_rows(named=True))
     write_frame(
         target / "tables", "indicators", indicators.select(*COLUMNS, *IDENTITY, *FURTHER, *varied_columns(indicators))
@@ -108,14 +119,27 @@ def build_report(
     replace_file(target / "metrics.json", metrics_json(conditions))
     if origin.plan:
         replace_file(target / "params.yaml", params_yaml(origin.plan))
-    all_sheets = [*sheets, arrange_conditions(conditions), *arrange_lines(lines_by_condition(indicators))]
+    by_name = arrange_conditions(conditions, compared.notes if compared else ())
+    all_sheets = [*sheets, by_name, *arrange_lines(lines_by_condition(indicators))]
     more = further(found) if further else {}
-    said = verdict(comparison, differs) if against else ""
+    said = compared.verdict if compared else verdict(comparison, differs) if against else ""
     dots = _dots(conditions, found)
     beside = beside_refit(conditions) if against else None
     page = _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out, shown, dots, beside)
     replace_file(target / "report.html", page)
-    return Report(run_dir, target / "report.html", indicators, tables, sheets, comparison, differs)
+    return Report(
+        run_dir,
+        target / "report.html",
+        indicators,
+        tables,
+        sheets,
+        conditions,
+        by_name,
+        comparison,
+        differs,
+        said,
+        compared,
+    )
 
 
 def in_plan_order(logs: Sequence[TestLog], origin: RunOrigin) -> list[TestLog]:
@@ -154,12 +178,13 @@ def _condensed(
 
 
 def _dots(conditions: pl.DataFrame, logs: Sequence[TestLog]) -> list[Dots]:
-    """Return the means of the run, and the published ones where any stands beside."""
+    """Return the means of the run, and the published ones or a baseline's where any stands beside."""
     rows = conditions.to_dicts()
     measured = {log.metadata.get("backend", "") for log in logs} - {"simulation", ""}
     kinds = [
         dots_of(rows, "measured" if measured else "simulated", INDICATORS),
         dots_of(rows, "published", INDICATORS, "_published"),
+        dots_of(rows, "baseline", INDICATORS, "_baseline"),
     ]
     return [one for one in kinds if one.values]
 

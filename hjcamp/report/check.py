@@ -1,4 +1,4 @@
-"""Hold a comparison with the published values against tolerances."""
+"""Hold a comparison with the published values, or with another run, against tolerances."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.report.indicators import CHOICES, INDICATORS
 from hjcamp.yaml_file import read_yaml
 
-DEFAULT = Path(__file__).with_name("default_tolerances.yaml")
-KINDS = ("absolute", "published_std")
+#: What the means are held against: the kinds of tolerances that it allows, and the program's own.
+KINDS = {"published": ("absolute", "published_std"), "baseline": ("absolute", "baseline_std", "p")}
+DEFAULT = {name: Path(__file__).with_name(f"default_tolerances_{name}.yaml") for name in KINDS}
+UNITS = {"absolute": "deg", "published_std": "published std", "baseline_std": "std of the baseline"}
 Tolerances = dict[str, dict[str, float]]
 
 
@@ -32,22 +34,29 @@ class Violation:
     difference_in_std: float | None
     allowed: str
     condition: str = ""
+    beside: str = "published"
+    p: float | None = None
 
     def __str__(self) -> str:
-        in_std = f", {self.difference_in_std:+.1f} published std" if self.difference_in_std is not None else ""
+        in_std = f", {self.difference_in_std:+.1f} {self.beside} std" if self.difference_in_std is not None else ""
+        chance = f", p {self.p:.2g}" if self.p is not None else ""
+        # Means of two runs may differ by less than the print of a text shows.
+        digits = 2 if self.beside == "published" else 4
         return (
-            f"{self.table}: {self.cell}: {self.indicator} {self.mean:.2f}, published {self.published:g}"
-            f" ({self.difference:+.2f}{in_std}; allowed {self.allowed})"
+            f"{self.table}: {self.cell}: {self.indicator} {self.mean:.{digits}f}, {self.beside} "
+            f"{self.published:{'g' if digits == 2 else '.4f'}} ({self.difference:+.{digits}f}{in_std}{chance}; allowed {self.allowed})"
         )
 
 
-def read_tolerances(source: str | Path) -> Tolerances:
+def read_tolerances(source: str | Path, beside: str = "published") -> Tolerances:
     """Return the tolerances of a YAML file, or the program's own for ``default``; `UsageError` for bad ones.
 
-    The file maps indicators to ``absolute`` (deg) and/or ``published_std`` (published standard deviations); a cell
-    passes when it is within any one given. Indicators that are not named are not checked.
+    The file maps indicators to ``absolute`` (deg) and/or ``published_std`` (published standard deviations); beside a
+    baseline ``baseline_std`` (its deviations) or ``p`` (a mean passes whose corrected p is not below it). A cell passes
+    when it is within any one given. Indicators that are not named are not checked.
     """
-    path = DEFAULT if str(source) == "default" else Path(source)
+    kinds = KINDS[beside]
+    path = DEFAULT[beside] if str(source) == "default" else Path(source)
     if not path.exists():
         raise UsageError(f"tolerances {path}: there is no such file; a YAML file or 'default' is needed")
     content = read_yaml(path)
@@ -57,10 +66,10 @@ def read_tolerances(source: str | Path) -> Tolerances:
         if name not in INDICATORS:
             raise unknown("indicator", str(name), INDICATORS, f"tolerances {path}")
         if not isinstance(limits, dict) or not limits:
-            raise UsageError(f"tolerances {path}: {name} needs {' or '.join(KINDS)}")
+            raise UsageError(f"tolerances {path}: {name} needs {' or '.join(kinds)}")
         for kind, limit in limits.items():
-            if kind not in KINDS:
-                raise unknown("tolerance", str(kind), KINDS, f"tolerances {path}: {name}")
+            if kind not in kinds:
+                raise unknown("tolerance", str(kind), kinds, f"tolerances {path}: {name}")
             if isinstance(limit, bool) or not isinstance(limit, (int, float)) or not 0.0 <= limit < math.inf:
                 raise UsageError(f"tolerances {path}: {name}.{kind} is {limit!r}; a finite number >= 0 is needed")
     return content
@@ -71,42 +80,54 @@ def check(
     tolerances: str | Path | Tolerances = "default",
     differs: Mapping[str, Sequence[str]] | None = None,
 ) -> list[Violation]:
-    """Return the cells of a comparison (`hjcamp.report.tables.against_published`) that are outside the tolerances.
+    """Return the cells of a comparison (`hjcamp.report.tables.against_published`, `RunComparison.cells`) outside tolerances.
 
     `UsageError` where there is no cell to check, because an empty comparison must not pass; ``differs`` are the reasons
     why no published value stands beside some conditions.
     """
-    limits = tolerances if isinstance(tolerances, dict) else read_tolerances(tolerances)
+    limits = tolerances if isinstance(tolerances, dict) else read_tolerances(tolerances, _beside(comparison))
     cells = [cell for cell in comparison.iter_rows(named=True) if cell["indicator"] in limits]
     if not cells:
         why = "".join(f"; {len(names)} of them: {reason}" for reason, names in list((differs or {}).items())[:3])
-        raise UsageError(f"nothing to check: none of these conditions has a published value with a tolerance{why}")
-    return [
-        _violation(cell, limits[cell["indicator"]]) for cell in cells if not _within(cell, limits[cell["indicator"]])
-    ]
+        raise UsageError(
+            f"nothing to check: none of these conditions has a {_beside(comparison)} value with a tolerance{why}"
+        )
+    outside = [cell for cell in cells if not _within(cell, limits[cell["indicator"]])]
+    return [_violation(cell, limits[cell["indicator"]], _beside(comparison)) for cell in outside]
+
+
+def _beside(comparison: pl.DataFrame) -> str:
+    return "baseline" if "baseline_mean" in comparison.columns else "published"
 
 
 def _within(cell: dict[str, Any], limits: dict[str, float]) -> bool:
-    in_unit = {"absolute": cell["difference"], "published_std": cell["difference_in_std"]}
+    in_std = cell["difference_in_std"]
+    in_unit = {"absolute": cell["difference"], "published_std": in_std, "baseline_std": in_std}
+    if "p" in limits and cell["p_holm"] is not None and cell["p_holm"] >= limits["p"]:
+        return True
+    limits = {kind: limit for kind, limit in limits.items() if kind != "p"}
     # A null or NaN difference compares false with everything, so it never passes.
     return any(in_unit[kind] is not None and abs(in_unit[kind]) <= limit for kind, limit in limits.items())
 
 
-def _violation(cell: dict[str, Any], limits: dict[str, float]) -> Violation:
-    units = {"absolute": "deg", "published_std": "published std"}
+def _violation(cell: dict[str, Any], limits: dict[str, float], beside: str) -> Violation:
     name = " ".join(cell[group] for group in CHOICES if cell.get(group) is not None)
-    name += f" ({cell['condition']})" if cell.get("condition") else ""
-    allowed = " or ".join(f"{limit:g} {units[kind]}" for kind, limit in limits.items())
+    name = f"{name} ({cell['condition']})" if name and cell.get("condition") else name or str(cell["condition"])
+    allowed = " or ".join(
+        f"p from {limit:g} on" if kind == "p" else f"{limit:g} {UNITS[kind]}" for kind, limit in limits.items()
+    )
     return Violation(
         table=cell["table"],
         cell=name,
         indicator=cell["indicator"],
         mean=_number(cell["mean"]),
-        published=cell["published_mean"],
+        published=cell[f"{beside}_mean"],
         difference=_number(cell["difference"]),
         difference_in_std=cell["difference_in_std"],
         allowed=allowed,
         condition=str(cell.get("condition")),
+        beside=beside,
+        p=cell.get("p_holm"),
     )
 
 

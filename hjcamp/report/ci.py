@@ -64,7 +64,12 @@ def junit_xml(suite: str, cells: pl.DataFrame, violations: Sequence[Violation], 
 
 
 def metrics_json(conditions: pl.DataFrame) -> str:
-    """Return mean and deviation of every indicator by condition, and n, as trackers of experiments read them."""
+    """Return `metrics_of` as text, as trackers of experiments read it."""
+    return json.dumps(metrics_of(conditions), indent=2, allow_nan=False) + "\n"
+
+
+def metrics_of(conditions: pl.DataFrame) -> dict[str, Any]:
+    """Return mean and deviation of every indicator by condition, and n."""
     found: dict[str, Any] = {}
     for row in conditions.iter_rows(named=True):
         values = {
@@ -77,7 +82,7 @@ def metrics_json(conditions: pl.DataFrame) -> str:
             number += 1
             key = f"{row['condition']} ({number})"
         found[key] = {"n": row["n"], **values}
-    return json.dumps(found, indent=2, allow_nan=False) + "\n"
+    return found
 
 
 def params_yaml(plan: Mapping[str, Any]) -> str:

@@ -12,7 +12,7 @@ from string import Template
 from hjcamp.report import figures
 from hjcamp.report.explorer import NOTHING_FETCHED
 from hjcamp.report.figures import tidy
-from hjcamp.report.sheet import Cell, Sheet
+from hjcamp.report.sheet import BESIDE, Cell, Sheet
 from hjcamp.report.small_multiples import small_multiples
 from hjcamp.report.spread import Condition
 
@@ -134,7 +134,7 @@ def folded(sheet: Sheet) -> str:
 def table_html(sheet: Sheet) -> str:
     """Return one sheet as a heading, a table and its notes."""
     headers = "".join(
-        f'<th{_class("published" if header == "published" else "")} scope="col">{escape(header)}</th>'
+        f'<th{_class("published" if header in BESIDE else "")} scope="col">{escape(header)}</th>'
         for header in sheet.headers
     )
     rows = "\n".join(_row_html(row, len(sheet.headers)) for row in sheet.rows)

@@ -15,6 +15,7 @@ from hjcamp.report.indicators import CHOICES, INDICATORS
 from hjcamp.report.line_indicators import FURTHER
 from hjcamp.report.published import CONDITION, MEASURED_WITH, published_cells
 from hjcamp.report.tables import FAR_OFF, differences
+from hjcamp.report.welch import SIGNIFICANT
 
 TITLES = {
     "rmse1_deg": "RMSE1", "rmse2_deg": "RMSE2", "e_max_deg": "|e|max", "sse_deg": "SSE", "pressure_low_mpa": "lowest, MPa",
@@ -23,6 +24,8 @@ TITLES = {
 }  # fmt: skip
 FAR_OFF_NOTE = f"▲ ▼: more than {FAR_OFF:g} published standard deviations above or below the published mean."
 NO_TEST = "–"
+#: Headings of columns that stand beside a mean.
+BESIDE = ("published", "baseline")
 NAMED, REASONS = 3, 6
 
 
@@ -57,7 +60,7 @@ def arrange(table: pl.DataFrame, definition: TableDefinition) -> Sheet:
     return sheet
 
 
-def arrange_conditions(table: pl.DataFrame) -> Sheet:
+def arrange_conditions(table: pl.DataFrame, notes: Sequence[str] = ()) -> Sheet:
     """Return the frame of `hjcamp.report.tables.by_condition` as a sheet: only the choices that vary."""
     names = [name for name in INDICATORS if table[f"{name}_mean"].is_not_null().any()]
     return _of_conditions(
@@ -65,7 +68,7 @@ def arrange_conditions(table: pl.DataFrame) -> Sheet:
         "conditions",
         "All conditions",
         names or list(INDICATORS),
-        "Mean ± sample standard deviation over n tests, deg.",
+        ["Mean ± sample standard deviation over n tests, deg.", *notes],
     )
 
 
@@ -73,16 +76,18 @@ def arrange_lines(table: pl.DataFrame) -> list[Sheet]:
     """Return the frame of `hjcamp.report.tables.lines_by_condition` as a sheet; none where no log holds pressures."""
     names = [name for name in FURTHER if table[f"{name}_mean"].is_not_null().any()]
     note = "Of both lines in the command phase; the share is rms(feedforward) / (rms(feedforward) + rms(feedback))."
-    return [_of_conditions(table, "lines", "Line pressure and command", names, note)] if names else []
+    return [_of_conditions(table, "lines", "Line pressure and command", names, [note])] if names else []
 
 
-def _of_conditions(table: pl.DataFrame, name: str, title: str, indicators: Sequence[str], note: str) -> Sheet:
+def _of_conditions(
+    table: pl.DataFrame, name: str, title: str, indicators: Sequence[str], notes: Sequence[str]
+) -> Sheet:
     keys = [name for name in CHOICES if table[name].n_unique() > 1]
     if not keys or table.select(keys).is_duplicated().any():
         keys = ["condition", *keys]
     if table.select(keys).is_duplicated().any():
         keys += [name for name in _keys(table) if name not in (*CHOICES, "campaign", "condition")]
-    definition = TableDefinition(name=name, title=title, indicators=indicators, by={}, where={}, notes=[note])
+    definition = TableDefinition(name=name, title=title, indicators=indicators, by={}, where={}, notes=list(notes))
     return _arrange_plain(table.to_dicts(), definition, keys)
 
 
@@ -101,7 +106,7 @@ def _arrange_plain(rows: Sequence[dict[str, Any]], definition: TableDefinition, 
     compared = [name for name in definition.indicators if any(row.get(f"{name}_printed") for row in rows)]
     headers = [*keys, "n"]
     for name in definition.indicators:
-        headers += [_title(name, definition), *(["published"] if name in compared else [])]
+        headers += [_title(name, definition), *([_beside(rows)] if name in compared else [])]
     body = []
     for row in rows:
         cells = [Cell(str(row[key] or ""), "key") for key in keys]
@@ -117,7 +122,7 @@ def _arrange_across(rows: Sequence[dict[str, Any]], definition: TableDefinition,
     columns = [column for column in definition.across if any(_matches(row, column) for row in rows)]
     headers = list(keys)
     for column in columns:
-        headers += [column.title, *(["published"] if compared else [])]
+        headers += [column.title, *([_beside(rows)] if compared else [])]
     headers += [column.title for column in definition.from_print]
     body: list[list[Cell]] = []
     for name in definition.indicators:
@@ -159,7 +164,7 @@ def _sheet(
     definition: TableDefinition, headers: list[str], body: list[list[Cell]], rows: Sequence[Mapping[str, Any]]
 ) -> Sheet:
     notes = list(definition.notes)
-    if any(cell.mark for row in body for cell in row):
+    if _beside(rows) == "published" and any(cell.mark for row in body for cell in row):
         notes.append(FAR_OFF_NOTE)
     notes += why_not_beside(differences(rows), len(rows))
     return Sheet(definition.name, definition.title, definition.source, headers, body, notes)
@@ -180,6 +185,11 @@ def _title(name: str, definition: TableDefinition) -> str:
     return f"|{TITLES[name]}|" if name in definition.magnitudes else TITLES[name]
 
 
+def _beside(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return what stands beside the means: the published values, or those of another run."""
+    return "baseline" if any(name.endswith("_baseline_mean") for row in rows[:1] for name in row) else "published"
+
+
 def _pair(row: dict[str, Any], name: str, definition: TableDefinition, compared: bool) -> list[Cell]:
     mean, std = row[f"{name}_mean"], row[f"{name}_std"]
     if mean is not None and name in definition.magnitudes:
@@ -187,10 +197,11 @@ def _pair(row: dict[str, Any], name: str, definition: TableDefinition, compared:
     text = " ".join(part for part in (with_deviation(mean, std, 2), row.get(f"{name}_arrow") or "") if part)
     cells = [Cell(text, "value", far_off(row, name))]
     if compared:
-        printed = row[f"{name}_published_mean"]
+        beside = f"{name}_{_beside([row])}"
+        printed = row[f"{beside}_mean"]
         if printed is not None and name in definition.magnitudes:
             printed = abs(printed)
-        shown = with_deviation(printed, row[f"{name}_published_std"], row[f"{name}_decimals"] or 1)
+        shown = with_deviation(printed, row[f"{beside}_std"], row[f"{name}_decimals"] or 1)
         cells.append(Cell(shown if row[f"{name}_printed"] else "", "published"))
     return cells
 
@@ -198,9 +209,13 @@ def _pair(row: dict[str, Any], name: str, definition: TableDefinition, compared:
 def far_off(row: dict[str, Any], name: str) -> str:
     """Return ▲ or ▼ where a mean is more than two published deviations above or below the published one, else nothing.
 
-    A difference that the rounding of the print could explain is never marked.
+    A difference that the rounding of the print could explain is never marked. Beside another run, what is more than
+    scatter is marked.
     """
     in_std, difference = row.get(f"{name}_difference_in_std"), row.get(f"{name}_difference")
+    if f"{name}_p" in row:
+        differs = row[f"{name}_p"] is not None and row[f"{name}_p"] < SIGNIFICANT
+        return ("▲" if difference > 0 else "▼") if differs and difference else ""
     if in_std is None or difference is None or abs(in_std) <= FAR_OFF:
         return ""
     if abs(difference) <= 0.5 * 10.0 ** -(row.get(f"{name}_decimals") or 1):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
@@ -13,6 +13,9 @@ from hjcamp.report.indicators import CHOICES, INDICATORS, STANDING, varied_colum
 from hjcamp.report.line_indicators import FURTHER
 from hjcamp.report.published import CONDITION, MEASURED_WITH, cell_key, published_cells
 from hjcamp.report.published.configurations import CAMPAIGNS
+
+if TYPE_CHECKING:
+    from hjcamp.report.against_run import RunComparison
 
 #: From how many published deviations on a difference is marked.
 FAR_OFF = 2.0
@@ -45,13 +48,16 @@ def aggregate(indicators: pl.DataFrame, keys: Sequence[str], names: Sequence[str
     return frame.group_by(keys, maintain_order=True).agg(*ordered, count, *kept)
 
 
-def build_table(indicators: pl.DataFrame, definition: TableDefinition, against: str | None = None) -> pl.DataFrame:
+def build_table(
+    indicators: pl.DataFrame, definition: TableDefinition, against: str | RunComparison | None = None
+) -> pl.DataFrame:
     """Return the aggregated frame of one declared table: its choices, ``<indicator>_mean``, ``_std``, ``n``.
 
     With arrows declared, ``<indicator>_arrow`` is ↓, ↑ or =. With ``against="published"`` each indicator has
     ``_published_mean``, ``_published_std``, ``_difference`` and ``_difference_in_std`` beside it (null where the thesis
     prints nothing), but only in rows whose configuration is that of the published test; ``published_differs`` says
-    where another row's is not. Rows without tests are left out; no rows at all is an empty frame.
+    where another row's is not. With another run, its values stand beside as `RunComparison.beside` has them. Rows without
+    tests are left out; no rows at all is an empty frame.
     """
     frame = _with_defaults(indicators)
     for group, names in definition.where.items():
@@ -74,13 +80,18 @@ def build_table(indicators: pl.DataFrame, definition: TableDefinition, against: 
             fixed = group not in table.columns and group in CONDITION and len(names) == 1
             table = table.with_columns(pl.lit(names[0]).alias(group)) if fixed else table
         return _beside(table, definition.published, definition.indicators, definition.magnitudes)
+    if against is not None and not isinstance(against, str):
+        table = against.beside(table, definition.indicators, definition.magnitudes)
     return table.drop(pl.selectors.starts_with("_"))
 
 
-def by_condition(indicators: pl.DataFrame, against: str | None = "published") -> pl.DataFrame:
-    """Return one row per condition with means, deviations and n, and the published values beside them."""
+def by_condition(indicators: pl.DataFrame, against: str | RunComparison | None = "published") -> pl.DataFrame:
+    """Return one row per condition with means, deviations and n, and the published values or another run's beside them."""
     table = aggregate(indicators, ["condition", "campaign", *CHOICES])
-    return table.drop(pl.selectors.starts_with("_")) if against is None else _beside(table, list(CAMPAIGNS), INDICATORS)
+    if isinstance(against, str):
+        return _beside(table, list(CAMPAIGNS), INDICATORS)
+    table = table.drop(pl.selectors.starts_with("_"))
+    return table if against is None else against.beside(table, INDICATORS)
 
 
 def lines_by_condition(indicators: pl.DataFrame) -> pl.DataFrame:

@@ -11,7 +11,7 @@ from rich.cells import cell_len
 from rich.table import Table
 from rich.text import Text
 
-from hjcamp.report.sheet import Cell, Sheet, arrange_conditions
+from hjcamp.report.sheet import BESIDE, Cell, Sheet, arrange_conditions
 from hjcamp.report.tables import by_condition
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class FittedSheet:
         left = [place for place in range(len(headers)) if place not in keys and headers[place] != "n"]
         pairs: list[list[int]] = []
         for place in left:
-            if headers[place] == "published" and pairs:
+            if headers[place] in BESIDE and pairs:
                 pairs[-1].append(place)
             else:
                 pairs.append([place])
@@ -85,7 +85,7 @@ class FittedSheet:
             header = self.sheet.headers[place]
             # Where nothing else helps a long name is folded; a number or its mark never is.
             table.add_column(
-                header, style="dim" if header == "published" else "", no_wrap=place not in keys, overflow="fold"
+                header, style="dim" if header in BESIDE else "", no_wrap=place not in keys, overflow="fold"
             )
         for row in self.sheet.rows:
             table.add_row(*[_text(row[place]) for place in columns if place < len(row)])

@@ -67,6 +67,11 @@ LOG_CALLS = (
     "resume run --workers=0", "report . ", "report run --check nosuch", "show .", "nosuch", "--nosuch", "--version=3",
     "import table.csv", "import map.yaml --map=map.yaml", "import table.csv --map=table.csv", "tune x", "tune campaign=leakage",
     "tune campaign=nosuch", "tune --from=nosuch campaign=own", "plan --json --cfg", "plan --condition=nosuch",
+    "plan --json", "ls --json /dev/null", "ls --json run", "show run --json loop", "report run --against=nowhere",
+    "report run --against=map.yaml", "diff", "diff run", "diff run nowhere", "diff run map.yaml", "history", "history campaign=nosuch",
+    "history campaign=own nosuch", "history campaign=own --over=days", "history campaign=own --figure=x.gif", "paper",
+    "paper run", "paper run --as=run/plan.json", "paper run --as=text --style=iee", "paper run --as=text --width=3",
+    "paper run --as=text --formats=gif", "paper nowhere --as=text", "paper run/plan.json --as=text", "paper map.yaml --as=text",
 )  # fmt: skip
 # What a command needs beside the option that is tried.
 NEEDED = {
@@ -74,7 +79,8 @@ NEEDED = {
     "calibrate": ("run", "--as=new"), "add": ("nosuch", "run", "--as=new"), "next": ("run", "--effort=quick"),
     "import": ("table.csv", "--map=map.yaml"), "effects": ("my_spring", "--no-figure"), "plants": ("axis",),
     "tour": ("--step=4",), "log info": ("run",), "log verify": ("run",),
-    "log recover": ("run/logs/ramp_pos__pid/rep_01.mcap", "--output=new.mcap"),
+    "log recover": ("run/logs/ramp_pos__pid/rep_01.mcap", "--output=new.mcap"), "diff": ("run", "run"),
+    "history": ("campaign=own",), "paper": ("run", "--as=text"),
 }  # fmt: skip
 SURROUNDINGS: tuple[dict[str, str | None], ...] = (
     {"HOME": None}, {"HOME": "/nosuch"}, {"HOME": ""}, {"HJCAMP_CONF": "/nosuch"}, {"HJCAMP_CONF": "map.yaml"},

@@ -14,7 +14,7 @@ import pytest
 
 from hjcamp import cli
 from hjcamp.commands import command_files, load
-from hjcamp.commands._complete import whole_words
+from hjcamp.commands._complete_bash import whole_words
 
 ROOT = Path(__file__).parents[2]
 
@@ -65,7 +65,27 @@ def test_the_pieces_of_bash_are_words_again(pieces: list[str], words: list[str],
         (["diagnose", "--effort", ""], ["quick", "standard", "thorough"]),
         (["next", "--effort", "st"], ["standard"]),
         (["next", "--rivals", "leakage,no"], ["leakage,nothing"]),
-        (["report", "--against", ""], ["published"]),
+        (["report", "--against", "pub"], ["published"]),
+        (["report", "--against", "runs/con"], ["runs/controllers/one"]),
+        (["diff", "runs/controllers/one", "runs/con"], ["runs/controllers/one"]),
+        (["paper", "ans"], ["answer.json"]),
+        (["paper", "--style", "els"], ["elsevier"]),
+        (["history", "campaign", "=", "robustness_v"], ["robustness_vertical"]),
+        (["history", "rms"], ["rmse1_deg", "rmse2_deg"]),
+        (["history", "--over", ""], ["commits", "runs"]),
+        (["ls", "state", "=", "com"], ["complete"]),
+        (["ls", "--columns", "git,+pay"], ["git,+payload"]),
+        (["ls", "--sort", "rmse1"], ["rmse1_deg"]),
+        (["plants", "valv"], ["valve_joint"]),
+        (["plants", "ne"], ["new"]),
+        (["plants", "test", "valv"], ["valve_joint"]),
+        (["effects", "--plant", "valv"], ["valve_joint"]),
+        (["effects", "new", "x", "--on", "cont"], ["contact"]),
+        (["diagnose", "--only", "leakage,stribeck_f"], ["leakage,stribeck_friction"]),
+        (["calibrate", "--only", "pump", "=", "pump1"], ["pump1"]),
+        (["import", "--map", "mi"], ["mine.yaml"]),
+        (["plan", "--json", "ans"], ["answer.json"]),
+        (["sizing", "cap"], ["capability"]),
         (["report", "--check", ""], ["default", "mine.yaml", "runs/"]),
         (["effects", "leak"], ["leakage"]),
         (["effects", "ne"], ["new"]),
@@ -89,7 +109,7 @@ def test_bash_is_answered(
 ) -> None:
     run = empty_folder / "runs" / "controllers" / "one"
     run.mkdir(parents=True)
-    for name in ("runs/controllers/one/plan.json", "mine.yaml", "one.mcap"):
+    for name in ("runs/controllers/one/plan.json", "mine.yaml", "one.mcap", "answer.json"):
         (empty_folder / name).write_text("")
     assert bash(monkeypatch, capfd, *pieces) == answers
 
@@ -120,12 +140,16 @@ def test_without_a_question_of_a_shell_nothing_is_added(monkeypatch: pytest.Monk
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
-def test_a_live_bash_completes_a_campaign(empty_folder: Path) -> None:
+def test_a_live_bash_completes_overrides_runs_models_effects_and_files(empty_folder: Path) -> None:
     """Type into an interactive bash: what the Tab key adds is on the line."""
     place = empty_folder / "bin"
     place.mkdir()
     (place / "hjcamp").write_text(f"#!/bin/sh\nexec '{sys.executable}' -m hjcamp \"$@\"\n")
     (place / "hjcamp").chmod(0o755)
+    run = empty_folder / "runs" / "controllers" / "one"
+    run.mkdir(parents=True)
+    for name in ("runs/controllers/one/plan.json", "measured.mcap"):
+        (empty_folder / name).write_text("")
     (empty_folder / "rc").write_text(
         "PS1='ready> '\nbind 'set enable-bracketed-paste off'\neval \"$(_HJCAMP_COMPLETE=source_bash hjcamp)\"\n"
     )
@@ -137,8 +161,16 @@ def test_a_live_bash_completes_a_campaign(empty_folder: Path) -> None:
         os.execvpe("bash", ["bash", "--noprofile", "--rcfile", str(empty_folder / "rc"), "-i"], environment)
     try:
         read_until(terminal, "ready> ")
-        os.write(terminal, b"hjcamp run campaign=robustness_v\t")
-        assert "campaign=robustness_vertical" in read_until(terminal, "robustness_vertical")
+        for typed, wanted in (
+            ("hjcamp run campaign=robustness_v", "campaign=robustness_vertical"),
+            ("hjcamp compare runs/con", "runs/controllers/one"),
+            ("hjcamp compare --model=pub", "--model=published"),
+            ("hjcamp add leak", "add leakage"),
+            ("hjcamp log info mea", "measured.mcap"),
+        ):
+            os.write(terminal, f"{typed}\t".encode())
+            assert wanted in read_until(terminal, wanted)
+            os.write(terminal, b"\x15")  # Ctrl-U takes the line away
     finally:
         os.kill(pid, 9)
         os.waitpid(pid, 0)

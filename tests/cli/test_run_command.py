@@ -164,7 +164,7 @@ def test_plan_writes_nothing(call: Call, tmp_path: Path) -> None:
     assert code == 0
     assert "8 conditions x 7 repetitions = 56 tests, 3 min 16 s of motion" in out
     narrow = ["campaign=robustness_vertical", "trajectory=mixed"]
-    assert len(json.loads(call("plan", *narrow, "--json").out)["tests"]) == 14
+    assert len(json.loads(call("plan", *narrow, "--json", "-").out)["tests"]) == 14
     shown = call("plan", *narrow, "--condition", "mixed__pid").out
     assert "payload_inertia" in shown and shown.startswith("# mixed__pid")
     assert call("plan", *narrow, "--condition", "mixed_pid").code == 2

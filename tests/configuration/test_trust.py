@@ -147,7 +147,7 @@ def test_an_own_main_configuration_runs_with_our_hydra(
     without = text[: text.index("\nhydra:")].replace("  - override hydra/job_logging: disabled\n", "")
     assert "pump: pump2" in without and "hydra" not in without
     write(empty_folder / "conf" / "config.yaml", without.replace("seed,1}", "seed,4}"))
-    code, said = call("plan", "--json")
+    code, said = call("plan", "--json", "-")
     assert code == 0 and '"seed": 4' in said, said
     assert call("run", "--cfg", "job")[0] == 0
     assert sorted(path.name for path in empty_folder.iterdir()) == ["conf"], "Hydra made its own folders"

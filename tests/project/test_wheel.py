@@ -105,7 +105,7 @@ def test_the_wheel_carries_configuration_and_campaigns(wheel: Path) -> None:
 
 
 def test_an_empty_folder_is_enough(program: Path, tmp_path: Path) -> None:
-    answer = called(program, tmp_path, "plan", "campaign=robustness_vertical", "--json")
+    answer = called(program, tmp_path, "plan", "campaign=robustness_vertical", "--json", "-")
     assert answer.returncode == 0, answer.stderr
     assert len(json.loads(answer.stdout)["tests"]) == 56
     assert "site-packages/hjcamp/_configuration/conf" in called(program, tmp_path, "doctor").stdout

@@ -54,17 +54,37 @@ def difference(config: Mapping[str, Any], published: Mapping[str, Any]) -> list[
     for group in dict.fromkeys((*published, *config)):
         if group in NO_PHYSICS:
             continue
-        ours, theirs = dict(leaves(config.get(group), group)), dict(leaves(published.get(group), group))
-        names = f"{group}.name"
-        parts = [
-            _in_words(key, ours.get(key, ABSENT), theirs.get(key, ABSENT))
-            for key in dict.fromkeys((*theirs, *ours))
-            if key != names and not _equal(ours.get(key, ABSENT), theirs.get(key, ABSENT))
-        ]
-        if parts and ours.get(names) != theirs.get(names):
-            parts = [_in_words(group, ours.get(names, ABSENT), theirs.get(names, ABSENT))]
+        pairs = unequal(config.get(group), published.get(group), group)
+        names = next(((ours, theirs) for key, ours, theirs in pairs if key == f"{group}.name"), None)
+        parts = [_in_words(key, ours, theirs) for key, ours, theirs in pairs if key != f"{group}.name"]
+        if parts and names:
+            parts = [_in_words(group, *names)]
         found += parts
     return found
+
+
+def unequal(ours: Any, theirs: Any, key: str = "") -> list[tuple[str, Any, Any]]:
+    """Return every value that differs between two nested configurations, with `ABSENT` where one has none; theirs first.
+
+    Inside a group an empty mapping differs from none: it is an effect with its parameters as they are by default.
+    """
+    return sorted(_unequal(ours, theirs, key), key=lambda one: one[2] is ABSENT)
+
+
+def _unequal(ours: Any, theirs: Any, key: str) -> Iterator[tuple[str, Any, Any]]:
+    held = [side for side in (ours, theirs) if isinstance(side, Mapping)]
+    if not held:
+        if not equal(ours, theirs):
+            yield key, ours, theirs
+    elif len(held) == 2 or ABSENT in (ours, theirs):
+        if not any(held) and len(held) == 1 and "." in key:
+            yield key, ours, theirs
+        for name in dict.fromkeys(name for side in reversed(held) for name in side):
+            one, other = (side.get(name, ABSENT) if isinstance(side, Mapping) else ABSENT for side in (ours, theirs))
+            yield from _unequal(one, other, f"{key}.{name}" if key else str(name))
+    else:
+        yield from _unequal(ours, ABSENT, key)
+        yield from _unequal(ABSENT, theirs, key)
 
 
 def leaves(value: Any, key: str) -> Iterator[tuple[str, Any]]:
@@ -84,7 +104,8 @@ def _differs(config: Mapping[str, Any], published: Mapping[str, Any]) -> str:
     return f"{found[0]}{more}" if found else ""
 
 
-def _equal(one: Any, other: Any) -> bool:
+def equal(one: Any, other: Any) -> bool:
+    """Return whether two values are the same; numbers up to the rounding of text."""
     numbers = [value for value in (one, other) if isinstance(value, int | float) and not isinstance(value, bool)]
     if len(numbers) == 2:
         return math.isclose(*numbers, rel_tol=1e-9)

@@ -1,0 +1,83 @@
+"""An indicator of a campaign over commits or runs: a table, a figure, and where it changed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hjcamp.commands._session import AnswerFile
+from hjcamp.errors import UsageError
+from hjcamp.storage import shown_path
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("history")(history)
+
+
+def history(
+    words: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="campaign=NAME [KEY=VALUE...] [INDICATOR]", help="The runs, filtered as by ls; rmse1_deg."
+        ),
+    ],
+    over: Annotated[str, typer.Option(help="commits (the newest run of each) or runs.")] = "commits",
+    folder: Annotated[Path | None, typer.Option(help="Where to look; runs and multirun by default.")] = None,
+    figure: Annotated[Path, typer.Option(help="Where the picture goes (png, svg, pdf).")] = Path("history.png"),
+    json: AnswerFile = None,
+) -> None:
+    """An indicator of a campaign over commits or runs: a table, a figure, and where it changed.
+
+    A row tells the mean over the conditions that all rows share, and how many of them differ from the row before
+    (Welch's t test with Holm's correction, p < 0.05).
+    """
+    from rich.markup import escape
+    from rich.table import Table
+
+    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.finding import FOLDERS, find_runs
+    from hjcamp.campaign.history import history_rows, moments_of, read_words
+    from hjcamp.commands._session import check_answer_file, check_picture, write_answer
+    from hjcamp.report.history_figure import draw_history
+
+    if folder is not None and not folder.is_dir():
+        raise UsageError(f"--folder {shown_path(folder)}: there is no such folder")
+    filters, indicator = read_words(words)
+    check_picture(figure)
+    check_answer_file(json)
+    runs = find_runs([folder] if folder else FOLDERS, filters)
+    if not runs:
+        raise UsageError(f"no run meets {' '.join(filters)}; see: hjcamp ls")
+    moments, without = moments_of(runs, indicator, over)
+    shared, rows = history_rows(moments)
+    answer = {"schema": "hjcamp.history/1", "indicator": indicator, "over": over, "conditions": shared, "rows": rows}
+    write_answer(json, {**answer, "without_report": without})
+    console = make_console()
+    table = Table(box=None, header_style="bold", pad_edge=False)
+    for heading in ("commit", "started", "tests", indicator, "changed", "run"):
+        table.add_column(heading, justify="right" if heading in ("tests", indicator) else "left", overflow="fold")
+    for row in rows:
+        error = "" if row["standard_error"] is None else f" ± {row['standard_error']:.3f}"
+        first = max(row["changed"], key=lambda one: abs(one["difference"]), default=None)
+        changed = f"{len(row['changed'])}: {first['condition']} {first['difference']:+.3f}" if first else ""
+        cells = (
+            row["commit"] or row["version"],
+            row["started"],
+            str(row["tests"]),
+            f"{row['mean']:.3f}{error}",
+            changed,
+            row["run"],
+        )
+        table.add_row(*map(escape, cells))
+    console.print(table)
+    said = f"deg, mean over {len(shared)} conditions ± its standard error; changed: conditions that differ from the row before"
+    console.print(f"  {said}, the largest named", style="dim", markup=False)
+    if without:
+        console.print(f"  {len(without)} runs have no report: {', '.join(without[:3])}", markup=False, soft_wrap=True)
+    labels = [row["commit"] if over == "commits" and row["commit"] else row["started"][:16] for row in rows]
+    title = " ".join(filters)
+    draw_history(figure, f"{title}: {indicator}", indicator, rows, labels)
+    console.print(f"  picture  {figure}", markup=False, soft_wrap=True)

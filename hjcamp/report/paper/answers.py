@@ -1,0 +1,114 @@
+"""The answers of compare, diagnose and calibrate as tables and numbers for a text."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from hjcamp.errors import UsageError, unknown
+from hjcamp.report.paper.names import macro
+from hjcamp.report.paper.numbers import Quantity, of_estimate
+from hjcamp.report.paper.tables import plain_sheet
+from hjcamp.report.sheet import NO_TEST, Sheet
+from hjcamp.report.units import SHOWN, label, plain, shown
+
+
+def read_answer(path: Path) -> dict[str, Any]:
+    """Return an answer of which tables can be made; `UsageError` for a file that is none."""
+    try:
+        answer = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path}: cannot be read as an answer (--json): {error}") from error
+    kind = answer.get("schema") if isinstance(answer, dict) else None
+    if kind not in SHEETS:
+        raise unknown("schema", str(kind), SHEETS, str(path))
+    found: dict[str, Any] = answer
+    return found
+
+
+def sheet_of(answer: Mapping[str, Any], name: str) -> Sheet:
+    """Return the table of an answer; `UsageError` where a key that the schema promises is not there."""
+    try:
+        return SHEETS[answer["schema"]](answer, name)
+    except (KeyError, TypeError, AttributeError, IndexError) as error:
+        raise UsageError(f"{name}: the answer is not what its schema {answer['schema']} says: {error}") from error
+
+
+def quantities_of(answer: Mapping[str, Any], prefix: str) -> dict[str, Quantity]:
+    """Return the fitted parameters of an answer by the name of their macro."""
+    rows = {name: row for name, row in (answer.get("calibration") or {}).items() if isinstance(row, dict)}
+    found = {macro(prefix, name): of_estimate(row) for name, row in rows.items()}
+    for one in answer.get("candidates") or []:
+        if one.get("effect") in (answer.get("effects") or []):
+            found |= {macro(prefix, one["effect"], name): of_estimate(row) for name, row in one["parameters"].items()}
+    return found
+
+
+def _comparison(answer: Mapping[str, Any], name: str) -> Sheet:
+    rows = []
+    for one in answer["models"]:
+        for channel, error in one["error"].items():
+            told = [plain(error[key]) if error and error.get(key) is not None else NO_TEST for key in ("rms", "floor")]
+            score = "" if one["score"] is None else f"{one['score']:.2f}"
+            rows.append([one["name"], label(channel), *told, score])
+    headers = ["model", "channel", "rms error", "floor", "error over floor"]
+    return plain_sheet(name, "Errors of the models on the same tests", headers, rows, ["In the unit of each channel."])
+
+
+def _diagnosis(answer: Mapping[str, Any], name: str) -> Sheet:
+    rows = [
+        [
+            one["effect"],
+            *(
+                f"{value:.3f}" if (value := one.get(key)) is not None else NO_TEST
+                for key in ("posterior", "heldout_error_ratio")
+            ),
+            "; ".join(f"{key} {_estimate(row)}" for key, row in one["parameters"].items()),
+        ]
+        for one in answer["candidates"]
+    ]
+    said = answer["verdict"].replace("_", " ") + (f": {', '.join(answer['effects'])}" if answer["effects"] else "")
+    headers = ["effect", "posterior", "held-out error ratio", "parameters, 95 % interval"]
+    return plain_sheet(name, "Effects that were fitted", headers, rows, [f"Verdict: {said}."])
+
+
+def _calibration(answer: Mapping[str, Any], name: str) -> Sheet:
+    rows = []
+    for key, row in answer["calibration"].items():
+        scale, unit = _scale(row["unit"])
+        ends = _ends(row)
+        rows.append(
+            [
+                row.get("text") or label(key),
+                unit,
+                plain(row["value"] * scale, 4),
+                " to ".join(plain(end * scale, 4) for end in ends) if ends else NO_TEST,
+                NO_TEST if row.get("published") is None else plain(row["published"] * scale, 4),
+            ]
+        )
+    headers = ["constant", "unit", "value", "95 % interval", "published"]
+    return plain_sheet(name, f"Constants identified from {answer['tests']} tests", headers, rows)
+
+
+def _estimate(row: Mapping[str, Any]) -> str:
+    scale, unit = _scale(row["unit"])
+    ends = _ends(row)
+    interval = f" ({plain(ends[0] * scale)} to {plain(ends[1] * scale)})" if ends else ""
+    return f"{plain(row['value'] * scale)}{interval} {unit}".rstrip()
+
+
+def _ends(row: Mapping[str, Any]) -> tuple[float, float] | None:
+    ends = row.get("ci95")
+    return None if not ends or None in ends else (ends[0], ends[1])
+
+
+def _scale(unit: str) -> tuple[float, str]:
+    return (shown(1.0, unit)[0], SHOWN[unit][0]) if unit in SHOWN and unit != "kg" else (1.0, unit)
+
+
+SHEETS = {
+    "hjcamp.comparison/1": _comparison, "hjcamp.diagnosis/1": _diagnosis, "hjcamp.diagnosis/2": _diagnosis,
+    "hjcamp.calibration/1": _calibration,
+}  # fmt: skip

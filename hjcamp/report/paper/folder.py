@@ -1,0 +1,176 @@
+"""The folder for a text: tables/, figures/, numbers.tex, references.bib, and a main.tex that shows them all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from hjcamp.errors import UsageError
+from hjcamp.report.against_run import Tests, tests_of
+from hjcamp.report.declared import declared_tables
+from hjcamp.report.dot_plot import dots_of
+from hjcamp.report.indicators import INDICATORS, frame_with_varied, row_of
+from hjcamp.report.origin import read_origin
+from hjcamp.report.paper.answers import quantities_of, read_answer, sheet_of
+from hjcamp.report.paper.cite import bibliography
+from hjcamp.report.paper.figures import Style, course_painter, drawable, means_painter, write_figure
+from hjcamp.report.paper.names import MACROS, distinct, macro
+from hjcamp.report.paper.numbers import Quantity, macros, of_mean
+from hjcamp.report.paper.tables import paper_table
+from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
+from hjcamp.report.spread import Condition, Gathering
+from hjcamp.report.store import replace_file
+from hjcamp.report.tables import build_table, by_condition
+
+#: From names of effects, and of a plant, to what has their docstrings.
+Documented = Callable[[str, set[str]], Sequence[object]]
+MAIN = r"""% Shows everything that is here; hjcamp paper writes this file once and leaves it alone afterwards.
+\documentclass{article}
+\usepackage[utf8]{inputenc}
+\usepackage[margin=20mm]{geometry}
+\usepackage{amssymb,booktabs,graphicx,siunitx}
+\sisetup{separate-uncertainty=true}
+\input{numbers}
+\begin{document}
+@tables@
+@figures@
+\section*{Numbers}
+\begin{itemize}
+@numbers@
+\end{itemize}
+\nocite{*}
+\bibliographystyle{plain}
+\bibliography{references}
+\end{document}
+"""
+
+
+@dataclass
+class Paper:
+    """What was written: files inside the folder, the numbers by macro, the keys to cite."""
+
+    folder: Path
+    tables: list[str] = field(default_factory=list)
+    figures: list[str] = field(default_factory=list)
+    numbers: dict[str, Quantity] = field(default_factory=dict)
+    cite: list[str] = field(default_factory=list)
+
+
+def write_paper(
+    paths: Sequence[Path], folder: Path, style: Style, formats: Sequence[str], documented: Documented
+) -> Paper:
+    """Write the folder of runs and of answers (``.json`` files of compare, diagnose, calibrate); returns what is in it.
+
+    Each file is written whole or not at all; ``main.tex`` stays as it is where there is one. `UsageError` for what is
+    neither a run nor an answer.
+    """
+    runs = [path for path in paths if path.suffix != ".json"]
+    answers = [(path, read_answer(path)) for path in paths if path.suffix == ".json"]
+    paper = Paper(folder)
+    used: set[str] = set()
+    plants: set[str] = set()
+    for number, path in enumerate(runs):
+        prefix = f"{_letter(number)}" if len(runs) > 1 else ""
+        tests = _write_run(paper, path, prefix, style, formats)
+        used |= {name for config in tests.configurations.values() for name in _effects(config)}
+        plants |= {str((config.get("plant") or {}).get("name") or "") for config in tests.configurations.values()}
+    for path, answer in answers:
+        _write_table(paper, sheet_of(answer, path.stem))
+        paper.numbers |= quantities_of(answer, path.stem)
+        used |= {str(name) for name in answer.get("effects") or ()}
+        plants.add(str(answer.get("plant") or ""))
+    sources = [one for plant in sorted(plants) for one in documented(plant, used)]
+    entries = bibliography(sources, bool(plants & {"", "pump_joint"}))
+    paper.cite = list(entries)
+    replace_file(folder / "references.bib", "\n".join(entries.values()))
+    replace_file(folder / "numbers.tex", macros(paper.numbers))
+    if not (folder / "main.tex").exists():
+        replace_file(folder / "main.tex", _main(paper))
+    return paper
+
+
+def _write_run(paper: Paper, path: Path, prefix: str, style: Style, formats: Sequence[str]) -> Tests:
+    tests, spreads, tables = _read(path)
+    conditions = by_condition(tests.indicators)
+    for sheet in [*tables, arrange_conditions(conditions)]:
+        _write_table(paper, sheet, prefix)
+    rows = conditions.to_dicts()
+    kinds = [dots_of(rows, "run", INDICATORS), dots_of(rows, "published", INDICATORS, "_published")]
+    kinds = [one for one in kinds if one.values]
+    names = list(dict.fromkeys(str(row["condition"]) for row in rows))
+    shown = [name for name in INDICATORS if any(one == name for kind in kinds for _, one in kind.values)]
+    folder, tag = paper.folder / "figures", f"{prefix.lower()}_" if prefix else ""
+    files = []
+    if shown:
+        height = 0.25 + 0.07 * len(names) * -(-len(shown) // 2)
+        files += write_figure(folder, f"{tag}means", formats, style, height, means_painter(names, shown, kinds))
+    for one in filter(drawable, spreads):
+        files += write_figure(folder, f"{tag}{one.name}", formats, style, 0.75, course_painter(one))
+    paper.figures += [file.relative_to(paper.folder).as_posix() for file in files]
+    for name, base in zip(names, distinct(macro(prefix, name) for name in names), strict=True):
+        paper.numbers |= _numbers(next(row for row in rows if row["condition"] == name), base)
+    return tests
+
+
+def _numbers(row: Mapping[str, Any], base: str) -> dict[str, Quantity]:
+    found = {f"{base}N": Quantity(float(row["n"]), None, "")}
+    for name, word in MACROS.items():
+        mean, std = row[f"{name}_mean"], row[f"{name}_std"]
+        if mean is not None:
+            found[f"{base}{word}"] = of_mean(mean, std, row["n"], r"\degree")
+        if std is not None:
+            found[f"{base}{word}Std"] = Quantity(std, None, r"\degree")
+    return found
+
+
+def _read(path: Path) -> tuple[Tests, list[Condition], list[Sheet]]:
+    from hjcamp.records.find import refuse_mixed_plants
+    from hjcamp.records.stored import stored_logs
+
+    logs = stored_logs([path])
+    refuse_mixed_plants(logs)
+    origin = read_origin(path)
+    rows, gatherings = [], {log.condition_key: Gathering(log.condition_key) for log in logs}
+    for log in logs:
+        rows.append(row_of(log, path))
+        gatherings[log.condition_key].add(log)
+    attached = [log.attachments.get("config.yaml", b"") for log in logs]
+    tests = tests_of(str(path), frame_with_varied(rows, attached, origin.axes), logs)
+    built = [(one, build_table(tests.indicators, one, "published")) for one in declared_tables(origin.tables)]
+    spreads = [one.condition() for one in gatherings.values()]
+    return tests, spreads, [arrange(table, one) for one, table in built if table.height]
+
+
+def _write_table(paper: Paper, sheet: Sheet, prefix: str = "") -> None:
+    name = "_".join(filter(None, (prefix.lower(), sheet.name)))
+    file = f"tables/{name}.tex"
+    if file in paper.tables:
+        raise UsageError(f"two of the answers are named {name}.json; give them different names")
+    replace_file(paper.folder / file, paper_table(sheet, name.replace("_", "-")))
+    paper.tables.append(file)
+
+
+def _effects(config: Mapping[str, Any]) -> list[str]:
+    model = config.get("controller_model")
+    held = [config.get("effects"), model.get("effects") if isinstance(model, Mapping) else None]
+    return [str(name) for one in held if isinstance(one, Mapping) for name in one]
+
+
+def _letter(number: int) -> str:
+    return chr(ord("A") + number) if number < 26 else f"{_letter(number // 26 - 1)}{_letter(number % 26)}"
+
+
+def _main(paper: Paper) -> str:
+    pictures = [name for name in paper.figures if name.endswith(".pdf")]
+    filled = {
+        "tables": "\n".join(rf"\input{{{name.removesuffix('.tex')}}}" for name in paper.tables),
+        "figures": "\n\n".join(rf"\noindent\includegraphics{{{name}}}" for name in pictures),
+        "numbers": "\n".join(rf"\item \texttt{{\textbackslash {name}}}: \{name}" for name in paper.numbers),
+    }
+    text = MAIN
+    for name, content in filled.items():
+        text = text.replace(f"@{name}@", content)
+    # An empty list is an error of LaTeX.
+    return text if paper.numbers else text.replace("\\begin{itemize}\n\n\\end{itemize}", "None.")

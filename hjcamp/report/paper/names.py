@@ -1,0 +1,53 @@
+"""Names as a reader of a text wants them, and as LaTeX takes them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from hjcamp.report.formats import escape_latex
+
+WORDS = {
+    "pid": "PID", "pva": "PVA", "ffwd": "feedforward", "pos": "positive", "neg": "negative", "rmse1": "RMSE1", "rmse2": "RMSE2",
+    "hz": "Hz", "none": "none", "ldpe": "LDPE", "hdpe": "HDPE",
+}  # fmt: skip
+TITLES = {
+    "RMSE1": r"RMSE\textsubscript{1}", "RMSE2": r"RMSE\textsubscript{2}", "|e|max": r"$|e|_\mathrm{max}$", "SSE": "SSE",
+    "|SSE|": r"$|\mathrm{SSE}|$", "n": "$n$",
+}  # fmt: skip
+MACROS = {"rmse1_deg": "RmseOne", "rmse2_deg": "RmseTwo", "e_max_deg": "EMax", "sse_deg": "Sse"}
+DIGITS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
+NUMBER = re.compile(r"(?<![A-Za-z])(\d+)p(\d+)")
+
+
+def readable(name: str) -> str:
+    """Return a name of a choice or condition for people: ``sine_0p5hz__ffwd_pid`` is "sine 0.5 Hz, feedforward PID"."""
+    parts = [NUMBER.sub(r"\1.\2", part.replace("_", " ")) for part in name.split("__")]
+    parts = [re.sub(r"(\d)(hz|mm|g|s)\b", r"\1 \2", part) for part in parts]
+    return ", ".join(" ".join(WORDS.get(word, word) for word in part.split()) for part in parts)
+
+
+def header(text: str) -> str:
+    """Return the heading of a column in LaTeX."""
+    return TITLES.get(text) or escape_latex(readable(text)[:1].upper() + readable(text)[1:])
+
+
+def macro(*parts: str) -> str:
+    r"""Return the name of a macro, of letters alone: ``ramp_pos``, ``pid`` is RampPosPid."""
+    words = re.split(r"[^A-Za-z0-9]+", "_".join(parts))
+    spelt = [re.sub(r"\d", lambda found: DIGITS[int(found[0])], word) for word in words if word]
+    return "".join(word[0].upper() + word[1:] for word in spelt)
+
+
+def distinct(names: Iterable[str]) -> list[str]:
+    """Return the names, each told from those before it by letters."""
+    taken: set[str] = set()
+    found = []
+    for name in names:
+        one, number = name, 0
+        while one in taken:
+            number += 1
+            one = f"{name}{'X' * number}"
+        taken.add(one)
+        found.append(one)
+    return found
