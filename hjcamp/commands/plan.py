@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hjcamp.commands._complete import complete_override
+from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from hjcamp.records.plan import Plan
@@ -27,8 +28,18 @@ def plan(
     ] = None,
     cfg: Annotated[bool, typer.Option("--cfg", help="Show the resolved configuration of every condition.")] = False,
     config_dir: Annotated[Path | None, typer.Option("--config-dir", help="A further folder of groups.")] = None,
+    multirun: Annotated[bool, typer.Option("--multirun", "-m", help="The plan of a sweep.")] = False,
 ) -> None:
     """Show what a run would do: conditions, tests, duration, configuration. Nothing is run or written."""
+    if multirun:
+        from hjcamp.commands._sweep_plan import show_sweep
+
+        if as_json or condition is not None or cfg:
+            raise UsageError(
+                "-m shows the jobs of a sweep; --json, --condition and --cfg show one run: give one value each"
+            )
+        show_sweep(overrides or [], config_dir)
+        return
     made = compose_plan(overrides or [], config_dir)
     if as_json:
         print(json.dumps(made.as_json(), indent=1))
@@ -40,13 +51,10 @@ def plan(
 
 def compose_plan(overrides: list[str], config_dir: Path | None = None) -> Plan:
     """Return the plan of ``hjcamp run`` with these overrides."""
-    from hjcamp.campaign.planning import make_plan
-    from hjcamp.configuration.composer import Composer, free
+    from hjcamp.campaign.planning import composed_plan
+    from hjcamp.configuration.composer import Composer
 
-    lines = [free(line) for line in overrides]
-    composer = Composer(folder=config_dir)
-    asked = composer.compose(lines)
-    return make_plan(asked.config, asked.choices.get("campaign"), lines, composer)
+    return composed_plan(overrides, Composer(folder=config_dir))[0]
 
 
 def show_plan(made: Plan) -> None:
