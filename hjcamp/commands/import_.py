@@ -47,7 +47,7 @@ def import_table(
     output: Annotated[Path | None, typer.Option(help="The new log of one file; FILE.mcap by default.")] = None,
 ) -> None:
     """Turn measurements from elsewhere into test logs."""
-    from hjcamp.commands._session import joined
+    from hjcamp.analyses.data import joined
     from hjcamp.plants import DEFAULT
     from hjcamp.records.find import ANALYSED
     from hjcamp.records.import_map import read_import_map
