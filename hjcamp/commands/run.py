@@ -106,7 +106,8 @@ def tell_of_sweep(folder: Path, directions: tuple[str, ...], fixed: list[str]) -
     console.print(f"the runs of the sweep are in {place}", markup=False)
     found = read_results(place, directions, fixed)
     if found is None:
-        console.print(f"next    hjcamp ls --folder {shlex.quote(str(place))} --columns +rmse1_deg --sort rmse1_deg")
+        listed = f"hjcamp ls --folder {shlex.quote(str(place))} --columns +rmse1_deg --sort rmse1_deg"
+        console.print(f"next    {listed}", markup=False)
         return
     for job in found.best[:SHOWN]:
         values = ", ".join(f"{one.text} {value:.4g}" for one, value in zip(found.objectives, job.values, strict=True))

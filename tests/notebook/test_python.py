@@ -136,7 +136,7 @@ def test_a_simulated_campaign_of_the_pump_joint(empty_folder: Path, monkeypatch:
     assert hjcamp.resume("one").frame.equals(made.frame)
     assert hjcamp.runs("campaign=robustness_vertical", folder=".").frame["run"].to_list() == ["one"]
     with pytest.raises(UsageError, match="did you mean 'rmse1_deg'"):
-        made.plot("rmse_deg1")
+        made.plot("rmse1_dg")
 
 
 def test_importing_is_light_and_packages_stay_packages() -> None:
