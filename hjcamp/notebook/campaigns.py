@@ -155,7 +155,7 @@ def run(*overrides: str, **keys: Any) -> Run:
     >>> hjcamp.run("campaign=robustness_vertical", repetitions=0)
     Traceback (most recent call last):
         ...
-    hjcamp.errors.UsageError: repetitions is 0; a whole number from 1 to 9223372036854775807 is needed
+    hjcamp.errors.UsageError: repetitions is 0; a whole number from 1 to ... is needed
     """
     return _made(overrides, keys, only_simulation=False)
 
@@ -191,7 +191,7 @@ def report(path: str | Path, against: str | None = "published") -> Run:
     >>> hjcamp.report("nowhere")
     Traceback (most recent call last):
         ...
-    hjcamp.errors.UsageError: nowhere: there is no such folder
+    hjcamp.errors.UsageError: nowhere: there is no such file or folder
     """
     from hjcamp.campaign.study_pictures import study_pictures
     from hjcamp.report.build import build_report
