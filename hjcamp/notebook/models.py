@@ -129,6 +129,8 @@ def add(
 ) -> Added:
     """Fit effects beside the base of ``model``, save the new model as conf/model/NAME.yaml, and return it; `hjcamp add`.
 
+    What is returned stands for its name: ``hjcamp.compare(data, model=["published", mine])``.
+
     ``effects`` are names, or a diagnosis whose effects and tests are taken. Raises ``UsageError`` for unknown effects, effects
     that the model has, and a name that is taken.
 
@@ -137,8 +139,6 @@ def add(
     True
     >>> [row["parameter"] for row in mine.frame.to_dicts()]
     ['stiffness', 'rest_position']
-    >>> list(hjcamp.compare("logs", model=["published", mine]).scores)
-    ['published', 'mine']
     """
     if isinstance(effects, Diagnosis):
         if tests is None:
