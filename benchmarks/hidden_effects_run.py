@@ -52,7 +52,7 @@ def run_case(case: HiddenCase, effort: str, tag: str, seen: dict[str, Any] | Non
 
 def diagnosed(folder: Path, without: tuple[str, ...], effort: str) -> dict[str, Any]:
     """Return the answer of a diagnosis of the logs in ``folder``, its seconds, and what stands behind it."""
-    from hjcamp.commands._session import evidence_of
+    from hjcamp.analyses.data import evidence_of
     from hjcamp.discrepancy.answer import answer
     from hjcamp.discrepancy.crew import Crew
     from hjcamp.discrepancy.diagnose import diagnose

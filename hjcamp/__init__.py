@@ -1,3 +1,53 @@
-"""Test campaigns for a water-hydraulic servo joint, and the search for what its model misses."""
+"""Test campaigns for a water-hydraulic servo joint, and the search for what its model misses.
+
+In Python and in notebooks: ``load``, ``simulate``, ``compare``, ``diagnose``, ``add``, ``calibrate``, ``effects``, ``plants``
+and the others of ``dir(hjcamp)``; each does what the command of that name does, and is imported when it is first used.
+"""
+
+import importlib
+import sys
+import types
 
 __version__ = "0.1.0"
+_NOTEBOOK = "hjcamp.notebook"
+#: What there is in Python besides the modules: functions of ``hjcamp.notebook``.
+_FUNCTIONS = (
+    "add", "calibrate", "command", "compare", "diagnose", "effects", "import_logs", "load", "new_effect", "new_plant", "plan",
+    "plants", "report", "resume", "run", "runs", "simulate",
+)  # fmt: skip
+
+
+#: Those of them that are packages as well: the package is called.
+_PACKAGES = ("calibrate", "effects", "plants", "report")
+
+
+def __getattr__(name: str) -> object:
+    if name in _PACKAGES:
+        return importlib.import_module(f"{__name__}.{name}")
+    if name not in _FUNCTIONS:
+        raise AttributeError(f"module 'hjcamp' has no attribute {name!r}; it has {', '.join(_FUNCTIONS)}")
+    return getattr(importlib.import_module(_NOTEBOOK), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_FUNCTIONS})
+
+
+class _CalledModule(types.ModuleType):
+    """A package that shares its name with a function, such as ``hjcamp.effects``: called, it is the function."""
+
+    def __call__(self, *words: object, **options: object) -> object:
+        function = getattr(importlib.import_module(_NOTEBOOK), self.__name__.rpartition(".")[2])
+        return function(*words, **options)
+
+
+class _Package(types.ModuleType):
+    """This package: lets its own packages be called where a function has the same name."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name in _PACKAGES and type(value) is types.ModuleType:
+            value.__class__ = _CalledModule
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

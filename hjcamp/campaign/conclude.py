@@ -25,8 +25,8 @@ IDENTIFIED = ("pump_step", "compliance", "leakage", "friction")
 NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
-def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
-    """Build the report of what is there and print the tables; raises where tests failed.
+def conclude(folder: RunFolder, result: RunResult, console: Console) -> Report | None:
+    """Build the report of what is there, print the tables and return it, None without any test; raises where tests failed.
 
     ``RigStopped`` (exit code 3) where the rig was made safe on the way, ``HjcampError`` (1) otherwise.
     """
@@ -39,8 +39,7 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
     for slip in dict.fromkeys(map(string_warning, joints)):
         if slip:
             console.print(f"  note    {slip}", style="yellow", markup=False)
-    if result.done + result.kept:
-        _report(folder, console)
+    report = _report(folder, console) if result.done + result.kept else None
     if result.failures:
         lines = [f"{test}: {message}" for test, message in result.failures[:SHOWN]]
         more = [f"... and {len(result.failures) - SHOWN} more: hjcamp show {folder.path}"]
@@ -48,6 +47,7 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> None:
         left = sum(entry["state"] != "done" for entry in folder.manifest["tests"].values())
         kind = RigStopped if result.made_safe else HjcampError
         raise kind(f"{len(result.failures)} tests failed\n  {text}\n{left} to go: hjcamp resume {folder.path}")
+    return report
 
 
 def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:
@@ -63,7 +63,7 @@ def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:
     return sorted(found, key=lambda item: -item[1])
 
 
-def _report(folder: RunFolder, console: Console) -> None:
+def _report(folder: RunFolder, console: Console) -> Report:
     from hjcamp.campaign.study_pictures import study_pictures
     from hjcamp.report.build import build_report, verdict
     from hjcamp.report.terminal import summary_table
@@ -76,6 +76,7 @@ def _report(folder: RunFolder, console: Console) -> None:
     console.print(f"  report  {report.page}", markup=False, soft_wrap=True)
     for number, command in enumerate(next_commands(folder, report)):
         console.print(f"  {'' if number else 'next':<8}{command}", markup=False, soft_wrap=True)
+    return report
 
 
 def next_commands(folder: RunFolder, report: Report) -> list[str]:

@@ -10,15 +10,11 @@ from typing import Any
 from hydra.core.hydra_config import HydraConfig
 from hydra.experimental.callback import Callback
 from hydra.types import RunMode
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import DictConfig, ListConfig, OmegaConf
 
-from hjcamp.campaign.before import say_before_moving
-from hjcamp.campaign.conclude import conclude
-from hjcamp.campaign.folder import folder_for
-from hjcamp.campaign.going_on import StopRule
-from hjcamp.campaign.on_cluster import cluster_for
+from hjcamp.campaign.objective import read_objectives
+from hjcamp.campaign.one_run import make_run
 from hjcamp.campaign.planning import make_plan
-from hjcamp.campaign.runner import run_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.run_keys import read_run_keys
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
@@ -33,24 +29,33 @@ class JobEnd:
 
 
 class SweepFolder(Callback):
-    """Remember where Hydra puts the jobs of a sweep."""
+    """Remember where Hydra puts the jobs of a sweep, and which way its sweeper looks."""
 
     path: Path | None = None
+    directions: tuple[str, ...] = ()
 
     def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
         """Note the folder before anything is written."""
         SweepFolder.path = Path(str(config.hydra.sweep.dir))
+        SweepFolder.directions = directions_of(config.hydra.sweeper)
+
+
+def directions_of(sweeper: Any) -> tuple[str, ...]:
+    """Return what a sweeper does with each objective, ``minimize`` or ``maximize``; empty where it does not say."""
+    given = sweeper.get("direction")
+    several = given if isinstance(given, list | tuple | ListConfig) else [given]
+    return tuple(str(getattr(one, "name", one)) for one in several if one is not None)
 
 
 class JobError(HjcampError):
     """A job of a sweep failed; its message is out already."""
 
 
-def job(config: DictConfig) -> str | None:
-    """Run one campaign; the task function of Hydra."""
+def job(config: DictConfig) -> float | tuple[float, ...] | str | None:
+    """Run one campaign; the task function of Hydra. Returns the objectives where some are asked for, else the run folder."""
     sweep = HydraConfig.get().mode == RunMode.MULTIRUN
     try:
-        return str(run_campaign(config, sweep))
+        return run_campaign(config, sweep)
     except Interrupted as error:
         if sweep:
             print(f"hjcamp: {error}", file=sys.stderr)
@@ -74,8 +79,8 @@ def job(config: DictConfig) -> str | None:
     return None
 
 
-def run_campaign(config: DictConfig, sweep: bool) -> Path:
-    """Plan, run and conclude what ``config`` asks for; returns the run folder."""
+def run_campaign(config: DictConfig, sweep: bool) -> float | tuple[float, ...] | str:
+    """Plan, run and conclude what ``config`` asks for; returns what `job` does."""
     from hjcamp.campaign.console import make_console
 
     hydra = HydraConfig.get()
@@ -83,22 +88,17 @@ def run_campaign(config: DictConfig, sweep: bool) -> Path:
     assert isinstance(asked, dict)
     plain = {str(key): value for key, value in asked.items()}
     lines = [str(line) for line in hydra.overrides.task]
-    keys = read_run_keys(plain)
+    objectives = read_objectives(read_run_keys(plain).objective)
     sources = [(str(source.provider), f"{source.schema}://{source.path}") for source in hydra.runtime.config_sources]
-    rule = StopRule(keys.fail_fast, keys.keep_going)
     composer = Composer(sources)
     if sweep and plain["backend"].get("name") != "simulation" and hydra.launcher._target_ != BASIC_LAUNCHER:
         raise UsageError("a rig runs one test at a time: leave hydra/launcher out, its default is the basic launcher")
     plan = make_plan(plain, hydra.runtime.choices.get("campaign"), lines, composer)
-    run_dir = Path(str(keys.run_dir)) if keys.run_dir else None
-    if sweep:
-        run_dir = Path(os.path.relpath(hydra.runtime.output_dir))
     console = make_console()
-    say_before_moving(plan, console)
-    with cluster_for(keys.cluster, plan, "cluster=") as cluster:
-        folder, goes_on = folder_for(plan, plain, lines, run_dir)
-        if goes_on:
-            console.print(f"goes on in {folder.path}", style="dim")
-        result = run_plan(folder, console, keys.workers, rule, cluster=cluster)
-    conclude(folder, result, console)
-    return folder.path
+    made = make_run(plan, plain, lines, console, Path(os.path.relpath(hydra.runtime.output_dir)) if sweep else None)
+    if not objectives or made.report is None:
+        return str(made.path)
+    values = tuple(one.of(made.report.indicators) for one in objectives)
+    for one, value in zip(objectives, values, strict=True):
+        console.print(f"  objective  {one.text} = {value:.6g}", markup=False)
+    return values if len(values) > 1 else values[0]

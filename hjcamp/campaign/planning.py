@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.campaign.campaign_file import RUN_KEYS, Campaign, label_of, read_campaign
 from hjcamp.campaign.conditions import Draft, draft_conditions
+from hjcamp.campaign.objective import read_objectives
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
 from hjcamp.errors import UsageError, nearest, shown, unknown
@@ -45,6 +46,7 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
     )
     _refuse_equal(conditions)
     tables = _tables(run.tables, composer)
+    read_objectives(run.objective)
     return Plan(
         campaign.name,
         campaign.description,
@@ -59,11 +61,21 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
     )
 
 
+def composed_plan(overrides: Sequence[str], composer: Composer) -> tuple[Plan, dict[str, Any]]:
+    """Return the plan of ``hjcamp run`` with these overrides, and the composed configuration of the call."""
+    from hjcamp.configuration.composer import free
+
+    lines = [free(line) for line in overrides]
+    asked = composer.compose(lines)
+    return make_plan(asked.config, asked.choices.get("campaign"), lines, composer), asked.config
+
+
 def check_call(lines: Sequence[str], composer: Composer) -> None:
     """Raise ``UsageError`` for a call that cannot be run, judging by its first condition: cheap enough for a sweep."""
     asked = composer.compose(lines)
     run = read_run_keys(asked.config)
     _tables(run.tables, composer)
+    read_objectives(run.objective)
     first = asked
     if choice := asked.choices.get("campaign"):
         campaign = read_campaign(asked.config["campaign"], choice)

@@ -7,15 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.analyses.diagnosing import Diagnosed, looks_at_final
 from hjcamp.report.units import label, told, told_interval
-from hjcamp.report.where_words import NEAR, where_sentences
+from hjcamp.report.where_words import where_sentences
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.answer import Judging
-    from hjcamp.discrepancy.diagnose import Diagnosis
     from hjcamp.discrepancy.scale import Judged
-    from hjcamp.discrepancy.unexplained import Unexplained
-    from hjcamp.model.effect import Effect
 
 TITLES = {
     "nothing_missing": "Nothing missing",
@@ -36,16 +33,8 @@ LEVEL = 0.05
 
 
 @dataclass(frozen=True)
-class Told:
-    """A diagnosis with all that its words need: the answer for programs, the library, what was started from."""
-
-    found: Diagnosis
-    content: dict[str, Any]
-    library: Mapping[str, type[Effect]]
-    model: str
-    start: Judged | None
-    judging: Judging
-    unexplained: Unexplained | None
+class Told(Diagnosed):
+    """A diagnosis in words."""
 
     @property
     def title(self) -> str:
@@ -157,11 +146,6 @@ class Told:
             elif cosine >= least:
                 pairs.append((" / ".join(str(name) for name in names), cosine))
         return hidden, pairs
-
-
-def looks_at_final(found: Diagnosis, error: float | None) -> bool:
-    """Return whether the best model leaves enough to be looked at; else an effect fits whose law does not hold."""
-    return found.final is not found.baseline and (error is None or error > NEAR)
 
 
 def whole_sentence(text: str) -> str:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjcamp.analyses.data import joined
 from hjcamp.commands._next_work import Words, Work
-from hjcamp.commands._session import joined
 from hjcamp.discrepancy.next_rivals import NOTHING, Rival
 from hjcamp.discrepancy.next_tests import ALL_PAIRS, REPETITIONS, Proposal, Proposed, weighted
 from hjcamp.report.next_figure import Bar, Prediction, draw_predictions

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hjcamp.analyses.data import evidence_of
 from hjcamp.campaign.campaign_file import RUN_KEYS
-from hjcamp.commands._session import evidence_of
 from hjcamp.configuration.composer import as_override, free, key_of, parse_overrides
 from hjcamp.discrepancy.crew import Crew, available
 from hjcamp.discrepancy.diagnose import Diagnosis

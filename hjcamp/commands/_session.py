@@ -12,14 +12,11 @@ from typing import IO, TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.errors import UsageError, shown
+from hjcamp.errors import UsageError
 from hjcamp.storage import check_place, shown_path
 
 if TYPE_CHECKING:
     from rich.console import Console
-
-    from hjcamp.discrepancy.evidence import Evidence
-
 
 PICTURES = (".pdf", ".png", ".svg")
 #: ``--json`` of every command that answers.
@@ -34,27 +31,6 @@ AnswerFile = Annotated[
 ]
 # Standard output, while it is kept for the answer alone.
 _kept: list[IO[str]] = []
-
-
-def evidence_of(paths: Sequence[Path]) -> Evidence:
-    """Return the evidence of the logs at ``paths``; refuse what cannot be, and say on stderr what is doubtful."""
-    import sys
-
-    from hjcamp.discrepancy.evidence import prepare
-    from hjcamp.records.find import read_logs, refuse_unanalysed
-    from hjcamp.records.plausible import refuse_implausible
-
-    logs = read_logs(list(paths))
-    refuse_unanalysed(logs, "the diagnosis")
-    doubtful: dict[str, list[str]] = {}
-    for log in logs:
-        for one in refuse_implausible(log, str(log.path)):
-            doubtful.setdefault(one.field, []).append(f"{log.path}: {one.line}")
-    evidence = prepare(logs)
-    for lines in doubtful.values():
-        more = f" (and so in {len(lines) - 1} more logs)" if len(lines) > 1 else ""
-        print(f"{lines[0]}{more}", file=sys.stderr)
-    return evidence
 
 
 def check_answer_file(path: Path | None) -> None:
@@ -84,12 +60,6 @@ def _refuse_no_file(path: Path) -> None:
     if not is_pipe and (is_link or is_other):
         kind = "a link" if is_link else "a folder" if path.is_dir() else "a device"
         raise UsageError(f"{said}: this is {kind}; give a file, or - for standard output")
-
-
-def check_seed(seed: int) -> None:
-    """Refuse a seed that ``seed=`` of a run would not take."""
-    if not 0 <= seed < 2**63:
-        raise UsageError(f"--seed {shown(seed)}: give a whole number, 0 or more and below 2^63")
 
 
 def check_picture(path: Path) -> None:
@@ -136,36 +106,6 @@ def _is_standard_output(path: Path) -> bool:
         return os.path.samestat(path.stat(), os.fstat(sys.stdout.fileno()))
     except (OSError, ValueError):
         return False
-
-
-def calibrated_on(model: str, evidence: Evidence) -> bool:
-    """Return whether the base parameters of a saved model were fitted on any of these very logs."""
-    from hjcamp.configuration.composer import Composer
-    from hjcamp.discrepancy.saved import log_hashes
-
-    origin = Composer().model(model).get("provenance") or {}
-    fitted = origin.get("logs_sha256") if isinstance(origin, dict) else None
-    return isinstance(fitted, dict) and bool(set(fitted.values()) & set(log_hashes(evidence).values()))
-
-
-def free_model_name(stem: str) -> str:
-    """Return a name that no model has yet: ``stem``, else ``stem_2`` and so on."""
-    from hjcamp.configuration.composer import Composer
-    from hjcamp.discrepancy.saved import FOLDER
-
-    taken = set(Composer().options("model")) | {path.stem for path in FOLDER.glob("*.yaml")}
-    number, name = 1, stem
-    while name in taken:
-        number += 1
-        name = f"{stem}_{number}"
-    return name
-
-
-def joined(paths: Sequence[Path]) -> str:
-    """Return the paths as they would be typed."""
-    import shlex
-
-    return shlex.join(str(path) for path in paths)
 
 
 @contextmanager

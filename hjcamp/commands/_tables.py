@@ -29,15 +29,15 @@ def diagnose_tables(
     only: str | None, without: str | None,
 ) -> None:  # fmt: skip
     """Say what the model misses, judged by tables alone; the folder of the answer keeps every finished fit."""
+    from hjcamp.analyses.diagnosing import check_seed, considered
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, check_seed, progress_of, write_answer
+    from hjcamp.commands._session import check_answer_file, progress_of, write_answer
 
     began = time.perf_counter()
     check_answer_file(json)
     check_seed(seed)
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.commands.diagnose import considered
         from hjcamp.discrepancy.crew import Crew, available
         from hjcamp.storage import write_whole
         from hjcamp.tabulated import question as questions
@@ -98,8 +98,8 @@ def write_answer_file(path: Path, content: Mapping[str, Any]) -> None:
 
 
 def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
+    from hjcamp.analyses.data import free_model_name
     from hjcamp.commands._error_words import print_wrapped
-    from hjcamp.commands._session import free_model_name
     from hjcamp.tabulated.page import verdict_told
 
     word, told = content["verdict"].upper(), verdict_told(content)

@@ -72,7 +72,7 @@ def _diagnose(tour: Tour) -> list[str]:
 
 
 def _add(tour: Tour) -> list[str]:
-    from hjcamp.commands._session import free_model_name
+    from hjcamp.analyses.data import free_model_name
 
     effects = effects_to_add(tour.answer(2))
     return ["add", *effects, str(tour.folder), "--as", free_model_name(MODEL), "--json", str(tour.answer_file(3))]

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hjcamp.analyses.adding import add as add_effects
+from hjcamp.analyses.data import Data, joined
 from hjcamp.errors import UsageError, nearest, unknown
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from hjcamp.discrepancy.add import Addition
-    from hjcamp.discrepancy.evidence import Evidence
 
 BAR = 30
 
@@ -37,10 +38,11 @@ def add(
 ) -> None:
     """Add effects to a model: fit them, save the model, and show the error fall on tests that were not used."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._any_plant import add_any, is_of_another_plant
-    from hjcamp.commands._session import check_answer_file, evidence_of, joined, progress_of, write_answer
+    from hjcamp.commands._any_plant import add_any
+    from hjcamp.commands._session import check_answer_file, progress_of, write_answer
     from hjcamp.commands._tables import add_table
-    from hjcamp.discrepancy.saved import check_new_name, saved_model, write_model
+    from hjcamp.discrepancy.add import Addition
+    from hjcamp.discrepancy.saved import check_new_name
     from hjcamp.effects import load_effects
     from hjcamp.storage import named_file
     from hjcamp.tabulated.answer import is_answer
@@ -50,35 +52,20 @@ def add(
     if len(effects_and_paths) == 1 and is_answer(Path(effects_and_paths[0])):
         add_table(Path(effects_and_paths[0]), name, json)
         return
-    found_paths = [Path(word) for word in effects_and_paths if Path(word).exists()]
-    if found_paths and is_of_another_plant(found_paths):
-        add_any(effects_and_paths, name, model, json)
+    there = [Path(word) for word in effects_and_paths if Path(word).exists()]
+    if there and not (data := Data(there)).of_pump_joint:
+        add_any(data, effects_and_paths, name, model, json)
         return
-    library = load_effects()
-    names, paths = split(effects_and_paths, library)
-    path = check_new_name(name)
+    names, paths = split(effects_and_paths, load_effects())
+    check_new_name(name)
+    data = Data(paths)
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.discrepancy.add import add as fit_added
-        from hjcamp.discrepancy.add import answer, check_effects
-        from hjcamp.discrepancy.crew import Crew, available
-        from hjcamp.discrepancy.views import Views
-
-        start = saved_model(model)
-        check_effects(names, library, start, model)
-        evidence = evidence_of(paths)
-        report(f"fitting {', '.join(names)}", 0.2)
-        crew = Crew(available())
-        try:
-            found = fit_added(Views(evidence, tuple(library.values()), crew), start, names)
-        finally:
-            crew.close()
-        content = answer(found, name, names, str(path))
-        command = f"hjcamp add {' '.join(names)} {joined(paths)} --model {model} --as {name}"
-        check_new_name(name)
-        write_model(path, found.candidate, comment_of(model, found), provenance_of(found, evidence, command, content))
-        write_answer(json, content)
-    _print(console, found, path, model, name, evidence.repeated)
+        added = add_effects(data, names, name, model, report)
+        write_answer(json, added.content)
+    found, path = added.found, added.path
+    assert isinstance(found, Addition)
+    _print(console, found, path, model, name, data.evidence.repeated)
     console.print(f"next    hjcamp compare {joined(paths)} --model {model} --model {name}", markup=False)
     console.print(f"        hjcamp run campaign=controllers controller.model={name}", markup=False)
 
@@ -94,45 +81,6 @@ def split(words: list[str], library: Any) -> tuple[list[str], list[Path]]:
         else:
             raise unknown("effect", word, library)
     raise UsageError("no logs were named: after the effects give a run folder, a folder of logs, or log files")
-
-
-def comment_of(model: str, found: Addition) -> list[str]:
-    """Return the first lines of the model's file."""
-    parts = " + ".join([model, "calibration", *found.effects])
-    times = "x floor" if found.scale.repeated else "x spread of the measurement"
-    told = (found.start, found.before, found.after)
-    errors = f"{' -> '.join(f'{one.score:.2f}' for one in told)} {times}"
-    return [
-        parts,
-        f"Error on {len(found.fold.held_out)} tests not used for the fit ({model}, calibrated, this): {errors}.",
-        "SI units; 95 % intervals below, conditions left out one after the other.",
-    ]
-
-
-def provenance_of(found: Addition, evidence: Evidence, command: str, content: dict[str, Any]) -> dict[str, Any]:
-    """Return where the model comes from: command, version, time, fit, intervals, logs by hash."""
-    from hjcamp import __version__
-    from hjcamp.campaign.provenance import git_label, utc_now
-    from hjcamp.discrepancy.saved import log_hashes
-
-    intervals = {key: [float(f"{end:.5g}") for end in row["ci95"]] for key, row in found.calibration.items()}
-    for effect, rows in found.effects.items():
-        ends = {key: [float(f"{end:.5g}") for end in row["ci95"]] for key, row in rows.items()}
-        intervals.update({f"{effect}.{key}": value for key, value in ends.items()})
-    return {
-        "command": command,
-        "version": __version__,
-        "git": git_label(),
-        "made_at": utc_now(),
-        "tests_fitted": len(found.fold.train),
-        "tests_held_out": [evidence.tests[index].name for index in found.fold.held_out],
-        "heldout_error_over_floor": {
-            key: None if value is None else round(value, 4) for key, value in content["error"].items()
-        },
-        "helps": found.helps,
-        "ci95": intervals,
-        "logs_sha256": log_hashes(evidence),
-    }
 
 
 def _print(console: Console, found: Addition, path: Path, model: str, name: str, repeated: bool) -> None:

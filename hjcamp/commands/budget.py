@@ -34,11 +34,12 @@ def budget(
     figure: Annotated[Path, typer.Option(help="Where the bars go (png, svg, pdf).")] = Path("budget.png"),
 ) -> None:
     """What costs how much: each part of the rig halved or each effect removed, gains tuned anew, errors before and after."""
+    from hjcamp.analyses.diagnosing import check_seed
     from hjcamp.campaign.budget import budget as work
     from hjcamp.campaign.compiling import Doing, kernels_of, status
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.retune import gains_of
-    from hjcamp.commands._session import check_answer_file, check_picture, check_seed, write_answer
+    from hjcamp.commands._session import check_answer_file, check_picture, write_answer
     from hjcamp.commands.plan import compose_plan
     from hjcamp.report.budget_figure import draw_budget
 

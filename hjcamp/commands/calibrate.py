@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hjcamp.analyses.calibrating import identify_pump_joint, pairs
+from hjcamp.analyses.data import Data
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import UsageError
 from hjcamp.plants import DEFAULT
 
 if TYPE_CHECKING:
@@ -32,30 +33,23 @@ def calibrate(
     json: AnswerFile = None,
 ) -> None:
     """Identify a rig's constants from its own logs and save them as configuration."""
-    from hjcamp.calibrate.configuration_file import check_name, write_configuration
-    from hjcamp.calibrate.identify import identify
-    from hjcamp.calibrate.identify import only as select
+    from hjcamp.calibrate.configuration_file import check_name
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._any_plant import calibrate_any, is_of_another_plant
+    from hjcamp.commands._any_plant import calibrate_any
     from hjcamp.commands._session import check_answer_file, write_answer
-    from hjcamp.configuration.setups import configuration_for
-    from hjcamp.records.find import read_logs, refuse_unanalysed
     from hjcamp.report.identification_figures import identification_page
     from hjcamp.storage import whole_file
 
     check_answer_file(json)
     check_name(name, conf, replace)
-    if is_of_another_plant(paths):
-        calibrate_any(paths, name, json)
+    data = Data(paths)
+    if not data.of_pump_joint:
+        calibrate_any(data, name, json)
         return
-    logs = select(read_logs(paths), _pairs(only or []))
-    refuse_unanalysed(logs, "calibrate")
-    found = identify(logs, configuration_for)
-    hardware = tuple(found.hardware.items())
-    origin = {"command": " ".join(["hjcamp calibrate", *map(str, paths), f"--as {name}"])}
-    model, rig = write_configuration(name, found, configuration_for(hardware), conf, origin)
+    done = identify_pump_joint(data, name, pairs(only or []), conf, replace)
+    found, model, rig = done.found, done.model, done.rig
     page = Path("calibration") / f"{name}.html"
-    facts = [f"{found.tests} tests", *(f"{group} {choice}" for group, choice in hardware)]
+    facts = [f"{found.tests} tests", *(f"{group} {choice}" for group, choice in found.hardware.items())]
     charts = [chart for finding in found.findings.values() for chart in finding.charts]
     rows = [row_of(one) for one in found.estimates.values()]
     with whole_file(page) as stream:
@@ -102,16 +96,6 @@ def notes_of(found: Calibration) -> list[str]:
     """Return facts and warnings, each with its kind of test."""
     facts = [f"{kind}: {key}: {text}" for kind, one in found.findings.items() for key, text in one.facts.items()]
     return facts + [f"{kind}: warning: {text}" for kind, one in found.findings.items() for text in one.warnings]
-
-
-def _pairs(lines: list[str]) -> dict[str, str]:
-    pairs = {}
-    for line in lines:
-        key, equals, value = line.partition("=")
-        if not equals or not key or not value:
-            raise UsageError(f"--only {line}: KEY=VALUE is needed, for example pump=pump2")
-        pairs[key] = value
-    return pairs
 
 
 def _print(console: object, found: Calibration) -> None:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hjcamp.errors import UsageError
+from hjcamp.analyses.comparing import check_models, compare_pump_joint
+from hjcamp.analyses.data import Data, joined
 from hjcamp.storage import check_place
 
 if TYPE_CHECKING:
@@ -39,13 +40,12 @@ def compare(
 ) -> None:
     """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._any_plant import compare_any, is_of_another_plant
-    from hjcamp.commands._session import check_answer_file, evidence_of, folder_for, progress_of, write_answer
+    from hjcamp.commands._any_plant import compare_any
+    from hjcamp.commands._session import check_answer_file, folder_for, progress_of, write_answer
     from hjcamp.commands._tables import compare_tables, no_logs
 
     names = model or ["published"]
-    if len(set(names)) < len(names):
-        raise UsageError(f"--model {' --model '.join(names)}: each model once")
+    check_models(names)
     if tables is not None:
         compare_tables([tables, *map(str, paths or [])], names, json)
         return
@@ -54,24 +54,17 @@ def compare(
     check_answer_file(json)
     if into is not None:
         check_place(into, "--into", folder=True)
-    if is_of_another_plant(paths):
-        compare_any(paths, names, json, into)
+    data = Data(paths)
+    if not data.of_pump_joint:
+        compare_any(data, names, json, into)
         return
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.commands._compare_page import write_pictures
-        from hjcamp.commands._session import calibrated_on
         from hjcamp.discrepancy.compare import answer
-        from hjcamp.discrepancy.compare import compare as compare_models
-        from hjcamp.discrepancy.saved import saved_model
-        from hjcamp.effects import load_effects
 
-        models = {name: saved_model(name) for name in names}
-        report("reading the tests", 0.02)
-        evidence = evidence_of(paths)
-        calibrated = calibrated_on(names[-1], evidence)
-        found = compare_models(evidence, tuple(load_effects().values()), models, calibrated, report)
-        write_answer(json, answer(found.models, len(evidence.tests)))
+        found = compare_pump_joint(data, names, report)
+        write_answer(json, answer(found.models, len(data.evidence.tests)))
         report("drawing", 0.8)
         files = write_pictures(found, into or folder_for("compare", paths, json))
     _print(console, found, files)
@@ -81,7 +74,6 @@ def compare(
 
 def next_commands(found: Comparison, paths: list[Path]) -> list[str]:
     """Return the commands that go on: use a model that is good, else say what it misses."""
-    from hjcamp.commands._session import joined
     from hjcamp.report.where_words import NEAR
 
     last = found.models[-1]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.analyses.data import Data, free_model_name, joined
+from hjcamp.analyses.diagnosing import Asked, diagnose_pump_joint
+from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 STYLES = {"nothing_missing": "green", "effect": "bold"}
 SHOWN = 6
-MOST_WORKERS = 4
 
 
 def register(app: typer.Typer) -> None:
@@ -66,66 +66,27 @@ def diagnose(
     if not paths:
         raise no_logs()
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._any_plant import diagnose_any, is_of_another_plant
-    from hjcamp.commands._session import (
-        check_answer_file,
-        check_seed,
-        evidence_of,
-        folder_for,
-        progress_of,
-        write_answer,
-    )
+    from hjcamp.commands._any_plant import diagnose_any
+    from hjcamp.commands._session import check_answer_file, folder_for, progress_of, write_answer
 
-    began = time.perf_counter()
     check_answer_file(json)
-    check_seed(seed)
-    if is_of_another_plant(paths):
-        diagnose_any(paths, model, json, seed, only, without)
+    asked = Asked(model, effort, seed, only, without, workers, cluster)
+    asked.check()
+    data = Data(paths)
+    if not data.of_pump_joint:
+        diagnose_any(data, asked, json)
         return
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.campaign.warm import missing, ready_to_diagnose, side_by_side
         from hjcamp.commands._diagnose_page import write_pictures
-        from hjcamp.commands._diagnose_words import Told, looks_at_final
-        from hjcamp.discrepancy.answer import Judging, answer
-        from hjcamp.discrepancy.crew import Crew, available
-        from hjcamp.discrepancy.diagnose import diagnose as search
-        from hjcamp.discrepancy.effort import EFFORTS
-        from hjcamp.discrepancy.saved import saved_model
-        from hjcamp.discrepancy.unexplained import unexplained
-        from hjcamp.effects import load_effects
-        from hjcamp.records.find import find_logs
+        from hjcamp.commands._diagnose_words import Told
 
-        if effort not in EFFORTS:
-            raise unknown("effort", effort, EFFORTS)
-        start = saved_model(model)
-        library = considered(load_effects(), only, without, start.effects)
-        effects = tuple(library.values())
-        find_logs(paths)
-        number = workers or min(available(), MOST_WORKERS)
-        if work := missing(effects):
-            tell_of_compiling(console, report, 0, len(work))
-            for count, _ in enumerate(side_by_side(work, number), start=1):
-                tell_of_compiling(console, report, count, len(work))
-        crew = Crew(number, cluster, partial(ready_to_diagnose, tuple(library)))
-        try:
-            evidence = evidence_of(paths)
-            _say_what_is_lacking(console, evidence)
-            begin = start if start.base or start.effects else None
-            found = search(evidence, effects, effort=effort, seed=seed, start=begin, crew=crew, report=report)
-            judging = Judging(found, effects, effort)
-            content = answer(found, effects, effort, 0.0, report, judging)
-            before = judging.of_start(start)
-        finally:
-            crew.close()
-        content["seconds"] = round(time.perf_counter() - began, 3)
+        compiling = partial(tell_of_compiling, console, report)
+        done = diagnose_pump_joint(data, asked, report, compiling, partial(_say_what_is_lacking, console))
+        told = Told(**vars(done))
+        content = told.content
         write_answer(json, content)
         report("drawing", 0.99)
-        curve = None
-        if content["drivers"]:
-            fit = found.final if looks_at_final(found, content["error"]["augmented"]) else found.baseline
-            curve = unexplained(found.features, fit, found.floor, content["drivers"][0])
-        told = Told(found, content, library, model, before, judging, curve)
         files = write_pictures(told, folder_for("diagnose", paths, json))
     _print(console, told)
     console.print(f"figures {'  '.join(str(file) for file in files[:-1])}", markup=False)
@@ -147,26 +108,6 @@ def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:
         print_wrapped(console, lines, 8, "lacking")
 
 
-def considered(
-    library: Mapping[str, Any], only: str | None, without: str | None, given: Collection[str] = ()
-) -> dict[str, Any]:
-    """Return the effects that are named by ``only`` and not by ``without``; those of the model that is ``given`` always."""
-    chosen = set(library)
-    for option, text in (("--only", only), ("--without", without)):
-        if text is None:
-            continue
-        names = [name.strip() for name in text.split(",") if name.strip()]
-        if not names:
-            raise UsageError(f"{option} '{text}': give the names of effects, such as {next(iter(library))}")
-        for name in names:
-            if name not in library:
-                raise unknown("effect", name, library, option)
-        chosen = chosen & set(names) if option == "--only" else chosen - set(names)
-    if not chosen:
-        raise UsageError(f"--only {only} --without {without}: no effect is left to look for")
-    return {name: effect for name, effect in library.items() if name in chosen or name in given}
-
-
 def tell_of_compiling(console: Console, report: Callable[[str, float], None], done: int, count: int) -> None:
     """Say how many kernels are to be compiled: in the progress line of a terminal, else in a line of its own at the start."""
     if console.is_terminal:
@@ -178,7 +119,6 @@ def tell_of_compiling(console: Console, report: Callable[[str, float], None], do
 def next_command(content: dict[str, Any], paths: list[Path], model: str = "published") -> str:
     """Return the command that goes on from an answer; it can be pasted as it is."""
     from hjcamp.commands import command_files
-    from hjcamp.commands._session import free_model_name, joined
 
     verdict = content["verdict"]
     own = "" if model == "published" else f" --model {model}"

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from hjcamp.model.effect import Effect
     from hjcamp.model.plant import Plant
+    from hjcamp.report.effect_figure import Columns
 
 RUN_S = 15.0  # a test of the checks takes well under a second
 USAGE = (
@@ -211,13 +212,22 @@ def configured(overrides: list[str]) -> dict[str, Any]:
 
 def draw(name: str, config: dict[str, Any], path: Path) -> None:
     """Simulate one test without and with the effect and write the picture."""
-    from hjcamp.backends.simulation import run_test
-    from hjcamp.campaign.compiling import kernels_of, status
     from hjcamp.campaign.console import make_console
-    from hjcamp.model.time_limit import RunLimit
     from hjcamp.report.effect_figure import draw_effect
 
     console = make_console()
+    without, with_effect = simulated_pair(name, config, console)
+    choices = f"{config['controller']['name']}, {config['trajectory']['name']}, payload {config['payload']['name']}"
+    draw_effect(path, f"{name}: {choices}", without, with_effect)
+    console.print(f"\n  picture  {path}", markup=False, soft_wrap=True)
+
+
+def simulated_pair(name: str, config: dict[str, Any], console: Console) -> tuple[Columns, Columns]:
+    """Simulate one test without and with an effect and return the columns of both."""
+    from hjcamp.backends.simulation import run_test
+    from hjcamp.campaign.compiling import kernels_of, status
+    from hjcamp.model.time_limit import RunLimit
+
     own: dict[str, Any] = {**(config["effects"] or {})}
     given = {**(own.pop(name, None) or {})}
     plain, full = {**config, "effects": own}, {**config, "effects": {**own, name: given}}
@@ -228,14 +238,23 @@ def draw(name: str, config: dict[str, Any], path: Path) -> None:
                 with_effect, _ = run_test(full, seed=1)
         except HjcampError as problem:
             raise HjcampError(f"no picture: with {name} at these parameters {problem}") from None
-    choices = f"{config['controller']['name']}, {config['trajectory']['name']}, payload {config['payload']['name']}"
-    draw_effect(path, f"{name}: {choices}", without, with_effect)
-    console.print(f"\n  picture  {path}", markup=False, soft_wrap=True)
+    return without, with_effect
 
 
 def write_new(name: str, plant: str = "", on: str = "") -> Path:
     """Write the template of an effect into ./effects: in the names of pump_joint, or for a kind of place on any plant."""
     from hjcamp.campaign.console import make_console
+
+    path = new_effect_file(name, plant, on)
+    console = make_console()
+    console.print(f"  written  {path}", markup=False)
+    where = f" --plant {plant}" if plant else " --plant PLANT" if on else ""
+    console.print(f"  next     hjcamp effects test {name}{where}", markup=False)
+    return path
+
+
+def new_effect_file(name: str, plant: str, on: str) -> Path:
+    """Write that template and return its path."""
     from hjcamp.effects import effect_files, load_effects
     from hjcamp.effects._generic_template import write_generic
     from hjcamp.effects._template import write_template
@@ -243,14 +262,8 @@ def write_new(name: str, plant: str = "", on: str = "") -> Path:
 
     folder, taken = Path("effects"), {*effect_files([]), *load_effects([])}
     if on or plant not in ("", DEFAULT):
-        path = write_generic(name, folder, find_plant(plant) if plant else None, on, taken)
-    else:
-        path = write_template(name, folder, find_plant(DEFAULT, folders=[]), taken)
-    console = make_console()
-    console.print(f"  written  {path}", markup=False)
-    where = f" --plant {plant}" if plant else " --plant PLANT" if on else ""
-    console.print(f"  next     hjcamp effects test {name}{where}", markup=False)
-    return path
+        return write_generic(name, folder, find_plant(plant) if plant else None, on, taken)
+    return write_template(name, folder, find_plant(DEFAULT, folders=[]), taken)
 
 
 def test_effect(name: str, plant: str = "") -> dict[str, Any]:

@@ -49,7 +49,8 @@ def import_table(
     json: AnswerFile = None,
 ) -> None:
     """Turn measurements from elsewhere into test logs."""
-    from hjcamp.commands._session import check_answer_file, joined, write_answer
+    from hjcamp.analyses.data import joined
+    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.plants import DEFAULT
     from hjcamp.records.find import ANALYSED
     from hjcamp.records.import_map import read_import_map

@@ -40,9 +40,11 @@ def next_(
     seed: Annotated[int, typer.Option(help="Seed of everything that is simulated.")] = 1,
 ) -> None:
     """Propose the tests that best separate the explanations that remain, as a campaign that runs as it is."""
+    from hjcamp.analyses.data import Data
+    from hjcamp.analyses.diagnosing import check_seed
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._any_plant import is_of_another_plant, next_any
-    from hjcamp.commands._session import check_answer_file, check_seed, folder_for, progress_of, write_answer
+    from hjcamp.commands._any_plant import next_any
+    from hjcamp.commands._session import check_answer_file, folder_for, progress_of, write_answer
 
     began = time.perf_counter()
     check_answer_file(json)
@@ -61,8 +63,8 @@ def next_(
         given = read_words(words or [], rivals or [], library)
         path = new_campaign(name)
         logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
-        if logs and is_of_another_plant(logs):
-            next_any(logs)
+        if logs and not (data := Data(logs)).of_pump_joint:
+            next_any(data)
         work = work_of(given, library, effort, seed, report)
         if not isinstance(work, Work):
             content = answer(None, work.verdict, None, None)

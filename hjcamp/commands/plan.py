@@ -9,6 +9,7 @@ import typer
 
 from hjcamp.commands._complete import complete_override
 from hjcamp.commands._session import AnswerFile
+from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from hjcamp.records.plan import Plan
@@ -27,11 +28,21 @@ def plan(
     cfg: Annotated[bool, typer.Option("--cfg", help="Show the resolved configuration of every condition.")] = False,
     config_dir: Annotated[Path | None, typer.Option("--config-dir", help="A further folder of groups.")] = None,
     json: AnswerFile = None,
+    multirun: Annotated[bool, typer.Option("--multirun", "-m", help="The plan of a sweep.")] = False,
 ) -> None:
     """Show what a run would do: conditions, tests, duration, configuration. Nothing is run or written."""
     from hjcamp.commands._session import check_answer_file, write_answer
 
     check_answer_file(json)
+    if multirun:
+        from hjcamp.commands._sweep_plan import show_sweep
+
+        if json is not None or condition is not None or cfg:
+            raise UsageError(
+                "-m shows the jobs of a sweep; --json, --condition and --cfg show one run: give one value each"
+            )
+        show_sweep(overrides or [], config_dir)
+        return
     made = compose_plan(overrides or [], config_dir)
     write_answer(json, made.as_json())
     if condition is not None or cfg:
@@ -42,13 +53,10 @@ def plan(
 
 def compose_plan(overrides: list[str], config_dir: Path | None = None) -> Plan:
     """Return the plan of ``hjcamp run`` with these overrides."""
-    from hjcamp.campaign.planning import make_plan
-    from hjcamp.configuration.composer import Composer, free
+    from hjcamp.campaign.planning import composed_plan
+    from hjcamp.configuration.composer import Composer
 
-    lines = [free(line) for line in overrides]
-    composer = Composer(folder=config_dir)
-    asked = composer.compose(lines)
-    return make_plan(asked.config, asked.choices.get("campaign"), lines, composer)
+    return composed_plan(overrides, Composer(folder=config_dir))[0]
 
 
 def show_plan(made: Plan) -> None:

@@ -112,24 +112,28 @@ def show_plant(name: str, figure: Path | None) -> dict[str, Any]:
 def _declared(console: Console, plant: type[Plant]) -> None:
     from rich.table import Table
 
-    from hjcamp.model.plant import ALWAYS
-
     table = Table(box=None, header_style="bold", padding=(0, 2, 0, 0))
     for column in ("", "name", "unit", "value", "meaning"):
         table.add_column(column, no_wrap=column in ("", "name", "unit"))
-    for state in plant.states.values():
-        table.add_row("state", state.name, state.unit, f"about {state.typical:g}", state.text)
-    for given in (one for one in plant.inputs.values() if one.name not in ALWAYS or one is not ALWAYS[one.name]):
-        table.add_row("input", given.name, given.unit, "", given.text)
-    for item in plant.parameters.values():
-        kind = "base" if item.name in plant.base_parameters else "parameter"
-        table.add_row(kind, item.name, item.unit, f"{item.default:g}", item.text)
-    for channel in plant.channels:
-        table.add_row("measured", channel.field, "", "", f"shows {channel.signal}")
-    for measured in plant.measured.values():
-        table.add_row("measured", measured.name, "", "", measured.text or f"shows {measured.sensor}")
+    for row in declared_rows(plant):
+        table.add_row(*row.values())
     console.print()
     console.print(table)
+
+
+def declared_rows(plant: type[Plant]) -> list[dict[str, str]]:
+    """Return what a plant declares: kind, name, unit, value and meaning of states, inputs, parameters, what is measured."""
+    from hjcamp.model.plant import ALWAYS
+
+    rows = [("state", one.name, one.unit, f"about {one.typical:g}", one.text) for one in plant.states.values()]
+    for given in (one for one in plant.inputs.values() if one.name not in ALWAYS or one is not ALWAYS[one.name]):
+        rows.append(("input", given.name, given.unit, "", given.text))
+    for item in plant.parameters.values():
+        kind = "base" if item.name in plant.base_parameters else "parameter"
+        rows.append((kind, item.name, item.unit, f"{item.default:g}", item.text))
+    rows += [("measured", channel.field, "", "", f"shows {channel.signal}") for channel in plant.channels]
+    rows += [("measured", one.name, "", "", one.text or f"shows {one.sensor}") for one in plant.measured.values()]
+    return [dict(zip(("kind", "name", "unit", "value", "meaning"), row, strict=True)) for row in rows]
 
 
 def _lines(console: Console, plant: type[Plant]) -> None:

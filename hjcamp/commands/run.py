@@ -7,21 +7,16 @@ hjcamp run campaign=NAME [GROUP=CHOICE ...] [PARAMETER=VALUE ...] [-m] [--cfg jo
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from hjcamp.commands._complete import complete_override
 from hjcamp.errors import HjcampError, UsageError
 
-if TYPE_CHECKING:
-    from hydra.core.override_parser.types import Override
-
-    from hjcamp.configuration.composer import Composer
-
-CHECKED_JOBS = 50
 SEARCH_PATH = "hydra.searchpath"
 # The keys may be absent from a user's own configuration, so they are set or added.
 SWITCHES = {"--keep-going": "keep_going=true", "--fail-fast": "fail_fast=true"}
@@ -54,7 +49,8 @@ def call_hydra(arguments: list[str]) -> None:
     from hydra._internal.utils import get_args_parser
 
     from hjcamp.campaign import job as jobs
-    from hjcamp.configuration.composer import COMPOSE_ERRORS, Composer, free, parse_overrides
+    from hjcamp.campaign.sweep import read_sweep
+    from hjcamp.configuration.composer import COMPOSE_ERRORS, Composer, free, key_of, parse_overrides
     from hjcamp.configuration.explain import explain
     from hjcamp.configuration.search_path import packaged_root
     from hjcamp.configuration.trust import check_overrides
@@ -68,6 +64,7 @@ def call_hydra(arguments: list[str]) -> None:
             raise UsageError(f"--{flag} is not taken: the main configuration is part of the program; see --config-dir")
     overrides = [free(line) for line in parsed.overrides]
     flags = without(arguments, parsed.overrides)
+    fixed: list[str] = []
     folder = Path(parsed.config_dir) if parsed.config_dir else None
     if not (parsed.help or parsed.hydra_help or parsed.shell_completion):
         lines = parse_overrides(overrides)
@@ -75,7 +72,8 @@ def call_hydra(arguments: list[str]) -> None:
         # Of what belongs to Hydra only a further folder changes which files are read.
         own = [line for line in lines if not line.is_hydra_override() or line.key_or_group == SEARCH_PATH]
         if parsed.multirun:
-            check_sweep(lines, Composer(folder=folder))
+            read_sweep(lines, Composer(folder=folder))
+            fixed = [key_of(line) for line in own if not line.is_sweep_override()]
         else:
             # Hydra reads the same files: what it would stumble over is said here.
             Composer(folder=folder).compose([str(line.input_line) for line in own])
@@ -95,20 +93,28 @@ def call_hydra(arguments: list[str]) -> None:
     if jobs.JobEnd.error is not None:
         raise jobs.JobEnd.error
     if jobs.SweepFolder.path is not None:
-        print(f"the runs of the sweep are in {os.path.relpath(jobs.SweepFolder.path)}")
+        tell_of_sweep(jobs.SweepFolder.path, jobs.SweepFolder.directions, fixed)
 
 
-def check_sweep(lines: list[Override], composer: Composer) -> None:
-    """Refuse a sweep with a job that cannot be run, before Hydra writes anything (basic sweeper)."""
-    from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+def tell_of_sweep(folder: Path, directions: tuple[str, ...], fixed: list[str]) -> None:
+    """Print where the runs of a sweep are, the best of them, and what to do next."""
+    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.sweep_results import SHOWN, read_results
 
-    from hjcamp.campaign.planning import check_call
-
-    if any(line.key_or_group == "hydra/sweeper" for line in lines):
+    console = make_console()
+    place = Path(os.path.relpath(folder))
+    console.print(f"the runs of the sweep are in {place}", markup=False)
+    found = read_results(place, directions, fixed)
+    if found is None:
+        listed = f"hjcamp ls --folder {shlex.quote(str(place))} --columns +rmse1_deg --sort rmse1_deg"
+        console.print(f"next    {listed}", markup=False)
         return
-    batches = BasicSweeper.split_arguments([line for line in lines if not line.is_hydra_override()], None)
-    for job in [job for batch in batches for job in batch][:CHECKED_JOBS]:
-        check_call(job, composer)
+    for job in found.best[:SHOWN]:
+        values = ", ".join(f"{one.text} {value:.4g}" for one, value in zip(found.objectives, job.values, strict=True))
+        keys = " ".join(f"{key}={job.overrides.get(key, '')}" for key in found.varied)
+        console.print(f"best    {job.path}   {values}   {keys}", markup=False)
+    console.print(f"table   {found.write()}", markup=False)
+    console.print(f"next    {found.next_command()}", markup=False)
 
 
 def refuse(message: str) -> None:

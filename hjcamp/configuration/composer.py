@@ -213,6 +213,18 @@ class Composer:
             self._models[name] = content
         return copy.deepcopy(self._models[name])
 
+    def sweeper(self, overrides: Sequence[str]) -> dict[str, Any]:
+        """Return the settings of Hydra's sweeper in a sweep with these overrides."""
+        from hjcamp.configuration.explain import explain
+
+        try:
+            composed = self._loader.load_configuration(MAIN, list(overrides), RunMode.MULTIRUN)
+            found = OmegaConf.to_container(composed.hydra.sweeper, resolve=True, enum_to_str=True)
+        except COMPOSE_ERRORS as error:
+            raise explain(error, overrides, self) from error
+        assert isinstance(found, dict)
+        return {str(key): value for key, value in found.items()}
+
     def is_group(self, key: str) -> bool:
         """Return whether ``key`` names a group (``pump``, ``controller/gains``) rather than a parameter."""
         return bool(key) and self._loader.repository.group_exists(key.split("@")[0])

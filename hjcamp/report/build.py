@@ -124,8 +124,8 @@ def build_report(
     more = further(found) if further else {}
     said = compared.verdict if compared else verdict(comparison, differs) if against else ""
     dots = _dots(conditions, found)
-    beside = beside_refit(conditions) if against else None
-    page = _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out, shown, dots, beside)
+    refitted = beside_refit(conditions) if against in AGAINST else None
+    page = _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out, shown, dots, refitted)
     replace_file(target / "report.html", page)
     return Report(
         run_dir,

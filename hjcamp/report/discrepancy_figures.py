@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Mapping, Sequence
+from contextvars import ContextVar
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,6 +37,21 @@ class HorizonCurve(NamedTuple):
     rms: Array
 
 
+# Who wants figures instead of their SVG: the class of the figure, and where it goes.
+_ASKED: ContextVar[tuple[type[Any], list[Any]] | None] = ContextVar("asked", default=None)
+
+
+def kept_figure(function: Callable[..., str], *given: Any, kind: type[Any]) -> Any:
+    """Return the figure, of class ``kind``, that ``function`` gives to `draw`."""
+    found: list[Any] = []
+    token = _ASKED.set((kind, found))
+    try:
+        function(*given)
+    finally:
+        _ASKED.reset(token)
+    return found[-1]
+
+
 def draw(size: tuple[float, float], name: str, paint: Callable[[Any], None]) -> str:
     """Return the SVG text of a figure that ``paint`` fills; equal content gives equal text."""
     import matplotlib
@@ -43,8 +59,12 @@ def draw(size: tuple[float, float], name: str, paint: Callable[[Any], None]) -> 
     from matplotlib.figure import Figure
 
     with matplotlib.rc_context(SETTINGS | {"svg.hashsalt": name}):  # type: ignore[arg-type]
-        figure = Figure(figsize=size, layout="constrained")
+        asked = _ASKED.get()
+        figure = (asked[0] if asked else Figure)(figsize=size, layout="constrained")
         paint(figure)
+        if asked:
+            asked[1].append(figure)
+            return ""
         buffer = io.StringIO()
         nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
         FigureCanvasSVG(figure).print_svg(buffer, metadata=nothing)

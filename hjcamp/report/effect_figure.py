@@ -27,6 +27,13 @@ def draw_effect(path: Path, title: str, without: Columns, with_effect: Columns) 
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=SIZE, layout="constrained")
+    paint_effect(figure, title, without, with_effect)
+    with whole_file(path) as stream:
+        figure.savefig(stream, dpi=150, format=path.suffix[1:].lower())
+
+
+def paint_effect(figure: Any, title: str, without: Columns, with_effect: Columns) -> None:
+    """Fill a figure with that picture."""
     figure.suptitle(title, x=0.01, ha="left", fontsize=10, color=INK)
     axes = figure.subplots(len(PANELS), 1, sharex=True, height_ratios=[1.4, 1.0, 1.0, 1.0])
     for one, (name, label) in zip(axes, PANELS, strict=True):
@@ -38,8 +45,6 @@ def draw_effect(path: Path, title: str, without: Columns, with_effect: Columns) 
         _dress(one, label)
     axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=8, frameon=False, borderaxespad=0.1)
     axes[-1].set_xlabel("Time (s)", color=INK, fontsize=8.5)
-    with whole_file(path) as stream:
-        figure.savefig(stream, dpi=150, format=path.suffix[1:].lower())
 
 
 def _command_phase(columns: Columns, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

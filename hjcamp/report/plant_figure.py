@@ -73,6 +73,16 @@ def draw_plant(path: Path, plant: type[Plant]) -> None:
 
     from hjcamp.storage import whole_file
 
+    figure = Figure()
+    FigureCanvasAgg(figure)
+    paint_plant(figure, plant)
+    form = path.suffix.lstrip(".")
+    with whole_file(path) as stream:
+        figure.savefig(stream, format=form, dpi=150)
+
+
+def paint_plant(figure: Any, plant: type[Plant]) -> None:
+    """Fill a figure with the block diagram, and give it the size that it needs."""
     vocabulary = read_vocabulary(plant)
     ports = dict(vocabulary.ports)
     direct, through = links(vocabulary)
@@ -83,8 +93,7 @@ def draw_plant(path: Path, plant: type[Plant]) -> None:
     width = max((x for x, _ in places.values()), default=0.0) + BOX[0] + 0.8
     heights = [y for _, y in places.values()] or [0.0]
     height = max(heights) - min(heights) + BOX[1] + 1.6
-    figure = Figure(figsize=(max(width, 4.0), max(height, 2.0)))
-    FigureCanvasAgg(figure)
+    figure.set_size_inches(max(width, 4.0), max(height, 2.0))
     axes: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_axis_off()
     axes.set_xlim(-BOX[0] / 2 - 0.4, width - BOX[0] / 2 - 0.4)
@@ -95,9 +104,6 @@ def draw_plant(path: Path, plant: type[Plant]) -> None:
             _arrow(axes, places[source], places[target], style, bend)
     for name, (x, y) in places.items():
         _box(axes, ports[name], x, y)
-    form = path.suffix.lstrip(".")
-    with whole_file(path) as stream:
-        figure.savefig(stream, format=form, dpi=150)
 
 
 def _box(axes: Any, port: Port, x: float, y: float) -> None:

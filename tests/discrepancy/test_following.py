@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hjcamp.commands._session import evidence_of
+from hjcamp.analyses.data import evidence_of
 from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.following import parts
 from hjcamp.discrepancy.saved import complete

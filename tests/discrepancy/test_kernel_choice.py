@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from hjcamp.analyses.diagnosing import considered
 from hjcamp.campaign import warm
-from hjcamp.commands.diagnose import considered
 from hjcamp.discrepancy import kernel_choice
 from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.kernel_choice import chosen_for, first_needed

@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.commands._session import evidence_of
+from hjcamp.analyses.data import evidence_of
 from hjcamp.discrepancy.gram import Gram, Group, Known, all_gains
 from hjcamp.discrepancy.saved import complete
 from hjcamp.discrepancy.views import HOME, Views

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.commands._session import evidence_of
+from hjcamp.analyses.data import evidence_of
 from hjcamp.discrepancy.answer import Judging, answer
 from hjcamp.discrepancy.diagnose import Diagnosis, diagnose
 from hjcamp.discrepancy.heldout import Local

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.commands._session import evidence_of
+from hjcamp.analyses.data import evidence_of
 from hjcamp.discrepancy.features import BLOCK, Features
 from hjcamp.discrepancy.passes import (
     LOOK_BACK,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from discrepancy_answers import Call
 
-from hjcamp.commands._session import free_model_name
+from hjcamp.analyses.data import free_model_name
 from hjcamp.commands.compare import next_commands
 from hjcamp.commands.diagnose import next_command
 from hjcamp.discrepancy.scale import Judged, fall_of

@@ -12,7 +12,7 @@ import yaml
 from log_makers import make_columns, make_log, write_json
 
 from hjcamp import cli
-from hjcamp.commands._session import evidence_of
+from hjcamp.analyses.data import evidence_of
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.records.importing import import_file

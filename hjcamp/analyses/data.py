@@ -1,0 +1,107 @@
+"""Measured tests as the analyses take them: found, read once, refused where they cannot be."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from hjcamp.discrepancy.evidence import Evidence
+    from hjcamp.model.plant import Plant
+    from hjcamp.prediction.measured import Measured
+    from hjcamp.records.log import TestLog
+
+Report = Callable[[str, float], None]
+
+
+def silent(text: str, share: float) -> None:
+    """Report nothing: how far an analysis is, for those who do not ask."""
+
+
+class Data:
+    """The tests at some paths: run folders, folders of logs, log files. The first log is looked at now, all when needed.
+
+    Raises ``UsageError`` where there is no log; a property raises it for logs that the analysis cannot read.
+    """
+
+    def __init__(self, paths: Sequence[str | Path]) -> None:
+        from hjcamp.plants import DEFAULT
+        from hjcamp.records.find import find_logs
+        from hjcamp.records.of_plant import PLANT_KEY
+        from hjcamp.records.read import read_metadata
+
+        self.paths = [Path(path) for path in paths]
+        self.plant_name = read_metadata(find_logs(self.paths)[0]).get(PLANT_KEY) or DEFAULT
+        self.of_pump_joint = self.plant_name == DEFAULT
+
+    @cached_property
+    def logs(self) -> list[TestLog]:
+        """The logs, those of a run folder that belong to its plan."""
+        from hjcamp.records.find import read_logs
+
+        return read_logs(self.paths)
+
+    @property
+    def plant(self) -> type[Plant]:
+        """The plant of these tests."""
+        from hjcamp.plants import find_plant
+
+        return find_plant(self.plant_name)
+
+    @cached_property
+    def evidence(self) -> Evidence:
+        """The tests of the pump joint on their coarser clock."""
+        return evidence_of(self.paths, self.logs)
+
+    @cached_property
+    def measured(self) -> Measured:
+        """The tests of another plant; what is doubtful is said on stderr."""
+        from hjcamp.prediction.measured import measured_tests
+        from hjcamp.records.plausible import refuse_implausible
+
+        for log in self.logs:
+            for one in refuse_implausible(log, str(log.path)):
+                print(f"{log.path}: {one.line}", file=sys.stderr)
+        return measured_tests(self.logs)
+
+
+def evidence_of(paths: Sequence[Path], logs: Sequence[TestLog] | None = None) -> Evidence:
+    """Return the evidence of the logs at ``paths``; refuse what cannot be, and say on stderr what is doubtful."""
+    from hjcamp.discrepancy.evidence import prepare
+    from hjcamp.records.find import read_logs, refuse_unanalysed
+    from hjcamp.records.plausible import refuse_implausible
+
+    logs = read_logs(list(paths)) if logs is None else logs
+    refuse_unanalysed(logs, "the diagnosis")
+    doubtful: dict[str, list[str]] = {}
+    for log in logs:
+        for one in refuse_implausible(log, str(log.path)):
+            doubtful.setdefault(one.field, []).append(f"{log.path}: {one.line}")
+    evidence = prepare(logs)
+    for lines in doubtful.values():
+        more = f" (and so in {len(lines) - 1} more logs)" if len(lines) > 1 else ""
+        print(f"{lines[0]}{more}", file=sys.stderr)
+    return evidence
+
+
+def joined(paths: Sequence[Path]) -> str:
+    """Return the paths as they would be typed."""
+    import shlex
+
+    return shlex.join(str(path) for path in paths)
+
+
+def free_model_name(stem: str) -> str:
+    """Return a name that no model has yet: ``stem``, else ``stem_2`` and so on."""
+    from hjcamp.configuration.composer import Composer
+    from hjcamp.discrepancy.saved import FOLDER
+
+    taken = set(Composer().options("model")) | {path.stem for path in FOLDER.glob("*.yaml")}
+    number, name = 1, stem
+    while name in taken:
+        number += 1
+        name = f"{stem}_{number}"
+    return name

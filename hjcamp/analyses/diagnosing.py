@@ -1,0 +1,178 @@
+"""What a model misses."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.analyses.data import Data, Report, silent
+from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.report.where_words import NEAR
+
+if TYPE_CHECKING:
+    from hjcamp.discrepancy.answer import Judging
+    from hjcamp.discrepancy.diagnose import Diagnosis
+    from hjcamp.discrepancy.evidence import Evidence
+    from hjcamp.discrepancy.scale import Judged
+    from hjcamp.discrepancy.unexplained import Unexplained
+    from hjcamp.model.effect import Effect
+    from hjcamp.prediction.analysis import Analysis
+    from hjcamp.prediction.verdict import Verdict
+
+MOST_WORKERS = 4
+
+
+@dataclass(frozen=True)
+class Asked:
+    """How a model is searched for what it misses; ``only`` and ``without`` name effects, with commas."""
+
+    model: str = "published"
+    effort: str = "standard"
+    seed: int = 1
+    only: str | None = None
+    without: str | None = None
+    workers: int | None = None
+    cluster: str | None = None
+
+    def check(self) -> None:
+        """Refuse a seed that ``seed=`` of a run would not take, and less than one process."""
+        check_seed(self.seed)
+        if self.workers is not None and self.workers < 1:
+            raise UsageError(f"--workers {self.workers}: give a whole number, 1 or more")
+
+
+@dataclass(frozen=True)
+class Diagnosed:
+    """A diagnosis of the pump joint with all that its words need: the answer for programs, the library, what was started
+    from.
+    """
+
+    found: Diagnosis
+    content: dict[str, Any]
+    library: Mapping[str, type[Effect]]
+    model: str
+    start: Judged | None
+    judging: Judging
+    unexplained: Unexplained | None
+
+
+@dataclass(frozen=True)
+class PlantDiagnosed:
+    """A diagnosis of any plant: the analysis, its verdict, the answer for programs."""
+
+    analysis: Analysis
+    verdict: Verdict
+    content: dict[str, Any]
+
+
+def check_seed(seed: int) -> None:
+    """Refuse a seed that ``seed=`` of a run would not take."""
+    if not 0 <= seed < 2**63:
+        raise UsageError(f"--seed {shown(seed)}: give a whole number, 0 or more and below 2^63")
+
+
+def diagnose_pump_joint(
+    data: Data,
+    asked: Asked,
+    report: Report = silent,
+    compiling: Callable[[int, int], None] = lambda done, count: None,
+    lacking: Callable[[Evidence], None] = lambda evidence: None,
+) -> Diagnosed:
+    """Return what the model of the pump joint misses (`hjcamp.discrepancy.diagnose`).
+
+    ``compiling`` hears how many kernels of how many are there, ``lacking`` the evidence before anything is computed.
+    """
+    from hjcamp.campaign.warm import missing, ready_to_diagnose, side_by_side
+    from hjcamp.discrepancy.answer import Judging, answer
+    from hjcamp.discrepancy.crew import Crew, available
+    from hjcamp.discrepancy.diagnose import diagnose
+    from hjcamp.discrepancy.effort import EFFORTS
+    from hjcamp.discrepancy.saved import saved_model
+    from hjcamp.effects import load_effects
+
+    began = time.perf_counter()
+    asked.check()
+    if asked.effort not in EFFORTS:
+        raise unknown("effort", asked.effort, EFFORTS)
+    start = saved_model(asked.model)
+    library = considered(load_effects(), asked.only, asked.without, start.effects)
+    effects = tuple(library.values())
+    number = asked.workers or min(available(), MOST_WORKERS)
+    if work := missing(effects):
+        compiling(0, len(work))
+        for count, _ in enumerate(side_by_side(work, number), start=1):
+            compiling(count, len(work))
+    crew = Crew(number, asked.cluster, partial(ready_to_diagnose, tuple(library)))
+    try:
+        lacking(data.evidence)
+        begin = start if start.base or start.effects else None
+        found = diagnose(
+            data.evidence, effects, effort=asked.effort, seed=asked.seed, start=begin, crew=crew, report=report
+        )
+        judging = Judging(found, effects, asked.effort)
+        content = answer(found, effects, asked.effort, 0.0, report, judging)
+        before = judging.of_start(start)
+    finally:
+        crew.close()
+    content["seconds"] = round(time.perf_counter() - began, 3)
+    return Diagnosed(found, content, library, asked.model, before, judging, _curve(found, content))
+
+
+def _curve(found: Diagnosis, content: Mapping[str, Any]) -> Unexplained | None:
+    from hjcamp.discrepancy.unexplained import unexplained
+
+    if not content["drivers"]:
+        return None
+    fit = found.final if looks_at_final(found, content["error"]["augmented"]) else found.baseline
+    return unexplained(found.features, fit, found.floor, content["drivers"][0])
+
+
+def looks_at_final(found: Diagnosis, error: float | None) -> bool:
+    """Return whether the best model leaves enough to be looked at; else an effect fits whose law does not hold."""
+    return found.final is not found.baseline and (error is None or error > NEAR)
+
+
+def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDiagnosed:
+    """Return what the model of any plant misses (`hjcamp.prediction.verdict`)."""
+    from hjcamp.effects import load_effects
+    from hjcamp.prediction.analysis import SHORTEST, calibrated
+    from hjcamp.prediction.answer import answer
+    from hjcamp.prediction.floor import not_above
+    from hjcamp.prediction.model_file import load_model
+    from hjcamp.prediction.verdict import agreed
+
+    began = time.perf_counter()
+    asked.check()
+    measured = data.measured
+    library = load_effects(plant=measured.plant)
+    start = load_model(asked.model, measured.plant, library)
+    chosen = considered(library, asked.only, asked.without, start.effects)
+    report("compiling, once for this plant and its effects", 0.02)
+    analysis = calibrated(measured, chosen, start, report, asked.seed)
+    half = max(analysis.windows.layout.width // 2, SHORTEST)
+    verdict = agreed(analysis, lambda: calibrated(measured, chosen, start, report, asked.seed, width=half))
+    analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
+    return PlantDiagnosed(analysis, verdict, answer(analysis, verdict, time.perf_counter() - began))
+
+
+def considered(
+    library: Mapping[str, Any], only: str | None, without: str | None, given: Collection[str] = ()
+) -> dict[str, Any]:
+    """Return the effects that are named by ``only`` and not by ``without``; those of the model that is ``given`` always."""
+    chosen = set(library)
+    for option, text in (("--only", only), ("--without", without)):
+        if text is None:
+            continue
+        names = [name.strip() for name in text.split(",") if name.strip()]
+        if not names:
+            raise UsageError(f"{option} '{text}': give the names of effects, such as {next(iter(library))}")
+        for name in names:
+            if name not in library:
+                raise unknown("effect", name, library, option)
+        chosen = chosen & set(names) if option == "--only" else chosen - set(names)
+    if not chosen:
+        raise UsageError(f"--only {only} --without {without}: no effect is left to look for")
+    return {name: effect for name, effect in library.items() if name in chosen or name in given}

@@ -1,0 +1,207 @@
+"""Effects and plants in Python."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.notebook.result import Picture, Result, frame_of, quiet
+
+if TYPE_CHECKING:
+    import polars as pl
+
+    from hjcamp.model.effect import Effect
+    from hjcamp.model.plant import Plant
+
+PARAMETERS = ("parameter", "unit", "default", "low", "high", "prior", "meaning")
+EFFECTS = ("effect", "acts_on", "what", "parameters")
+PLANTS = ("plant", "what", "measured", "effects")
+
+
+@dataclass(frozen=True, repr=False)
+class Catalogue(Result):
+    """What there is. ``frame``: a row for each."""
+
+    heading: str
+    table: pl.DataFrame
+
+    @property
+    def answer(self) -> dict[str, Any]:  # type: ignore[override]
+        """The rows of the frame."""
+        return {"rows": self.frame.to_dicts()}
+
+    @property
+    def title(self) -> str:
+        """How many there are."""
+        return self.heading
+
+    @property
+    def frame(self) -> pl.DataFrame:
+        """One row for each."""
+        return self.table
+
+
+@dataclass(frozen=True, repr=False)
+class OneEffect(Result):
+    """One effect of the library. ``frame``: its parameters; ``plot`` simulates a test without and with it (pump joint)."""
+
+    name: str
+    effect: type[Effect]
+    plant: str
+
+    @property
+    def answer(self) -> dict[str, Any]:  # type: ignore[override]
+        """The rows of the frame."""
+        return {"effect": self.name, "parameters": self.frame.to_dicts()}
+
+    @property
+    def title(self) -> str:
+        """Its name and what it is."""
+        return f"{self.name}: {self.effect.sentence()}"
+
+    def sentences(self) -> list[str]:
+        """Return its description: equation, what it is seen as, source."""
+        text = inspect.cleandoc(self.effect.__doc__ or "").replace(".. math:: ", "")
+        return [line.strip() for line in text.splitlines()[1:] if line.strip()]
+
+    @property
+    def frame(self) -> pl.DataFrame:
+        """One row for each parameter."""
+        rows = [
+            {
+                "parameter": one.name, "unit": one.unit, "default": one.default, "low": one.bounds[0], "high": one.bounds[1],
+                "prior": one.prior, "meaning": one.text,
+            }
+            for one in self.effect.parameters.values()
+        ]  # fmt: skip
+        return frame_of(rows, PARAMETERS)
+
+    def plot(self, *overrides: str) -> Picture:
+        """Return one test without and with the effect; ``overrides`` choose another test."""
+        from hjcamp.commands.effects import configured, is_pictured, simulated_pair
+        from hjcamp.errors import UsageError
+        from hjcamp.report.effect_figure import SIZE, paint_effect
+
+        if not is_pictured(self.name, self.plant):
+            raise UsageError(f"effect {self.name}: pictures are of tests of pump_joint")
+        without, with_effect = simulated_pair(self.name, configured(list(overrides)), quiet())
+        figure = Picture(figsize=SIZE, layout="constrained")
+        paint_effect(figure, self.name, without, with_effect)
+        return figure
+
+
+@dataclass(frozen=True, repr=False)
+class OnePlant(Result):
+    """One plant. ``frame``: states, inputs, parameters and what is measured; ``plot``: its places and what links them."""
+
+    plant: type[Plant]
+
+    @property
+    def answer(self) -> dict[str, Any]:  # type: ignore[override]
+        """The rows of the frame."""
+        return {"plant": self.plant.name, "declared": self.frame.to_dicts()}
+
+    @property
+    def title(self) -> str:
+        """Its name and what it is."""
+        return f"{self.plant.name}: {self.plant.sentence()}"
+
+    def sentences(self) -> list[str]:
+        """Return which effects fit."""
+        from hjcamp.effects import library_of
+
+        return [f"effects that fit: {', '.join(library_of(self.plant).effects)}"]
+
+    @property
+    def frame(self) -> pl.DataFrame:
+        """One row for each declared quantity: kind, name, unit, value, meaning."""
+        from hjcamp.commands.plants import declared_rows
+
+        return frame_of(declared_rows(self.plant), ("kind", "name", "unit", "value", "meaning"))
+
+    def plot(self) -> Picture:
+        """Return the block diagram of its places."""
+        from hjcamp.report.plant_figure import paint_plant
+
+        figure = Picture()
+        paint_plant(figure, self.plant)
+        return figure
+
+
+def effects(name: str | None = None, plant: str = "pump_joint") -> Catalogue | OneEffect:
+    """Return the effects that a plant can have, or one of them; `hjcamp effects`.
+
+    >>> "spring" in hjcamp.effects(plant="stage").frame["effect"].to_list()
+    True
+    >>> hjcamp.effects("spring", plant="stage").frame["unit"].to_list()
+    ['N/m', 'm']
+    >>> hjcamp.effects("sprong", plant="stage")
+    Traceback (most recent call last):
+        ...
+    hjcamp.errors.UsageError: unknown effect 'sprong'; did you mean 'spring'? ...
+    """
+    from hjcamp.effects import library_of
+
+    library = library_of(plant)
+    if name is not None:
+        return OneEffect(name, library.find(name), plant)
+    rows = [
+        {
+            "effect": key,
+            "acts_on": one.subsystem or one.acts_on,
+            "what": one.sentence(),
+            "parameters": ", ".join(one.parameters),
+        }
+        for key, one in library.effects.items()
+    ]
+    return Catalogue(f"{len(rows)} effects that plant {plant} can have", frame_of(rows, EFFECTS))
+
+
+def plants(name: str | None = None) -> Catalogue | OnePlant:
+    """Return the plants that are known, or one of them; `hjcamp plants`.
+
+    >>> "stage" in hjcamp.plants().frame["plant"].to_list()
+    True
+    >>> figure = hjcamp.plants("stage").plot()
+    """
+    from hjcamp.effects import library_of
+    from hjcamp.model.plant_checks import check_plant
+    from hjcamp.plants import find_plant, load_plants
+
+    if name is not None:
+        plant = find_plant(name)
+        check_plant(plant)
+        return OnePlant(plant)
+    rows = [
+        {
+            "plant": key, "what": one.sentence(), "effects": len(library_of(one).effects),
+            "measured": ", ".join([channel.field for channel in one.channels] or list(one.measured)),
+        }
+        for key, one in load_plants().items()
+    ]  # fmt: skip
+    return Catalogue(f"{len(rows)} plants", frame_of(rows, PLANTS))
+
+
+def new_plant(name: str) -> Path:
+    """Write the template of a plant, a carriage with friction, into ./plants and return its path; `hjcamp plants new`.
+
+    >>> hjcamp.new_plant("my_axis").as_posix()
+    'plants/my_axis.py'
+    """
+    from hjcamp.plants import load_plants
+    from hjcamp.plants._template import write_template
+
+    return write_template(name, Path("plants"), load_plants())
+
+
+def new_effect(name: str, plant: str = "", on: str = "") -> Path:
+    """Write the template of an effect into ./effects and return its path; ``on`` a kind of place; `hjcamp effects new`.
+
+    >>> hjcamp.new_effect("cable", on="body").as_posix()
+    'effects/cable.py'
+    """
+    from hjcamp.commands.effects import new_effect_file
+
+    return new_effect_file(name, plant, on)

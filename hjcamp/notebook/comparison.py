@@ -1,0 +1,109 @@
+"""Models beside measured tests, in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.analyses.comparing import compare_plant, compare_pump_joint
+from hjcamp.notebook.data import Data, Tests, data_of, progress_to
+from hjcamp.notebook.result import Picture, Result, figure_of, frame_of
+
+if TYPE_CHECKING:
+    import polars as pl
+
+COLUMNS = ("model", "channel", "rms", "floor", "r2", "score")
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(Result):
+    """Models on the same tests. ``frame``: a row for each model and channel, with the model's score: 1 is perfect.
+
+    ``found`` is the analysis itself (`hjcamp.discrepancy.compare` or `hjcamp.prediction.comparison`).
+    """
+
+    data: Data
+    found: Any
+    answer: dict[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The scores in one line."""
+        return "error over floor: " + ", ".join(f"{name} {value:.2f}" for name, value in self.scores.items())
+
+    @property
+    def scores(self) -> dict[str, float]:
+        """The error of each model over the floor, geometric mean of the channels."""
+        return {one["name"]: one["score"] for one in self.answer["models"]}
+
+    @property
+    def frame(self) -> pl.DataFrame:
+        """One row for each model and channel, in the units of the channels."""
+        rows = [
+            {"model": one["name"], "channel": channel, "score": one["score"], **(error or {})}
+            for one in self.answer["models"]
+            for channel, error in one["error"].items()
+        ]
+        return frame_of(rows, COLUMNS)
+
+    def sentences(self) -> list[str]:
+        """Return where the error of the last model is, in words."""
+        if not self.data.of_pump_joint:
+            from hjcamp.commands._plant_words import FLOORS
+
+            return [f"{FLOORS[self.found.analysis.floor.source]}."]
+        from hjcamp.commands._compare_page import places_in_words
+
+        return places_in_words(self.found.models[-1])
+
+    def plot(self) -> Picture:
+        """Return measurement and models over time where the error is largest."""
+        if self.data.of_pump_joint:
+            from hjcamp.commands._compare_page import worst_overlay
+            from hjcamp.report.discrepancy_figures import draw_overlay
+
+            return figure_of(draw_overlay, worst_overlay(self.found.models))
+        from hjcamp.commands._plant_pages import _stretch
+        from hjcamp.report.prediction_figures import draw_windows
+
+        errors = {one.name: one.errors for one in (*self.found.models, self.found.calibrated)}
+        return figure_of(draw_windows, *_stretch(self.found.analysis, errors, self.found.models[-1].errors))
+
+    def page(self, folder: str | Path = "compare") -> Path:
+        """Write the pictures and the page of the command into a folder; return the path of the page."""
+        if self.data.of_pump_joint:
+            from hjcamp.commands._compare_page import write_pictures
+
+            return write_pictures(self.found, Path(folder))[-1]
+        from hjcamp.commands._plant_pages import write_comparison
+
+        return write_comparison(self.found, Path(folder))[-1]
+
+
+def compare(
+    tests: Tests, model: object = "published", progress: Callable[[str, float], None] | None = None
+) -> Comparison:
+    """Return how far one or several models are off on measured tests, and where; `hjcamp compare`.
+
+    ``tests`` are loaded ones or paths, ``model`` a name or a list of names (or what `add` gave); ``progress`` hears (what is
+    done, share). Raises ``UsageError`` for a model that is not there, ``HjcampError`` for one that runs away.
+
+    >>> found = hjcamp.compare("logs")
+    >>> found.frame.columns
+    ['model', 'channel', 'rms', 'floor', 'r2', 'score']
+    >>> list(found.scores)
+    ['published']
+    """
+    data = data_of(tests)
+    names = [str(one) for one in model] if isinstance(model, Sequence) and not isinstance(model, str) else [str(model)]
+    if data.of_pump_joint:
+        from hjcamp.discrepancy.compare import answer
+
+        pump = compare_pump_joint(data, names, progress_to(progress))
+        return Comparison(data, pump, answer(pump.models, len(data.evidence.tests)))
+    from hjcamp.prediction.comparison import answer as plant_answer
+
+    plant = compare_plant(data, names, progress_to(progress))
+    return Comparison(data, plant, plant_answer(plant))

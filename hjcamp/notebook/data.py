@@ -1,0 +1,145 @@
+"""Measured tests in Python: loaded, imported, looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from hjcamp import analyses
+from hjcamp.analyses.data import Data as Read
+from hjcamp.errors import UsageError, unknown
+from hjcamp.notebook.result import Picture, Result, frame_of
+
+if TYPE_CHECKING:
+    import polars as pl
+
+    from hjcamp.records.log import TestLog
+
+COLUMNS = ("test", "condition", "repetition", "samples", "duration_s", "log")
+SIZE = (9.6, 2.2)
+
+
+class Data(Read, Result):
+    """Measured tests: ``logs``, ``plant``, ``frame`` (a row for each test), ``samples`` and ``plot`` of one of them."""
+
+    @property
+    def title(self) -> str:
+        """How many tests of which plant."""
+        conditions = len({log.condition_key for log in self.logs})
+        return f"{len(self.logs)} tests, {conditions} conditions, plant {self.plant_name}"
+
+    @property
+    def answer(self) -> Mapping[str, Any]:  # type: ignore[override]
+        """The rows of the frame."""
+        return {"plant": self.plant_name, "tests": self.frame.to_dicts()}
+
+    @cached_property
+    def frame(self) -> pl.DataFrame:
+        """One row for each test: its name, condition, repetition, samples, duration (s), file."""
+        rows = [
+            {
+                "test": name, "condition": log.condition_key, "repetition": log.metadata.get("repetition"),
+                "samples": log.samples, "duration_s": log.duration, "log": str(log.path),
+            }
+            for name, log in self._named.items()
+        ]  # fmt: skip
+        return frame_of(rows, COLUMNS)
+
+    @cached_property
+    def indicators(self) -> pl.DataFrame:
+        """One row for each test of the pump joint: RMSE1, RMSE2, largest and steady state error (deg), lines, what varied."""
+        from hjcamp.report.indicators import STANDING, indicators_frame
+
+        return indicators_frame(self.logs).drop(STANDING)
+
+    def samples(self, test: str | int = 0) -> pl.DataFrame:
+        """Return the samples of one test, by name or place: time (s) and every field, in the units of their names."""
+        import polars as pl
+
+        return pl.DataFrame(self._log(test)[1].columns)
+
+    def plot(self, test: str | int = 0) -> Picture:
+        """Return one test over time, a panel for each unit."""
+        from hjcamp.report.discrepancy_figures import dress
+        from hjcamp.report.figures import panels_by_unit
+
+        name, log = self._log(test)
+        time = log.columns["time_s"]
+        panels = panels_by_unit([one for one in log.columns if one not in ("time_s", "phase")])
+        figure = Picture(figsize=(SIZE[0], SIZE[1] * max(len(panels), 1)), layout="constrained")
+        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        for axis, panel in zip(axes, panels, strict=True):
+            for curve in panel.curves:
+                style = "--" if curve.dashed else "-"
+                axis.plot(time, log.columns[curve.signal], style, color=curve.colour, label=curve.label, linewidth=0.9)
+            dress(axis, panel.title)
+            axis.legend(fontsize=8, frameon=False)
+        figure.suptitle(name, x=0.01, ha="left", fontsize=10)
+        axes[-1].set_xlabel("time (s)", fontsize=8.5)
+        return figure
+
+    def __len__(self) -> int:
+        return len(self.logs)
+
+    @cached_property
+    def _named(self) -> dict[str, TestLog]:
+        from hjcamp.report.exploration import names_of
+
+        return dict(zip(names_of(self.logs), self.logs, strict=True))
+
+    def _log(self, test: str | int) -> tuple[str, TestLog]:
+        names = list(self._named)
+        if isinstance(test, int):
+            if not -len(names) <= test < len(names):
+                raise UsageError(f"test {test}: there are {len(names)}, counted from 0")
+            return names[test], self.logs[test]
+        if test not in self._named:
+            raise unknown("test", test, names)
+        return test, self._named[test]
+
+
+Tests: TypeAlias = Data | str | Path | Sequence[str | Path]
+
+
+def load(*paths: str | Path) -> Data:
+    """Return the tests at some paths: run folders, folders of logs, log files; ``UsageError`` for what cannot be read.
+
+    >>> data = hjcamp.load("logs")
+    >>> data.frame.columns
+    ['test', 'condition', 'repetition', 'samples', 'duration_s', 'log']
+    >>> data.samples(0).columns
+    ['time_s', 'position_m', 'voltage_v']
+    >>> figure = data.plot(0)
+    """
+    data = Data([Path(path) for path in paths])
+    _ = data.logs  # read now: what is damaged is said here
+    return data
+
+
+def data_of(tests: Tests) -> Data:
+    """Return tests as they were loaded; load them where paths are given."""
+    if isinstance(tests, Data):
+        return tests
+    return load(*([tests] if isinstance(tests, str | Path) else tests))
+
+
+def import_logs(files: str | Path | Sequence[str | Path], map: str | Path, into: str | Path | None = None) -> Data:
+    """Make test logs of measurements from elsewhere (CSV, MATLAB, Parquet, MCAP) by a map, and load them; `hjcamp import`.
+
+    >>> hjcamp.import_logs("train.csv", map="map.yaml", into="imported").title
+    '1 tests, 1 conditions, plant stage'
+    """
+    from hjcamp.commands.import_ import targets_of
+    from hjcamp.records.importing import import_files
+
+    sources = [Path(one) for one in ([files] if isinstance(files, str | Path) else files)]
+    targets = targets_of(sources, None if into is None else Path(into), None)
+    import_files(sources, Path(map), targets)
+    return load(*targets)
+
+
+def progress_to(progress: analyses.data.Report | None) -> analyses.data.Report:
+    """Return the callback that hears what is done and its share (0 to 1); nobody hears it where None was given."""
+    return progress or analyses.data.silent

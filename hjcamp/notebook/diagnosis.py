@@ -1,0 +1,146 @@
+"""What a model misses, in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.analyses.diagnosing import Asked, diagnose_plant, diagnose_pump_joint
+from hjcamp.errors import UsageError
+from hjcamp.notebook.data import Data, Tests, data_of, progress_to
+from hjcamp.notebook.result import Picture, Result, figure_of, frame_of, interval_row
+
+if TYPE_CHECKING:
+    import polars as pl
+
+    from hjcamp.notebook.models import Model
+
+CANDIDATES = ("effect", "posterior", "heldout_error_ratio", "parameter", "value", "unit", "low", "high")
+CALIBRATED = ("parameter", "published", "value", "unit", "low", "high")
+
+
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Result):
+    """What a model misses on some tests. ``frame``: the candidates, a row for each parameter, SI with 95 % intervals."""
+
+    data: Data
+    model: str
+    #: The words of the command: title, sentences, tables, and the analysis behind them.
+    words: Any
+    answer: dict[str, Any]
+
+    @property
+    def verdict(self) -> str:
+        """effect, one_of, outside_library, nothing_missing or cannot_tell."""
+        return str(self.answer["verdict"])
+
+    @property
+    def effects(self) -> list[str]:
+        """The effects that are named."""
+        return list(self.answer["effects"])
+
+    @property
+    def title(self) -> str:
+        """The verdict and what it names."""
+        return str(self.words.title)
+
+    def sentences(self) -> list[str]:
+        """Return what the verdict means and what it rests on."""
+        return list(self.words.answer() if self.data.of_pump_joint else self.words.sentences())
+
+    @property
+    def frame(self) -> pl.DataFrame:
+        """The candidates, best first: a row for each parameter of each, SI."""
+        rows = [
+            interval_row(
+                row, effect=one["effect"], posterior=one["posterior"], heldout_error_ratio=one["heldout_error_ratio"],
+                parameter=name,
+            )
+            for one in self.answer["candidates"]
+            for name, row in one["parameters"].items()
+        ]  # fmt: skip
+        return frame_of(rows, CANDIDATES)
+
+    @property
+    def calibration(self) -> pl.DataFrame:
+        """The base parameters as published or declared, and as these tests have them, SI."""
+        rows = [interval_row(row, parameter=name) for name, row in self.answer["calibration"].items()]
+        return frame_of(rows, CALIBRATED)
+
+    def plot(self) -> Picture:
+        """Return what is missing over what drives it where that was found, else the errors before and after."""
+        if self.data.of_pump_joint:
+            from hjcamp.commands._error_words import over
+            from hjcamp.report.discrepancy_figures import draw_errors
+
+            scale = self.words.judging.scale
+            return figure_of(draw_errors, self.words.scores(), over(scale), scale.repeated)
+        from hjcamp.commands._plant_pages import _curves
+        from hjcamp.report.prediction_figures import draw_chance, draw_curves
+
+        if curves := _curves(self.words):
+            return figure_of(draw_curves, curves)
+        if steps := self.words.analysis.search.steps:
+            return figure_of(draw_chance, steps[0].chance, steps[0].gain)
+        raise UsageError(f"{self.title}: nothing was fitted, so there is nothing to draw")
+
+    def page(self, folder: str | Path = "diagnose") -> Path:
+        """Write the pictures and the page of the command into a folder; return the path of the page."""
+        if self.data.of_pump_joint:
+            from hjcamp.commands._diagnose_page import write_pictures
+
+            return write_pictures(self.words, Path(folder))[-1]
+        from hjcamp.commands._plant_pages import write_diagnosis
+
+        return write_diagnosis(self.words, Path(folder))[-1]
+
+    def add(self, as_: str, effects: str | Sequence[str] | None = None) -> Model:
+        """Add what was found to the model and save it as ``as_``; where several were named, say which ``effects``."""
+        from hjcamp.notebook.models import add
+
+        if effects is None and self.verdict != "effect":
+            raise UsageError(
+                f"the verdict is {self.verdict}, so no effect is added by itself; say which: found.add('{as_}', effects=[...])"
+            )
+        return add(self.effects if effects is None else effects, self.data, as_=as_, model=self.model)
+
+
+def diagnose(
+    tests: Tests,
+    model: object = "published",
+    *,
+    effort: str = "standard",
+    seed: int = 1,
+    only: str | Sequence[str] | None = None,
+    without: str | Sequence[str] | None = None,
+    workers: int | None = None,
+    cluster: str | None = None,
+    progress: Callable[[str, float], None] | None = None,
+) -> Diagnosis:
+    """Return which effect the model misses, or that nothing is missing, or that these tests cannot tell; `hjcamp diagnose`.
+
+    The options are those of the command; ``only`` and ``without`` are lists of effects, or texts with commas. Raises
+    ``UsageError`` for unknown models, effects and efforts.
+
+    >>> found = hjcamp.diagnose("logs", only=["spring", "constant_force"])
+    >>> found.verdict, found.effects
+    ('effect', ['spring'])
+    >>> figure = found.plot()
+    """
+    data = data_of(tests)
+    asked = Asked(str(model), effort, seed, _text(only), _text(without), workers, cluster)
+    if data.of_pump_joint:
+        from hjcamp.commands._diagnose_words import Told
+
+        told = Told(**vars(diagnose_pump_joint(data, asked, progress_to(progress))))
+        return Diagnosis(data, asked.model, told, told.content)
+    from hjcamp.commands._plant_words import Words
+
+    done = diagnose_plant(data, asked, progress_to(progress))
+    return Diagnosis(data, asked.model, Words(done.analysis, done.verdict, done.content), done.content)
+
+
+def _text(names: str | Sequence[str] | None) -> str | None:
+    return names if names is None or isinstance(names, str) else ",".join(names)
