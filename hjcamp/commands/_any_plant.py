@@ -43,7 +43,7 @@ def diagnose_any(
 ) -> None:
     """Say which effect the model of a plant misses; the answer is that of ``hjcamp diagnose``."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import folder_for, joined, progress_of, write_answer
+    from hjcamp.commands._session import folder_for, joined, keep_answer, progress_of, write_answer
 
     began = time.perf_counter()
     console = make_console()
@@ -71,10 +71,12 @@ def diagnose_any(
         write_answer(json, content)
         report("drawing", 0.99)
         words = Words(analysis, verdict, content)
-        files = write_diagnosis(words, folder_for("diagnose", paths, json))
+        folder = folder_for("diagnose", paths, json)
+        files = write_diagnosis(words, folder)
+        keep_answer(folder, content)
     print_diagnosis(console, words)
     console.print(f"page    {files[-1]}", markup=False)
-    for number, line in enumerate(words.next_commands(joined(paths), model)):
+    for number, line in enumerate(words.next_commands(joined(paths), model, joined([folder]))):
         console.print(f"{'        ' if number else 'next    '}{line}", markup=False)
 
 

@@ -51,6 +51,7 @@ def diagnose(
         check_seed,
         evidence_of,
         folder_for,
+        keep_answer,
         progress_of,
         write_answer,
     )
@@ -99,19 +100,22 @@ def diagnose(
             before = judging.of_start(start)
         finally:
             crew.close()
-        content["seconds"] = round(time.perf_counter() - began, 3)
-        write_answer(json, content)
-        report("drawing", 0.99)
         curve = None
         if content["drivers"]:
             fit = found.final if looks_at_final(found, content["error"]["augmented"]) else found.baseline
             curve = unexplained(found.features, fit, found.floor, content["drivers"][0])
+        content["unknowns"] = [curve.row()] if curve else []
+        content["seconds"] = round(time.perf_counter() - began, 3)
+        write_answer(json, content)
+        report("drawing", 0.99)
         told = Told(found, content, library, model, before, judging, curve)
-        files = write_pictures(told, folder_for("diagnose", paths, json))
+        folder = folder_for("diagnose", paths, json)
+        files = write_pictures(told, folder)
+        keep_answer(folder, content)
     _print(console, told)
     console.print(f"figures {'  '.join(str(file) for file in files[:-1])}", markup=False)
     console.print(f"page    {files[-1]}", markup=False)
-    console.print(f"next    {next_command(content, paths, model)}", markup=False)
+    console.print(f"next    {next_command(content, paths, model, files[-1].parent)}", markup=False)
 
 
 def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:
@@ -156,7 +160,9 @@ def tell_of_compiling(console: Console, report: Callable[[str, float], None], do
         console.print(f"  compiling {count} kernels, once for these effects", markup=False)
 
 
-def next_command(content: dict[str, Any], paths: list[Path], model: str = "published") -> str:
+def next_command(
+    content: dict[str, Any], paths: list[Path], model: str = "published", folder: Path = Path("diagnose")
+) -> str:
     """Return the command that goes on from an answer; it can be pasted as it is."""
     from hjcamp.commands import command_files
     from hjcamp.commands._session import free_model_name, joined
@@ -168,7 +174,10 @@ def next_command(content: dict[str, Any], paths: list[Path], model: str = "publi
         return f"hjcamp add {' '.join(content['effects'])} {joined(paths)}{own} --as {name}"
     if verdict == "outside_library":
         driver = content["drivers"][0] if content["drivers"] else "unknown"
-        return f"hjcamp effects new {driver}_effect   # write its law, then: hjcamp diagnose {joined(paths)}{own}"
+        begun = f" --from {joined([folder])}" if content.get("unknowns") else ""
+        return (
+            f"hjcamp effects new {driver}_effect{begun}   # write its law, then: hjcamp diagnose {joined(paths)}{own}"
+        )
     if verdict == "nothing_missing" or "next" not in command_files():
         return f"hjcamp compare {joined(paths)}{own}"
     return f"hjcamp next {joined(paths)}"

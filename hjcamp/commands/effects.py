@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 RUN_S = 15.0  # a test of the checks takes well under a second
 USAGE = (
-    "hjcamp effects [NAME [OVERRIDE...]] | effects new NAME [--on KIND] | effects test NAME, each with --plant PLANT"
+    "hjcamp effects [NAME [OVERRIDE...]] | effects new NAME [--on KIND | --from DIAGNOSIS] | effects test NAME, "
+    "each with --plant PLANT"
 )
 # Fast and slow moves, reversals and rests at a high preload with dither: every effect has its moment. Open loop, for in
 # closed loop one slip that comes earlier changes all that follow. The draws of the rig are left out.
@@ -60,15 +61,25 @@ def effects(
     on: Annotated[
         str, typer.Option(help="With new: write it for this kind of place, on any plant.", show_default=False)
     ] = "",
+    begun: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            help="With new: begin with the curve that a diagnosis found (its folder, or its --json).",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Show the effect library, or one effect with a picture; write and test an effect of one's own."""
     if on and (words or [])[:1] != ["new"]:
         raise UsageError(f"--on is for a new effect: {USAGE}")
+    if begun is not None and ((words or [])[:1] != ["new"] or on or plant):
+        raise UsageError(f"--from is for a new effect, and says on which plant: {USAGE}")
     match words or []:
         case []:
             show_catalogue(plant)
         case ["new", name]:
-            write_new(name, plant, on)
+            write_new(name, plant, on, begun)
         case ["test", name]:
             test_effect(name, plant)
         case ["new" | "test", *_]:
@@ -219,8 +230,8 @@ def draw(name: str, config: dict[str, Any], path: Path) -> None:
     console.print(f"\n  picture  {path}", markup=False, soft_wrap=True)
 
 
-def write_new(name: str, plant: str = "", on: str = "") -> None:
-    """Write the template of an effect into ./effects: in the names of pump_joint, or for a kind of place on any plant."""
+def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = None) -> None:
+    """Write the template of an effect into ./effects: in the names of pump_joint, for a kind of place, or from a diagnosis."""
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import effect_files, load_effects
     from hjcamp.effects._generic_template import write_generic
@@ -228,7 +239,12 @@ def write_new(name: str, plant: str = "", on: str = "") -> None:
     from hjcamp.plants import DEFAULT, find_plant
 
     folder, taken = Path("effects"), {*effect_files([]), *load_effects([])}
-    if on or plant not in ("", DEFAULT):
+    if begun is not None:
+        from hjcamp.commands._effect_from import write_from_diagnosis
+
+        path, plant = write_from_diagnosis(name, begun, sorted(taken))
+        plant = "" if plant == DEFAULT else plant
+    elif on or plant not in ("", DEFAULT):
         path = write_generic(name, folder, find_plant(plant) if plant else None, on, taken)
     else:
         path = write_template(name, folder, find_plant(DEFAULT, folders=[]), taken)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ CHANNELS = {
     "line_sum": (2, "flow out of both lines", "mm3/s"),
     "line_difference": (3, "flow out of line 1 beyond that of line 2", "mm3/s"),
 }
+SI = {"": 1.0, "deg": np.pi / 180.0, "mm": 1e-3, "mm/s": 1e-3, "MPa": 1e6, "s": 1.0, "N": 1.0, "mm3/s": 1e-9}
+IN_SI = {"deg": "rad", "mm": "m", "mm/s": "m/s", "MPa": "Pa", "mm3/s": "m^3/s"}
 BINS = 12
 STRAIGHT = 0.5
 
@@ -36,6 +39,21 @@ class Unexplained:
     centres: Array
     forward: Array
     backward: Array
+    channel: str = "sliding"
+
+    def row(self) -> dict[str, Any]:
+        """Return the curve for programs, SI: what drives it, where it acts, and its values in both directions."""
+        forward, backward = (
+            [float(value) * SI[self.unit] if np.isfinite(value) else None for value in one]
+            for one in (self.forward, self.backward)
+        )
+        return {
+            "driver": self.driver, "quantity": self.quantity, "port": self.channel,
+            "curve": {
+                "x": [float(v) * SI[self.driver_unit] for v in self.centres], "forward": forward, "backward": backward,
+                "x_unit": IN_SI.get(self.driver_unit, self.driver_unit) or "1", "y_unit": IN_SI.get(self.unit, self.unit),
+            },
+        }  # fmt: skip
 
     @property
     def even(self) -> Array:
@@ -69,9 +87,9 @@ class Unexplained:
         return f"{said}: between {low:.2g} and {high:.2g} {self.unit}."
 
 
-def unexplained(features: Features, fit: Fit, floor: Array, driver: str) -> Unexplained:
-    """Return what ``fit`` leaves over ``driver``, in the channel in which the driver explains most of it."""
-    channel = next(row[1] for row in rank_drivers(features, fit, floor) if row[0] == driver)
+def unexplained(features: Features, fit: Fit, floor: Array, driver: str, channel: str = "") -> Unexplained:
+    """Return what ``fit`` leaves over ``driver``, in the ``channel``, else in that in which the driver explains most of it."""
+    channel = channel or next(row[1] for row in rank_drivers(features, fit, floor) if row[0] == driver)
     index, name, unit = CHANNELS[channel]
     quantity = quantities(features, fit.features)[index]
     # The balance is push less friction: a force on the arm that the model lacks has the other sign.
@@ -86,7 +104,7 @@ def unexplained(features: Features, fit: Fit, floor: Array, driver: str) -> Unex
         curves.append(
             np.array([scale * float(quantity.values[one].mean()) if one.sum() >= FEWEST else np.nan for one in members])
         )
-    return Unexplained(driver, driver_unit, name, unit, 0.5 * (edges[1:] + edges[:-1]), *curves)
+    return Unexplained(driver, driver_unit, name, unit, 0.5 * (edges[1:] + edges[:-1]), *curves, channel)
 
 
 def _edges(values: Array) -> Array:
