@@ -10,13 +10,14 @@ TESTABLE := $(VENV)/.testable
 # Python compiles a file when it is first imported, not all that are never used
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help setup demo test lint bench benchmark any_plant next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
+.PHONY: help setup demo test lint catalogue bench benchmark any_plant next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
 	@echo "make demo    hjcamp run campaign=robustness_vertical: 56 tests, tables, report.html"
 	@echo "make test    lint, types, layers, tests"
 	@echo "make lint    lint, types, layers"
+	@echo "make catalogue  a page for each effect and each plant, in site/catalogue"
 	@echo "make bench   speed of the model against the same model in SciPy, and of the whole chain"
 	@echo "make benchmark  226 hidden effects on the truth plant (an hour and a half; goes on where it stopped); docs/benchmark.md"
 	@echo "make any_plant  hidden effects on an axis, tanks, a servo and two joints, imported and diagnosed; docs/any_plant.md"
@@ -62,6 +63,9 @@ lint: $(TESTABLE)
 # one process for each of up to four cores; a file's tests stay together, since they share kernels and logs
 test: $(TESTABLE) lint
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+
+catalogue: $(INSTALLED)
+	$(BIN)/hjcamp effects --pages site/catalogue
 
 bench: $(WARM)
 	$(BIN)/python benchmarks/bench.py

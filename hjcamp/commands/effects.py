@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 RUN_S = 15.0  # a test of the checks takes well under a second
 USAGE = (
-    "hjcamp effects [NAME [OVERRIDE...]] | effects new NAME [--on KIND | --from DIAGNOSIS] | effects test NAME, "
+    "hjcamp effects [NAME [OVERRIDE...]] | effects --pages DIR | effects new NAME [--on KIND | --from DIAGNOSIS] | effects test NAME, "
     "each with --plant PLANT"
 )
 # Fast and slow moves, reversals and rests at a high preload with dither: every effect has its moment. Open loop, for in
@@ -69,13 +69,21 @@ def effects(
             show_default=False,
         ),
     ] = None,
+    pages: Annotated[
+        Path | None,
+        typer.Option("--pages", help="Write a page for each effect and plant into this folder.", show_default=False),
+    ] = None,
 ) -> None:
     """Show the effect library, or one effect with a picture; write and test an effect of one's own."""
     if on and (words or [])[:1] != ["new"]:
         raise UsageError(f"--on is for a new effect: {USAGE}")
     if begun is not None and ((words or [])[:1] != ["new"] or on or plant):
         raise UsageError(f"--from is for a new effect, and says on which plant: {USAGE}")
+    if pages is not None and words:
+        raise UsageError(f"--pages writes all effects and plants, and takes no name: {USAGE}")
     match words or []:
+        case [] if pages is not None:
+            write_catalogue(pages)
         case []:
             show_catalogue(plant)
         case ["new", name]:
@@ -97,6 +105,15 @@ def effects(
             show_effect(name, plant)
             if config is not None:
                 draw(name, config, path)
+
+
+def write_catalogue(folder: Path) -> None:
+    """Write the catalogue as pages."""
+    from hjcamp.campaign.console import make_console
+    from hjcamp.commands._catalogue import write_pages
+
+    written = write_pages(folder)
+    make_console().print(f"  {len(written)} pages  {written[-1]}", markup=False, soft_wrap=True)
 
 
 def show_catalogue(plant: str = "") -> None:
