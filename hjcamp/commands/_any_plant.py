@@ -39,7 +39,13 @@ def measured_at(paths: Sequence[Path]) -> Measured:
 
 
 def diagnose_any(
-    paths: list[Path], model: str, json: Path | None, seed: int, only: str | None, without: str | None
+    paths: list[Path],
+    model: str,
+    json: Path | None,
+    seed: int,
+    only: str | None,
+    without: str | None,
+    ask: str | None = None,
 ) -> None:
     """Say which effect the model of a plant misses; the answer is that of ``hjcamp diagnose``."""
     from hjcamp.campaign.console import make_console
@@ -50,10 +56,10 @@ def diagnose_any(
     with progress_of(console) as report:
         from hjcamp.commands._plant_pages import write_diagnosis
         from hjcamp.commands._plant_words import Words, print_diagnosis
-        from hjcamp.commands.diagnose import considered
+        from hjcamp.commands.diagnose import check_asked, considered, own_and_asked, with_asked
         from hjcamp.effects import load_effects
         from hjcamp.prediction.analysis import SHORTEST, calibrated
-        from hjcamp.prediction.answer import answer
+        from hjcamp.prediction.answer import answer, asked_candidates
         from hjcamp.prediction.floor import not_above
         from hjcamp.prediction.model_file import load_model
         from hjcamp.prediction.verdict import agreed
@@ -62,12 +68,15 @@ def diagnose_any(
         library = load_effects(plant=measured.plant)
         start = load_model(model, measured.plant, library)
         chosen = considered(library, only, without, start.effects)
+        check_asked(ask, chosen)
         report("compiling, once for this plant and its effects", 0.02)
         analysis = calibrated(measured, chosen, start, report, seed)
         half = max(analysis.windows.layout.width // 2, SHORTEST)
         verdict = agreed(analysis, lambda: calibrated(measured, chosen, start, report, seed, width=half))
         analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
         content = answer(analysis, verdict, time.perf_counter() - began)
+        wanted = own_and_asked(chosen, ask)
+        content["candidates"] = with_asked(content["candidates"], asked_candidates(analysis, verdict, wanted), wanted)
         write_answer(json, content)
         report("drawing", 0.99)
         words = Words(analysis, verdict, content)
@@ -80,18 +89,22 @@ def diagnose_any(
         console.print(f"{'        ' if number else 'next    '}{line}", markup=False)
 
 
-def compare_any(paths: list[Path], names: list[str], json: Path | None, into: Path | None) -> None:
+def compare_any(
+    paths: list[Path], names: list[str], json: Path | None, into: Path | None, mcap: Path | None = None
+) -> None:
     """Predict measured tests of a plant with one or more models."""
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._session import folder_for, joined, progress_of, write_answer
+    from hjcamp.commands.compare import tell_of_views
 
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.commands._plant_pages import write_comparison
+        from hjcamp.commands._plant_pages import modelled_tests, write_comparison
         from hjcamp.commands._plant_words import print_comparison
         from hjcamp.effects import load_effects
         from hjcamp.prediction.comparison import answer, compared
         from hjcamp.prediction.model_file import load_model
+        from hjcamp.records.model_log import write_modelled
 
         measured = measured_at(paths)
         library = load_effects(plant=measured.plant)
@@ -101,7 +114,9 @@ def compare_any(paths: list[Path], names: list[str], json: Path | None, into: Pa
         write_answer(json, answer(found))
         report("drawing", 0.9)
         files = write_comparison(found, into or folder_for("compare", paths, json))
+        views = [] if mcap is None else write_modelled(mcap, modelled_tests(found))
     print_comparison(console, found)
+    tell_of_views(console, views)
     console.print(f"page    {files[-1]}", markup=False)
     own = "" if names[-1] == "published" else f" --model {names[-1]}"
     console.print(f"next    hjcamp diagnose {joined(paths)}{own}", markup=False)

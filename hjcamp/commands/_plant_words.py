@@ -115,7 +115,7 @@ class Words:
     def candidates(self) -> list[list[str]]:
         """Rows: effect, t, error left, parameter, value, 95 %."""
         rows: list[list[str]] = []
-        for one in self.content["candidates"][:SHOWN]:
+        for one in (row for k, row in enumerate(self.content["candidates"]) if k < SHOWN or row.get("asked")):
             first = [one["effect"], f"{one['t']:.1f}", f"{100 * one['heldout_error_ratio']:.0f} %"]
             for name, row in one["parameters"].items():
                 bound = "  at its bound" if row["at_bound"] else ""

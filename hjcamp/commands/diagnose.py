@@ -42,6 +42,9 @@ def diagnose(
     cluster: Annotated[str | None, typer.Option(help="A dask scheduler, tcp://HOST:PORT, or 'local'.")] = None,
     only: Annotated[str | None, typer.Option(help="Effects to consider, with commas; all of them by default.")] = None,
     without: Annotated[str | None, typer.Option(help="Effects to leave out, with commas.")] = None,
+    ask: Annotated[
+        str | None, typer.Option(help="Effects that get a row whatever they explain, with commas; your own always do.")
+    ] = None,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
     from hjcamp.campaign.console import make_console
@@ -62,14 +65,15 @@ def diagnose(
     if workers is not None and workers < 1:
         raise UsageError(f"--workers {workers}: give a whole number, 1 or more")
     if is_of_another_plant(paths):
-        diagnose_any(paths, model, json, seed, only, without)
+        diagnose_any(paths, model, json, seed, only, without, ask)
         return
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.campaign.warm import missing, ready_to_diagnose, side_by_side
         from hjcamp.commands._diagnose_page import write_pictures
         from hjcamp.commands._diagnose_words import Told, looks_at_final
-        from hjcamp.discrepancy.answer import Judging, answer
+        from hjcamp.commands._joint_evidence import gathered
+        from hjcamp.discrepancy.answer import Judging, answer, asked_candidates
         from hjcamp.discrepancy.crew import Crew, available
         from hjcamp.discrepancy.diagnose import diagnose as search
         from hjcamp.discrepancy.effort import EFFORTS
@@ -82,6 +86,7 @@ def diagnose(
             raise unknown("effort", effort, EFFORTS)
         start = saved_model(model)
         library = considered(load_effects(), only, without, start.effects)
+        check_asked(ask, library)
         effects = tuple(library.values())
         find_logs(paths)
         number = workers or min(available(), MOST_WORKERS)
@@ -97,7 +102,13 @@ def diagnose(
             found = search(evidence, effects, effort=effort, seed=seed, start=begin, crew=crew, report=report)
             judging = Judging(found, effects, effort)
             content = answer(found, effects, effort, 0.0, report, judging)
+            wanted = own_and_asked(library, ask)
+            present = [row["effect"] for row in content["candidates"]]
+            content["candidates"] = with_asked(
+                content["candidates"], asked_candidates(judging, wanted, present), wanted
+            )
             before = judging.of_start(start)
+            shown = gathered(found, content, library)
         finally:
             crew.close()
         curve = None
@@ -110,7 +121,7 @@ def diagnose(
         report("drawing", 0.99)
         told = Told(found, content, library, model, before, judging, curve)
         folder = folder_for("diagnose", paths, json)
-        files = write_pictures(told, folder)
+        files = write_pictures(told, shown, folder)
         keep_answer(folder, content)
     _print(console, told)
     console.print(f"figures {'  '.join(str(file) for file in files[:-1])}", markup=False)
@@ -150,6 +161,34 @@ def considered(
     if not chosen:
         raise UsageError(f"--only {only} --without {without}: no effect is left to look for")
     return {name: effect for name, effect in library.items() if name in chosen or name in given}
+
+
+def check_asked(ask: str | None, library: Mapping[str, Any]) -> None:
+    """Refuse an effect after ``--ask`` that is not among those considered."""
+    for name in asked_names(ask):
+        if name not in library:
+            raise unknown("effect", name, library, "--ask")
+
+
+def asked_names(ask: str | None) -> list[str]:
+    """Return the names after ``--ask``; refuse an option without any."""
+    names = [name.strip() for name in (ask or "").split(",") if name.strip()]
+    if ask is not None and not names:
+        raise UsageError(f"--ask '{ask}': give the names of effects")
+    return names
+
+
+def own_and_asked(library: Mapping[str, Any], ask: str | None) -> list[str]:
+    """Return the effects that get a row among the candidates whatever they explain: the user's own, and those asked for."""
+    from hjcamp.model.user_file import is_users
+
+    own = [name for name, effect in library.items() if is_users(effect.__module__)]
+    return list(dict.fromkeys([*asked_names(ask), *own]))
+
+
+def with_asked(rows: list[dict[str, Any]], more: list[dict[str, Any]], wanted: Collection[str]) -> list[dict[str, Any]]:
+    """Return the candidates with ``more`` behind them, those that are ``wanted`` marked: they are shown in any case."""
+    return [{**row, "asked": True} if row["effect"] in wanted else row for row in (*rows, *more)]
 
 
 def tell_of_compiling(console: Console, report: Callable[[str, float], None], done: int, count: int) -> None:

@@ -104,7 +104,7 @@ def unexplained(features: Features, fit: Fit, floor: Array, driver: str, channel
         curves.append(
             np.array([scale * float(quantity.values[one].mean()) if one.sum() >= FEWEST else np.nan for one in members])
         )
-    return Unexplained(driver, driver_unit, name, unit, 0.5 * (edges[1:] + edges[:-1]), *curves, channel)
+    return Unexplained(driver, driver_unit, name, unit, 0.5 * (edges[1:] + edges[:-1]), curves[0], curves[1], channel)
 
 
 def _edges(values: Array) -> Array:

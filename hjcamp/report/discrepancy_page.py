@@ -46,6 +46,17 @@ def picture(caption: str, svg: str) -> str:
     return f"<h3>{glossed(caption)}</h3>\n<figure>{shaded(tidy(svg), caption)}</figure>"
 
 
+def side_by_side(pictures: Sequence[tuple[str, str]]) -> str:
+    """Return pictures with what they show in words, beside each other, one below the other where the page is narrow."""
+    if not pictures:
+        return ""
+    return (
+        '<div class="evidence">'
+        + "".join(f"<figure>{shaded(tidy(svg), told)}</figure>" for told, svg in pictures)
+        + "</div>"
+    )
+
+
 def place_table(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return the largest places of an answer's ``where`` as a table, nothing where there is none."""
     if not rows:

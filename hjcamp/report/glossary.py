@@ -90,6 +90,7 @@ EVERYDAY = frozenset(
         "place",
         "gain",
         "interval",
+        "unknown",
         "95 %",
         "conditions",
         "condition",

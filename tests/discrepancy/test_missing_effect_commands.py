@@ -16,7 +16,7 @@ from hjcamp.records.write import write_log
 
 KEYS = {
     "schema", "verdict", "effects", "drivers", "p_value", "candidates", "error", "calibration", "where",
-    "confounded", "lacking", "minimum_detectable", "seconds",
+    "confounded", "lacking", "minimum_detectable", "seconds", "unknowns",
 }  # fmt: skip
 BOXES = {"joint", "lines", "pump"}
 
@@ -155,7 +155,9 @@ def test_a_comparison_ends_whatever_verify_accepts(call: Call, leak: Path, spoil
     answer = call("compare", "odd.mcap", "--json", "c.json")
     assert answer.code == 0, answer.err
     assert "No test was repeated, so there is no floor" in answer.out and "othing stands out" not in answer.out
-    negative = [one for one in read_answer(Path("c.json"))["models"][0]["error"].values() if one and (one["r2"] or 0) < 0]
+    negative = [
+        one for one in read_answer(Path("c.json"))["models"][0]["error"].values() if one and (one["r2"] or 0) < 0
+    ]
     assert bool(negative) == ("r2 is negative for" in answer.out)
 
 

@@ -1,0 +1,121 @@
+"""The evidence of a diagnosis of the pump joint: what is missing, the law, the worst test, chance, correlations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from hjcamp.discrepancy.diagnose import Diagnosis
+    from hjcamp.discrepancy.fit import Fit
+    from hjcamp.discrepancy.unexplained import Unexplained
+    from hjcamp.model.effect import Effect
+    from hjcamp.report.evidence_figures import Branch, Missing
+
+POINTS = 1500
+PERIOD = 4e-3
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What the pictures need that takes simulations: predicted arm angles (n,), rad, by model, and what is missing."""
+
+    missing: Missing
+    arms: Mapping[str, Any]
+
+
+def gathered(found: Diagnosis, content: dict[str, Any], library: Mapping[str, type[Effect]]) -> Shown:
+    """Return what the pictures of the evidence need; simulates the tests with each model once more."""
+    added = [name for name in found.final.candidate.effects if name not in found.baseline.candidate.effects]
+    models = {"calibrated": found.baseline}
+    if added:
+        models[f"with {' and '.join(added)}"] = found.final
+    views = found.fitter.views
+    arms = {name: views.joint_readings(fit.candidate)[:, 0] for name, fit in models.items()}
+    return Shown(missing_of(found, content, library, added), arms)
+
+
+def missing_of(
+    found: Diagnosis, content: dict[str, Any], library: Mapping[str, type[Effect]], added: list[str]
+) -> Missing:
+    """Return what the calibrated model misses over its likeliest driver, what the named law says there, and what is left."""
+    from hjcamp.commands._plant_evidence import amplitude_band
+    from hjcamp.discrepancy.drivers import rank_drivers
+    from hjcamp.discrepancy.unexplained import IN_SI, SI, unexplained
+    from hjcamp.report.evidence_figures import Missing
+
+    features, floor = found.features, found.floor
+    driver, channel, _ = rank_drivers(features, found.baseline, floor)[0]
+
+    def over(fit: Fit) -> Unexplained:
+        return unexplained(features, fit, floor, driver, channel)
+
+    before = over(found.baseline)
+    law: tuple[Branch, ...] = ()
+    after: tuple[Branch, ...] = ()
+    if added:
+        without = found.fitter.look(found.final.candidate.without(added))
+        law = _branches(over(replace(found.final, features=without.features - found.final.features)), SI)
+        low, high = amplitude_band(content["candidates"], added, library)
+        law = tuple(replace(one, **_ends(one, low, high)) for one in law)
+        after = _branches(over(found.final), SI)
+    return Missing(
+        driver.replace("_", " "), IN_SI.get(before.driver_unit, before.driver_unit) or "1", f"missing {before.quantity}",
+        IN_SI.get(before.unit, before.unit), _branches(before, SI), law, after, " and ".join(added),
+    )  # fmt: skip
+
+
+def _branches(curve: Unexplained, factors: Mapping[str, float]) -> tuple[Branch, ...]:
+    from hjcamp.report.evidence_figures import BACKWARD, FORWARD, Branch
+
+    wide, tall = factors[curve.driver_unit], factors[curve.unit]
+    return tuple(
+        Branch(way, wide * curve.centres, tall * values)
+        for way, values in ((FORWARD, curve.forward), (BACKWARD, curve.backward))
+        if np.isfinite(values).any()
+    )
+
+
+def _ends(one: Branch, low: float, high: float) -> dict[str, Any]:
+    ends = np.sort(np.stack([low * one.y, high * one.y]), axis=0)
+    return {"low": ends[0], "high": ends[1]}
+
+
+def evidence_pictures(found: Diagnosis, shown: Shown) -> dict[str, str]:
+    """Return the pictures of the evidence by name, in order."""
+    from hjcamp.report.evidence_figures import draw_correlations, draw_gains, draw_missing, draw_worst_test
+
+    pictures = (
+        {f"missing_{name}": svg for name, svg in draw_missing(shown.missing).items()} if shown.missing.before else {}
+    )
+    pictures["worst_test"] = draw_worst_test(*_worst_test(found, shown))
+    step = found.steps[0] if found.steps else None
+    chance = step.null_gains if step else found.null.gains
+    if len(chance):
+        pictures["gains"] = draw_gains(chance, step.gain if step else None, "twins with nothing missing")
+    return pictures | draw_correlations(_correlations(found, shown))
+
+
+def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
+    """Return the arguments of the picture of the test whose arm the calibrated model predicts worst over windows."""
+    evidence = found.features.evidence
+    worst = int(np.argmax(found.baseline.mean_square[:, 0]))
+    rows = np.arange(evidence.edges[worst], evidence.edges[worst + 1])
+    rows = rows[:: max(1, len(rows) // POINTS)]
+    test = evidence.tests[worst]
+    models = [(name, np.degrees(arm[rows])) for name, arm in shown.arms.items()]
+    time, measured = evidence.joined("time")[rows], np.degrees(evidence.joined("arm")[rows])
+    return f"worst test: {test.name}", "arm angle", "deg", time, measured, models
+
+
+def _correlations(found: Diagnosis, shown: Shown) -> list[tuple[str, Any]]:
+    """Return the correlations of each model's error of the arm over windows, with the pump's motion."""
+    from hjcamp.report.correlations import correlations
+
+    evidence = found.features.evidence
+    parts = [slice(int(a), int(b)) for a, b in zip(evidence.edges[:-1], evidence.edges[1:], strict=True)]
+    arm, pump = evidence.joined("arm"), {"the pump's angle": evidence.joined("pump")}
+    return [(name, correlations(np.nan_to_num(one - arm), pump, parts, PERIOD)) for name, one in shown.arms.items()]
