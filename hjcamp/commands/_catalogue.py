@@ -88,7 +88,7 @@ def _entry(
 
     for plant, bound in places.items():
         if picture := picture_of(bound, plants[plant]):
-            caption = f"On plant {plant}, at its defaults, along the motion of `hjcamp effects test`"
+            caption = f"On plant {plant}, at its defaults, along the motion of hjcamp effects test"
             return EffectEntry(name, effect, list(places), picture, caption)
     return EffectEntry(name, effect, list(places))
 
@@ -124,7 +124,8 @@ def picture_of(effect: type[Effect], plant: type[Plant]) -> str:
             read.append((argument, plant.states[argument].unit, np.array([place[argument] for place in course])))
     moving = [one for one in read if np.ptp(one[2]) > 0.0]
     time = np.array([place["time"] for place in course])
-    driver, unit, values = moving[0] if moving else ("time", "s", time)
+    # what takes many values tells more than what switches
+    driver, unit, values = max(moving, key=lambda one: len(np.unique(one[2])), default=("time", "s", time))
     k = names.index(slot)
     return draw_change(time, (slot, vocabulary.signals[slot].unit), without[:, k], with_[:, k], (driver, unit), values)
 

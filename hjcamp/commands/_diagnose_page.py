@@ -74,7 +74,7 @@ def _page(told: Told, pictures: dict[str, str], folder: Path) -> str:
     parts += [
         page.heading("What is left in the residuals"),
         page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
-        page.note(f"The arm. {BAND}"),
+        page.note(f"The arm, over windows that begin at measured states: neighbours within a window are alike. {BAND}"),
     ]
     if told.content["minimum_detectable"]:
         least = [

@@ -26,12 +26,26 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     models = {"calibrated": analysis.base}
     if verdict.effects:
         models["with what was found"] = verdict.model
-    errors = {name: analysis.windows.errors(model.fitted.candidate) for name, model in models.items()}
+    errors = {name: _without_starts(words, model) for name, model in models.items()}
     found["worst_test"] = draw_worst_test(*_worst_test(words, errors))
     if analysis.search.steps:
         first = analysis.search.steps[0]
         found["gains"] = draw_gains(first.chance, first.gain, "residuals moved in time")
     return found | draw_correlations(_correlations(words, errors))
+
+
+def _without_starts(words: Words, model: Scored) -> Any:
+    """Return a model's residuals (n, sensors), SI, without what another start of each window would explain.
+
+    Their smooth part is that of the features, from which the starts' part is gone; what is faster is as it is.
+    """
+    windows = words.analysis.windows
+    layout = windows.layout
+    raw = windows.errors(model.fitted.candidate)
+    shape = (len(layout.of_test), raw.shape[1], layout.basis.shape[1])
+    less = model.fitted.features.reshape(shape) - layout.coefficients(raw)
+    smooth = np.einsum("wso,to->wts", less, layout.basis).reshape(raw.shape)
+    return raw + smooth * layout.measured.noise
 
 
 def missing_of(words: Words) -> Missing:

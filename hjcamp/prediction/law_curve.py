@@ -24,7 +24,7 @@ FEWEST = 2
 
 @dataclass(frozen=True)
 class LawCurve:
-    """Amounts (bins,) over places of a driver (bins,) for one sign of motion (0: no motion is known), SI; NaN not seen."""
+    """Mean amounts (bins,) over mean places of a driver (bins,) for one sign of motion (0: none is known), SI; NaN not seen."""
 
     sign: float
     x: Array
@@ -47,13 +47,17 @@ def law_curves(analysis: Analysis, model: Scored, names: Sequence[str], unknown:
         return []
     edges = np.linspace(unknown.low, unknown.high, BINS + 1)
     found = []
-    for way in np.unique(sign[inside]):
+    for way in np.unique(sign[inside])[::-1]:
         if way == 0.0 and len(np.unique(sign[inside])) > 1:
             continue  # what rests between moves
         place = np.digitize(driver, edges) - 1
         members = [inside & (sign == way) & (place == k) for k in range(BINS)]
-        means = [float(np.median(amount[one])) if one.sum() >= FEWEST else np.nan for one in members]
-        found.append(LawCurve(float(way), 0.5 * (edges[1:] + edges[:-1]), np.array(means)))
+        # the middle of what was seen, not of the bin: a law that rises would else look bent
+        places, means = (
+            np.array([float(np.mean(values[one])) if one.sum() >= FEWEST else np.nan for one in members])
+            for values in (driver, amount)
+        )
+        found.append(LawCurve(float(way), places, means))
     return found
 
 

@@ -55,6 +55,12 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     page = Path("diagnose/index.html").read_text(encoding="utf-8")
     assert "<svg" in page and "Effect: leakage" in page and "Water is lost from each line" in page
     assert all(name in page for name in ("published", "calibrated", "with leakage", "floor"))
+    assert page.index('class="evidence"') < page.index("<math") < page.index("Effects, best first")
+    assert all(
+        said in page for said in ("missing: calibrated model", "missing: with leakage", "worst test", "these tests")
+    )
+    assert "What is left in the residuals" in page and 'href="effect_leakage.html"' in page
+    assert Path("diagnose/effect_leakage.html").is_file() and read_answer(Path("diagnose/answer.json")) == found
 
     answer = call("add", "leakage", leak, "--as", "bench", "--json", "a.json")
     assert answer.code == 0, answer.err
