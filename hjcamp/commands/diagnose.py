@@ -124,7 +124,7 @@ def diagnose(
         files = write_pictures(told, shown, folder)
         keep_answer(folder, content)
     _print(console, told)
-    console.print(f"figures {'  '.join(str(file) for file in files[:-1])}", markup=False)
+    console.print(f"figures {len(files) - 1} in {files[-1].parent}", markup=False)
     console.print(f"page    {files[-1]}", markup=False)
     console.print(f"next    {next_command(content, paths, model, files[-1].parent)}", markup=False)
 

@@ -84,6 +84,8 @@ def test_calibrate_saves_the_base_of_any_plant(stage: Path) -> None:
         (["diagnose", "logs", "--model", "none"], "unknown model 'none'"),
         (["diagnose", "logs", "--only", "sprong"], "spring"),
         (["diagnose", "logs", "--only", "leakage"], "leakage"),
+        (["diagnose", "logs", "--ask", "sprong"], "did you mean 'spring'"),
+        (["diagnose", "logs", "--ask", " , "], "give the names of effects"),
         (["add", "spring", "spring", "logs", "--as", "x"], "each effect once"),
         (["add", "sprong", "logs", "--as", "x"], "spring"),
         (["add", "spring", "logs", "--as", "published"], "exists already"),
