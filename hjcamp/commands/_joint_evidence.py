@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from hjcamp.discrepancy.diagnose import Diagnosis
+    from hjcamp.discrepancy.evidence import Evidence
     from hjcamp.discrepancy.fit import Fit
     from hjcamp.discrepancy.unexplained import Unexplained
     from hjcamp.model.effect import Effect
@@ -17,14 +19,16 @@ if TYPE_CHECKING:
 
 POINTS = 1500
 PERIOD = 4e-3
+# What the evidence calls the first three readings, their names and SI units.
+CHANNELS = {"arm": ("arm angle", "rad"), "pressure1": ("pressure 1", "Pa"), "pressure2": ("pressure 2", "Pa")}
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What the pictures need that takes simulations: predicted arm angles (n,), rad, by model, and what is missing."""
+    """What the pictures need that takes simulations: predicted readings (n, 3) by model, SI, and what is missing."""
 
     missing: Missing
-    arms: Mapping[str, Any]
+    readings: Mapping[str, Any]
 
 
 def gathered(found: Diagnosis, content: dict[str, Any], library: Mapping[str, type[Effect]]) -> Shown:
@@ -34,21 +38,29 @@ def gathered(found: Diagnosis, content: dict[str, Any], library: Mapping[str, ty
     if added:
         models[f"with {' and '.join(added)}"] = found.final
     views = found.fitter.views
-    arms = {name: views.joint_readings(fit.candidate)[:, 0] for name, fit in models.items()}
-    return Shown(missing_of(found, content, library, added), arms)
+    readings = {name: views.joint_readings(fit.candidate)[:, :3] for name, fit in models.items()}
+    return Shown(missing_of(found, content, library, added), readings)
 
 
 def missing_of(
     found: Diagnosis, content: dict[str, Any], library: Mapping[str, type[Effect]], added: list[str]
 ) -> Missing:
-    """Return what the calibrated model misses over its likeliest driver, what the named law says there, and what is left."""
+    """Return what the calibrated model misses over its likeliest driver, what the named law says there, and what is left.
+
+    Where effects were named, the driver is that of their law. A law of the lines may depend on the very pressures.
+    """
     from hjcamp.commands._plant_evidence import amplitude_band
-    from hjcamp.discrepancy.drivers import rank_drivers
+    from hjcamp.discrepancy.drivers import TAUTOLOGIES, rank_drivers
     from hjcamp.discrepancy.unexplained import IN_SI, SI, unexplained
     from hjcamp.report.evidence_figures import Missing
 
     features, floor = found.features, found.floor
-    driver, channel, _ = rank_drivers(features, found.baseline, floor)[0]
+    lost = found.baseline
+    if added:
+        without = found.fitter.look(found.final.candidate.without(added))
+        lost = replace(found.final, features=without.features - found.final.features)
+    barred = {"sliding": TAUTOLOGIES["sliding"]} if added else TAUTOLOGIES
+    driver, channel, _ = rank_drivers(features, lost, floor, barred)[0]
 
     def over(fit: Fit) -> Unexplained:
         return unexplained(features, fit, floor, driver, channel)
@@ -57,8 +69,7 @@ def missing_of(
     law: tuple[Branch, ...] = ()
     after: tuple[Branch, ...] = ()
     if added:
-        without = found.fitter.look(found.final.candidate.without(added))
-        law = _branches(over(replace(found.final, features=without.features - found.final.features)), SI)
+        law = _branches(over(lost), SI)
         low, high = amplitude_band(content["candidates"], added, library)
         law = tuple(replace(one, **_ends(one, low, high)) for one in law)
         after = _branches(over(found.final), SI)
@@ -100,15 +111,26 @@ def evidence_pictures(found: Diagnosis, shown: Shown) -> dict[str, str]:
 
 
 def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
-    """Return the arguments of the picture of the test whose arm the calibrated model predicts worst over windows."""
+    """Return the arguments of the picture of the test that the calibrated model predicts worst over windows.
+
+    In the channel whose error falls most with what was named, the arm where nothing was.
+    """
     evidence = found.features.evidence
-    worst = int(np.argmax(found.baseline.mean_square[:, 0]))
-    rows = np.arange(evidence.edges[worst], evidence.edges[worst + 1])
+    measured = np.column_stack([evidence.joined(name) for name in CHANNELS])
+    errors = [(readings - measured) ** 2 for readings in shown.readings.values()]
+    whole = [np.nanmean(one, axis=0) for one in errors]
+    k = int(np.argmin(whole[-1] / np.maximum(whole[0], 1e-300)))
+    worst = max(range(len(evidence.tests)), key=lambda one: float(np.nanmean(errors[0][_rows(evidence, one), k])))
+    rows = _rows(evidence, worst)
     rows = rows[:: max(1, len(rows) // POINTS)]
-    test = evidence.tests[worst]
-    models = [(name, np.degrees(arm[rows])) for name, arm in shown.arms.items()]
-    time, measured = evidence.joined("time")[rows], np.degrees(evidence.joined("arm")[rows])
-    return f"worst test: {test.name}", "arm angle", "deg", time, measured, models
+    models = [(name, one[rows, k]) for name, one in shown.readings.items()]
+    name, unit = list(CHANNELS.values())[k]
+    title = f"worst test: {evidence.tests[worst].name}"
+    return title, name, unit, evidence.joined("time")[rows], measured[rows, k], models
+
+
+def _rows(evidence: Evidence, test: int) -> NDArray[np.int64]:
+    return np.arange(evidence.edges[test], evidence.edges[test + 1])
 
 
 def _correlations(found: Diagnosis, shown: Shown) -> list[tuple[str, Any]]:
@@ -118,4 +140,7 @@ def _correlations(found: Diagnosis, shown: Shown) -> list[tuple[str, Any]]:
     evidence = found.features.evidence
     parts = [slice(int(a), int(b)) for a, b in zip(evidence.edges[:-1], evidence.edges[1:], strict=True)]
     arm, pump = evidence.joined("arm"), {"the pump's angle": evidence.joined("pump")}
-    return [(name, correlations(np.nan_to_num(one - arm), pump, parts, PERIOD)) for name, one in shown.arms.items()]
+    return [
+        (name, correlations(np.nan_to_num(arm - one[:, 0]), pump, parts, PERIOD))
+        for name, one in shown.readings.items()
+    ]
