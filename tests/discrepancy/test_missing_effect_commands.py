@@ -59,7 +59,7 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     assert all(
         said in page for said in ("missing: calibrated model", "missing: with leakage", "worst test", "these tests")
     )
-    assert "What is left in the residuals" in page and 'href="effect_leakage.html"' in page
+    assert "residual with itself" in page and 'href="effect_leakage.html"' in page
     assert Path("diagnose/effect_leakage.html").is_file() and read_answer(Path("diagnose/answer.json")) == found
 
     answer = call("add", "leakage", leak, "--as", "bench", "--json", "a.json")
