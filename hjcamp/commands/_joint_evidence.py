@@ -25,10 +25,14 @@ CHANNELS = {"arm": ("arm angle", "rad"), "pressure1": ("pressure 1", "Pa"), "pre
 
 @dataclass(frozen=True)
 class Shown:
-    """What the pictures need that takes simulations: predicted readings (n, 3) by model, SI, and what is missing."""
+    """What the pictures need that takes simulations: what is missing, and predictions by model, SI.
+
+    ``readings`` (n, 3) are of whole tests, each from its first sample, ``arms`` (n,) of windows.
+    """
 
     missing: Missing
     readings: Mapping[str, Any]
+    arms: Mapping[str, Any]
 
 
 def gathered(found: Diagnosis, content: dict[str, Any], library: Mapping[str, type[Effect]]) -> Shown:
@@ -38,8 +42,9 @@ def gathered(found: Diagnosis, content: dict[str, Any], library: Mapping[str, ty
     if added:
         models[f"with {' and '.join(added)}"] = found.final
     views = found.fitter.views
-    readings = {name: views.joint_readings(fit.candidate)[:, :3] for name, fit in models.items()}
-    return Shown(missing_of(found, content, library, added), readings)
+    readings = {name: views.joint_readings(fit.candidate, windows=False)[:, :3] for name, fit in models.items()}
+    arms = {name: views.joint_readings(fit.candidate)[:, 0] for name, fit in models.items()}
+    return Shown(missing_of(found, content, library, added), readings, arms)
 
 
 def missing_of(
@@ -51,7 +56,7 @@ def missing_of(
     """
     from hjcamp.commands._plant_evidence import amplitude_band
     from hjcamp.discrepancy.drivers import TAUTOLOGIES, rank_drivers
-    from hjcamp.discrepancy.unexplained import IN_SI, SI, unexplained
+    from hjcamp.discrepancy.unexplained import IN_SI, SI, driver_of, unexplained
     from hjcamp.report.evidence_figures import Missing
 
     features, floor = found.features, found.floor
@@ -61,6 +66,9 @@ def missing_of(
         lost = replace(found.final, features=without.features - found.final.features)
     barred = {"sliding": TAUTOLOGIES["sliding"]} if added else TAUTOLOGIES
     driver, channel, _ = rank_drivers(features, lost, floor, barred)[0]
+    if added:
+        # the lines' residuals are pressures, of which a flow is the rate
+        driver = driver_of(features, lost, channel, barred.get(channel, ()))
 
     def over(fit: Fit) -> Unexplained:
         return unexplained(features, fit, floor, driver, channel)
@@ -111,7 +119,7 @@ def evidence_pictures(found: Diagnosis, shown: Shown) -> dict[str, str]:
 
 
 def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
-    """Return the arguments of the picture of the test that the calibrated model predicts worst over windows.
+    """Return the arguments of the picture of the test that the calibrated model predicts worst, each run from its first sample.
 
     In the channel whose error falls most with what was named, the arm where nothing was.
     """
@@ -140,7 +148,4 @@ def _correlations(found: Diagnosis, shown: Shown) -> list[tuple[str, Any]]:
     evidence = found.features.evidence
     parts = [slice(int(a), int(b)) for a, b in zip(evidence.edges[:-1], evidence.edges[1:], strict=True)]
     arm, pump = evidence.joined("arm"), {"the pump's angle": evidence.joined("pump")}
-    return [
-        (name, correlations(np.nan_to_num(arm - one[:, 0]), pump, parts, PERIOD))
-        for name, one in shown.readings.items()
-    ]
+    return [(name, correlations(np.nan_to_num(arm - one), pump, parts, PERIOD)) for name, one in shown.arms.items()]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -105,6 +106,27 @@ def unexplained(features: Features, fit: Fit, floor: Array, driver: str, channel
             np.array([scale * float(quantity.values[one].mean()) if one.sum() >= FEWEST else np.nan for one in members])
         )
     return Unexplained(driver, driver_unit, name, unit, 0.5 * (edges[1:] + edges[:-1]), curves[0], curves[1], channel)
+
+
+def driver_of(features: Features, fit: Fit, channel: str, barred: Sequence[str] = ()) -> str:
+    """Return the driver whose bins, each direction on its own, tell most of what ``fit`` leaves in a channel."""
+    quantity = quantities(features, fit.features)[CHANNELS[channel][0]]
+    drivers = driver_values(features)
+    valid, sign = quantity.valid, drivers["direction"]
+    whole = float(np.sum((quantity.values[valid] - quantity.values[valid].mean()) ** 2)) if valid.any() else 0.0
+    told: dict[str, float] = {}
+    for name, values in drivers.items():
+        if name in barred or name in ("repetition", "direction") or whole == 0.0:
+            continue
+        left = 0.0
+        for way in (1.0, 0.0, -1.0):
+            inside = valid & (sign == way)
+            place = np.digitize(values, _edges(values[valid]))
+            for one in np.unique(place[inside]):
+                members = quantity.values[inside & (place == one)]
+                left += float(np.sum((members - members.mean()) ** 2))
+        told[name] = 1.0 - left / whole
+    return max(told, key=lambda name: told[name]) if told else "time"
 
 
 def _edges(values: Array) -> Array:
