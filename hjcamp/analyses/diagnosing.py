@@ -27,7 +27,7 @@ MOST_WORKERS = 4
 
 @dataclass(frozen=True)
 class Asked:
-    """How a model is searched for what it misses; ``only`` and ``without`` name effects, with commas."""
+    """How a model is searched for what it misses; ``only``, ``without`` and ``ask`` name effects, with commas."""
 
     model: str = "published"
     effort: str = "standard"
@@ -36,6 +36,7 @@ class Asked:
     without: str | None = None
     workers: int | None = None
     cluster: str | None = None
+    ask: str | None = None
 
     def check(self) -> None:
         """Refuse a seed that ``seed=`` of a run would not take, and less than one process."""
@@ -57,6 +58,7 @@ class Diagnosed:
     start: Judged | None
     judging: Judging
     unexplained: Unexplained | None
+    shown: Any
 
 
 @dataclass(frozen=True)
@@ -80,13 +82,15 @@ def diagnose_pump_joint(
     report: Report = silent,
     compiling: Callable[[int, int], None] = lambda done, count: None,
     lacking: Callable[[Evidence], None] = lambda evidence: None,
+    gather: Callable[[Diagnosis, dict[str, Any], Mapping[str, type[Effect]]], Any] = lambda found, content, library: None,
 ) -> Diagnosed:
     """Return what the model of the pump joint misses (`hjcamp.discrepancy.diagnose`).
 
-    ``compiling`` hears how many kernels of how many are there, ``lacking`` the evidence before anything is computed.
+    ``compiling`` hears how many kernels of how many are there, ``lacking`` the evidence before anything is computed; what
+    ``gather`` makes of the diagnosis, while its processes are there, is kept as ``shown``.
     """
     from hjcamp.campaign.warm import missing, ready_to_diagnose, side_by_side
-    from hjcamp.discrepancy.answer import Judging, answer
+    from hjcamp.discrepancy.answer import Judging, answer, asked_candidates
     from hjcamp.discrepancy.crew import Crew, available
     from hjcamp.discrepancy.diagnose import diagnose
     from hjcamp.discrepancy.effort import EFFORTS
@@ -99,6 +103,7 @@ def diagnose_pump_joint(
         raise unknown("effort", asked.effort, EFFORTS)
     start = saved_model(asked.model)
     library = considered(load_effects(), asked.only, asked.without, start.effects)
+    check_asked(asked.ask, library)
     effects = tuple(library.values())
     number = asked.workers or min(available(), MOST_WORKERS)
     if work := missing(effects):
@@ -114,11 +119,17 @@ def diagnose_pump_joint(
         )
         judging = Judging(found, effects, asked.effort)
         content = answer(found, effects, asked.effort, 0.0, report, judging)
+        wanted, rows = own_and_asked(library, asked.ask), content["candidates"]
+        more = asked_candidates(judging, wanted, [row["effect"] for row in rows])
+        content["candidates"] = with_asked(rows, more, wanted)
         before = judging.of_start(start)
+        shown = gather(found, content, library)
     finally:
         crew.close()
+    curve = _curve(found, content)
+    content["unknowns"] = [curve.row()] if curve else []
     content["seconds"] = round(time.perf_counter() - began, 3)
-    return Diagnosed(found, content, library, asked.model, before, judging, _curve(found, content))
+    return Diagnosed(found, content, library, asked.model, before, judging, curve, shown)
 
 
 def _curve(found: Diagnosis, content: Mapping[str, Any]) -> Unexplained | None:
@@ -139,7 +150,7 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     """Return what the model of any plant misses (`hjcamp.prediction.verdict`)."""
     from hjcamp.effects import load_effects
     from hjcamp.prediction.analysis import SHORTEST, calibrated
-    from hjcamp.prediction.answer import answer
+    from hjcamp.prediction.answer import answer, asked_candidates
     from hjcamp.prediction.floor import not_above
     from hjcamp.prediction.model_file import load_model
     from hjcamp.prediction.verdict import agreed
@@ -150,12 +161,17 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     library = load_effects(plant=measured.plant)
     start = load_model(asked.model, measured.plant, library)
     chosen = considered(library, asked.only, asked.without, start.effects)
+    check_asked(asked.ask, chosen)
     report("compiling, once for this plant and its effects", 0.02)
     analysis = calibrated(measured, chosen, start, report, asked.seed)
     half = max(analysis.windows.layout.width // 2, SHORTEST)
     verdict = agreed(analysis, lambda: calibrated(measured, chosen, start, report, asked.seed, width=half))
     analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
-    return PlantDiagnosed(analysis, verdict, answer(analysis, verdict, time.perf_counter() - began))
+    content = answer(analysis, verdict, 0.0)
+    wanted = own_and_asked(chosen, asked.ask)
+    content["candidates"] = with_asked(content["candidates"], asked_candidates(analysis, verdict, wanted), wanted)
+    content["seconds"] = round(time.perf_counter() - began, 3)
+    return PlantDiagnosed(analysis, verdict, content)
 
 
 def considered(
@@ -176,3 +192,31 @@ def considered(
     if not chosen:
         raise UsageError(f"--only {only} --without {without}: no effect is left to look for")
     return {name: effect for name, effect in library.items() if name in chosen or name in given}
+
+
+def check_asked(ask: str | None, library: Mapping[str, Any]) -> None:
+    """Refuse an effect after ``--ask`` that is not among those considered."""
+    for name in asked_names(ask):
+        if name not in library:
+            raise unknown("effect", name, library, "--ask")
+
+
+def asked_names(ask: str | None) -> list[str]:
+    """Return the names after ``--ask``; refuse an option without any."""
+    names = [name.strip() for name in (ask or "").split(",") if name.strip()]
+    if ask is not None and not names:
+        raise UsageError(f"--ask '{ask}': give the names of effects")
+    return names
+
+
+def own_and_asked(library: Mapping[str, Any], ask: str | None) -> list[str]:
+    """Return the effects that get a row among the candidates whatever they explain: the user's own, and those asked for."""
+    from hjcamp.model.user_file import is_users
+
+    own = [name for name, effect in library.items() if is_users(effect.__module__)]
+    return list(dict.fromkeys([*asked_names(ask), *own]))
+
+
+def with_asked(rows: list[dict[str, Any]], more: list[dict[str, Any]], wanted: Collection[str]) -> list[dict[str, Any]]:
+    """Return the candidates with ``more`` behind them, those that are ``wanted`` marked: they are shown in any case."""
+    return [{**row, "asked": True} if row["effect"] in wanted else row for row in (*rows, *more)]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def diagnose_any(data: Data, asked: Asked, json: Path | None) -> None:
     """Say which effect the model of a plant misses; the answer is that of ``hjcamp diagnose``."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import folder_for, progress_of, write_answer
+    from hjcamp.commands._session import folder_for, keep_answer, progress_of, write_answer
 
     console = make_console()
     with progress_of(console) as report:
@@ -27,30 +27,36 @@ def diagnose_any(data: Data, asked: Asked, json: Path | None) -> None:
         write_answer(json, done.content)
         report("drawing", 0.99)
         words = Words(done.analysis, done.verdict, done.content)
-        files = write_diagnosis(words, folder_for("diagnose", data.paths, json))
+        folder = folder_for("diagnose", data.paths, json)
+        files = write_diagnosis(words, folder)
+        keep_answer(folder, done.content)
     print_diagnosis(console, words)
     console.print(f"page    {files[-1]}", markup=False)
-    for number, line in enumerate(words.next_commands(joined(data.paths), asked.model)):
+    for number, line in enumerate(words.next_commands(joined(data.paths), asked.model, joined([folder]))):
         console.print(f"{'        ' if number else 'next    '}{line}", markup=False)
 
 
-def compare_any(data: Data, names: list[str], json: Path | None, into: Path | None) -> None:
+def compare_any(data: Data, names: list[str], json: Path | None, into: Path | None, mcap: Path | None = None) -> None:
     """Predict measured tests of a plant with one or more models."""
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._session import folder_for, progress_of, write_answer
+    from hjcamp.commands.compare import tell_of_views
 
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.analyses.comparing import compare_plant
-        from hjcamp.commands._plant_pages import write_comparison
+        from hjcamp.commands._plant_pages import modelled_tests, write_comparison
         from hjcamp.commands._plant_words import print_comparison
         from hjcamp.prediction.comparison import answer
+        from hjcamp.records.model_log import write_modelled
 
         found = compare_plant(data, names, report)
         write_answer(json, answer(found))
         report("drawing", 0.9)
         files = write_comparison(found, into or folder_for("compare", data.paths, json))
+        views = [] if mcap is None else write_modelled(mcap, modelled_tests(found))
     print_comparison(console, found)
+    tell_of_views(console, views)
     console.print(f"page    {files[-1]}", markup=False)
     own = "" if names[-1] == "published" else f" --model {names[-1]}"
     console.print(f"next    hjcamp diagnose {joined(data.paths)}{own}", markup=False)

@@ -2,24 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from hjcamp.discrepancy.compare import Comparison
+    from hjcamp.discrepancy.replay import Replay
+    from hjcamp.records.model_log import ModelledTest
     from hjcamp.report.exploration import Exploration
 
 
 def exploration_of(found: Comparison) -> Exploration:
     """Return every test with all logged channels, all models, and each model without one of its effects (off at first)."""
+    from hjcamp.report.exploration import Exploration
+
+    replays = _replays(found)
+    floors = {name: error.floor for name, error in replays[0].errors.items() if error}
+    names = [one.name for one in (*replays, *found.lesser)]
+    shown = Exploration(len(replays[0].evidence.tests), names, floors, [one.name for one in found.lesser])
+    for test in tests_of(found):
+        shown.add(test.name, test.condition, test.time, test.measured, test.models)
+    return shown
+
+
+def _replays(found: Comparison) -> list[Replay]:
+    return [one.replay for one in (*found.models, *([found.calibrated] if found.calibrated else []))]
+
+
+def tests_of(found: Comparison) -> Iterator[ModelledTest]:
+    """Yield every test with what was measured and what each model says, in the units of the fields."""
     from hjcamp.discrepancy.evidence import STRIDE
     from hjcamp.discrepancy.replay import CHANNELS
-    from hjcamp.report.exploration import NOT_CHANNELS, Exploration, names_of
+    from hjcamp.records.model_log import ModelledTest
+    from hjcamp.report.exploration import NOT_CHANNELS, names_of
 
-    replays = [one.replay for one in (*found.models, *([found.calibrated] if found.calibrated else []))]
-    every = [*replays, *found.lesser]
+    replays = _replays(found)
     evidence = replays[0].evidence
-    floors = {name: error.floor for name, error in replays[0].errors.items() if error}
-    shown = Exploration(len(evidence.tests), [one.name for one in every], floors, [one.name for one in found.lesser])
     names = names_of([test.log for test in evidence.tests])
     for index, test in enumerate(evidence.tests):
         part = slice(int(evidence.edges[index]), int(evidence.edges[index + 1]))
@@ -28,11 +46,10 @@ def exploration_of(found: Comparison) -> Exploration:
         }
         measured = {name: replays[0].measured[part, place] for place, name in enumerate(CHANNELS[:3])}
         models = {}
-        for one in every:
+        for one in (*replays, *found.lesser):
             models[one.name] = {name: one.predicted[part, place] for place, name in enumerate(CHANNELS[:3])}
             if index in one.pump:
                 measured[CHANNELS[3]] = one.pump_measured[index][::STRIDE]
                 models[one.name][CHANNELS[3]] = measured[CHANNELS[3]] + one.pump[index][::STRIDE]
         further = {name: values for name, values in columns.items() if name not in measured}
-        shown.add(names[index], test.condition, test.time, {**measured, **further}, models)
-    return shown
+        yield ModelledTest(names[index], test.condition, test.time, {**measured, **further}, models, test.log.metadata)

@@ -8,17 +8,26 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from hjcamp.commands._diagnose_words import Told
 
+EVIDENCE = {
+    "missing_before": "What the calibrated model misses over what drives it, and the named law through it",
+    "missing_after": "The same with what was found added",
+    "worst_test": "The worst test before and after",
+    "gains": "The gains of twins with nothing missing, and the real one",
+}
 DETECTABLE = ("effect", "parameter", "smallest that would have been seen")
 
 
 def write_pictures(told: Told, folder: Path) -> list[Path]:
-    """Write the errors, what is unexplained, and the page that holds them; return their paths, the page last."""
+    """Write the evidence, the errors, what is unexplained, and the page that holds them; return their paths, the page last."""
+    from hjcamp.commands._effect_links import write_effect_pages
     from hjcamp.commands._error_words import over
+    from hjcamp.commands._joint_evidence import evidence_pictures
     from hjcamp.report.discrepancy_figures import draw_errors
     from hjcamp.report.unexplained_figure import draw_unexplained
     from hjcamp.storage import whole_file
 
-    pictures = {"errors": draw_errors(told.scores(), over(told.judging.scale), told.judging.scale.repeated)}
+    pictures = evidence_pictures(told.found, told.shown)
+    pictures["errors"] = draw_errors(told.scores(), over(told.judging.scale), told.judging.scale.repeated)
     if (curve := told.unexplained) is not None:
         horizontal = f"{curve.driver.replace('_', ' ').capitalize()} ({curve.driver_unit})".replace(" ()", "")
         vertical = f"Unexplained {curve.quantity} ({curve.unit})"
@@ -27,15 +36,18 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
     for file, svg in zip(files, pictures.values(), strict=True):
         with whole_file(file) as stream:
             stream.write(svg.encode())
+    write_effect_pages(folder, [row["effect"] for row in told.content["candidates"]], told.library)
     path = folder / "index.html"
     with whole_file(path) as stream:
-        stream.write(_page(told, pictures).encode())
+        stream.write(_page(told, pictures, folder).encode())
     return [*files, path]
 
 
-def _page(told: Told, pictures: dict[str, str]) -> str:
+def _page(told: Told, pictures: dict[str, str], folder: Path) -> str:
     from hjcamp.commands._diagnose_words import CALIBRATED, CANDIDATES, LEFT
+    from hjcamp.commands._effect_links import equations_of, links
     from hjcamp.commands._error_words import error_table, over
+    from hjcamp.commands._plant_pages import BAND, CORRELATIONS
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.units import label
     from hjcamp.report.units import told as told_value
@@ -45,7 +57,9 @@ def _page(told: Told, pictures: dict[str, str]) -> str:
     scale = told.judging.scale
     fall = [f"{over(scale).capitalize()}: {' -> '.join(f'{value:.2f} ({name})' for name, value in told.scores())}."]
     parts = [
+        page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
         page.bullets([*answer[1:], *fall]),
+        equations_of(told.content["effects"], told.library),
         page.picture("Error before and after", pictures["errors"]),
         page.table_of(*error_table(told.errors(), scale)),
         page.note("On tests that were not used for the fit." + ("" if scale.repeated else f" {NO_FLOOR}")),
@@ -56,6 +70,11 @@ def _page(told: Told, pictures: dict[str, str]) -> str:
     if rows := told.candidates():
         parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows)]
         parts.append(page.note(LEFT))
+    parts += [
+        page.heading("What is left in the residuals"),
+        page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
+        page.note(f"The arm, over windows that begin at measured states: neighbours within a window are alike. {BAND}"),
+    ]
     if told.content["minimum_detectable"]:
         least = [
             [name, label(row["parameter"]), told_value(row["value"], row["unit"], 2)]
@@ -70,4 +89,5 @@ def _page(told: Told, pictures: dict[str, str]) -> str:
         parts += [page.table_of(("effects", "why", "cosine"), rows)]
         parts += [page.note("Cosine: between the responses that the base parameters cannot take up; 1 is the same.")]
     parts += [page.heading("Calibrated first"), page.table_of(CALIBRATED, told.calibration(every=True))]
+    parts.append(links(folder))
     return page.discrepancy_page(told.title, answer[0], parts)

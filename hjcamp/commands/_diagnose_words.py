@@ -125,7 +125,9 @@ class Told(Diagnosed):
     def candidates(self, most: int | None = None) -> list[list[str]]:
         """Return the rows of the ranked effects, one for each parameter; an effect is named in its first."""
         rows = []
-        for row in self.content["candidates"][:most]:
+        for place, row in enumerate(self.content["candidates"]):
+            if most is not None and place >= most and not row.get("asked"):
+                continue
             ratio = row["heldout_error_ratio"]
             left = "" if ratio is None else f"{100 * ratio:.0f} %"
             posterior = "<0.01" if row["posterior"] < 0.005 else f"{row['posterior']:.2f}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,32 +12,42 @@ if TYPE_CHECKING:
     from hjcamp.commands._plant_words import Words
     from hjcamp.prediction.analysis import Analysis
     from hjcamp.prediction.comparison import Comparison
+    from hjcamp.records.model_log import ModelledTest
 
 WINDOWS = 3
+EVIDENCE = {
+    "missing_before": "What the calibrated model misses over what drives it, and the named law through it",
+    "missing_after": "The same with what was found added",
+    "worst_test": "The worst test before and after",
+    "gains": "The gains of surrogate data, and the real one",
+}
+CORRELATIONS = {"correlation_1": "Residual autocorrelation", "correlation_2": "Residual and input: cross-correlation"}
+BAND = (
+    "Residual autocorrelation, and cross-correlation with what was given before. By chance alone one value in twenty "
+    "leaves the band."
+)
 
 
 def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     """Write the pictures and the page of a diagnosis; return their paths, the page last."""
     from hjcamp.commands import _plant_words as said
+    from hjcamp.commands._effect_links import equations_of, links, write_effect_pages
+    from hjcamp.commands._plant_evidence import evidence_pictures
     from hjcamp.report import discrepancy_page as page
-    from hjcamp.report.prediction_figures import draw_chance, draw_curves, draw_windows
+    from hjcamp.report.prediction_figures import draw_windows
 
     analysis, verdict = words.analysis, words.verdict
-    pictures: dict[str, str] = {}
-    if curves := _curves(words):
-        pictures["missing"] = draw_curves(curves)
-    if analysis.search.steps:
-        first = analysis.search.steps[0]
-        pictures["chance"] = draw_chance(first.chance, first.gain)
+    library = analysis.search.library
+    pictures = evidence_pictures(words)
     shown = {"calibrated": analysis.base.fitted.candidate}
     if verdict.effects:
         shown["with what was found"] = verdict.model.fitted.candidate
     pictures["windows"] = draw_windows(*_worst(analysis, shown))
-    parts = [page.bullets(words.sentences())]
-    if "missing" in pictures:
-        parts += [
-            page.picture("What is missing, over what drives it (a free law and its 95 % band)", pictures["missing"])
-        ]
+    parts = [
+        page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
+        page.bullets(words.sentences()),
+        equations_of(verdict.effects, library),
+    ]
     if rows := words.candidates():
         parts += [page.heading("Effects, best first"), page.table_of(said.CANDIDATES, rows)]
         parts.append(
@@ -47,18 +58,20 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     parts += [page.heading("Error"), page.table_of(said.CHANNELS, said.channel_table(words.content["channels"]))]
     parts.append(page.note(f"{said.FLOORS[analysis.floor.source]}."))
     parts.append(page.picture("The worst windows", pictures["windows"]))
-    if "chance" in pictures:
-        parts += [
-            page.heading("Chance"),
-            page.picture("The best gain of the library beside chance", pictures["chance"]),
-        ]
+    parts += [
+        page.heading("What is left in the residuals"),
+        page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
+        page.note(BAND),
+    ]
     if worst := words.content["worst"]:
         rows = [[one["condition"], one["channel"], f"{one['over_floor']:.2f}"] for one in worst]
         parts += [page.heading("Worst conditions"), page.table_of(("condition", "channel", "over the floor"), rows)]
     parts += [
         page.heading("Calibrated first"),
         page.table_of(said.CALIBRATED, said.calibration_table(words.content["calibration"])),
+        links(folder),
     ]
+    write_effect_pages(folder, [row["effect"] for row in words.content["candidates"]], library)
     return _written(folder, pictures, page.discrepancy_page(words.title, "", parts))
 
 
@@ -98,6 +111,26 @@ def write_comparison(found: Comparison, folder: Path) -> list[Path]:
     return _written(folder, pictures, page.discrepancy_page(f"Models of plant {layout.measured.plant.name}", "", parts))
 
 
+def modelled_tests(found: Comparison) -> Iterator[ModelledTest]:
+    """Yield every test with what was measured and what each model predicts over windows, in the units of the fields."""
+    from hjcamp.records.model_log import ModelledTest
+
+    layout = found.analysis.windows.layout
+    of_row = np.repeat(layout.of_test, layout.width)
+    scales = [one.scale for one in layout.measured.sensors]
+    fields = [one.field for one in layout.measured.sensors]
+
+    def channels(values: Any, rows: Any) -> dict[str, Any]:
+        return {field: values[rows, k] * scales[k] for k, field in enumerate(fields)}
+
+    for place, test in enumerate(layout.measured.tests):
+        rows = np.flatnonzero(of_row == place)
+        models = {one.name: channels(layout.readings - one.errors, rows) for one in (*found.models, found.calibrated)}
+        if len(rows):
+            measured = channels(layout.readings, rows)
+            yield ModelledTest(test.name, test.condition, layout.time[rows], measured, models, test.log.metadata)
+
+
 def _written(folder: Path, pictures: dict[str, str], html: str) -> list[Path]:
     from hjcamp.storage import whole_file
 
@@ -109,28 +142,6 @@ def _written(folder: Path, pictures: dict[str, str], html: str) -> list[Path]:
     with whole_file(path) as stream:
         stream.write(html.encode())
     return [*files, path]
-
-
-def _curves(words: Words) -> list[tuple[str, str, str, dict[str, Any]]]:
-    """Return the freest law before anything was added, and what is still missing after it where something is."""
-    from hjcamp.prediction.answer import curve_of
-
-    search = words.analysis.search
-    found = []
-    if search.steps and search.steps[0].unknown:
-        found.append(("before", search.steps[0].unknown[0]))
-    after = words.verdict.unknown or (
-        search.steps[-1].unknown[0] if len(search.steps) > 1 and search.steps[-1].unknown else None
-    )
-    if after is not None and words.verdict.effects:
-        found.append((f"with {', '.join(words.verdict.model.names)}", after))
-    curves = []
-    for title, model in found:
-        [name] = [one for one in model.names if one in search.unknowns]
-        known = search.unknowns[name]
-        curve = curve_of(words.analysis, model, name)
-        curves.append((title, known.driver, f"{known.quantity} at {known.place}".replace("_", " "), curve))
-    return curves
 
 
 def _worst(analysis: Analysis, models: dict[str, Any]) -> tuple[Any, ...]:

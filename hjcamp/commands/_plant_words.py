@@ -115,7 +115,7 @@ class Words:
     def candidates(self) -> list[list[str]]:
         """Rows: effect, t, error left, parameter, value, 95 %."""
         rows: list[list[str]] = []
-        for one in self.content["candidates"][:SHOWN]:
+        for one in (row for k, row in enumerate(self.content["candidates"]) if k < SHOWN or row.get("asked")):
             first = [one["effect"], f"{one['t']:.1f}", f"{100 * one['heldout_error_ratio']:.0f} %"]
             for name, row in one["parameters"].items():
                 bound = "  at its bound" if row["at_bound"] else ""
@@ -125,7 +125,7 @@ class Words:
                 first = ["", "", ""]
         return rows
 
-    def next_commands(self, paths: str, model: str) -> list[str]:
+    def next_commands(self, paths: str, model: str, folder: str = "diagnose") -> list[str]:
         """The commands that go on from the answer."""
         own = "" if model == "published" else f" --model {model}"
         if self.verdict.word == "effect":
@@ -137,7 +137,8 @@ class Words:
                 for one in self.verdict.confidence_set[:2]
             ]
         if self.verdict.word == "outside_library":
-            return ["hjcamp effects new MY_EFFECT   # write its law by the curve on the page, then diagnose again"]
+            begun = f" --from {folder}" if self.content["unknowns"] else ""
+            return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
         return [f"hjcamp compare {paths}{own}"]
 
 

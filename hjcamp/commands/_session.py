@@ -84,6 +84,14 @@ def write_answer(path: Path | None, answer: dict[str, Any]) -> None:
         stream.write(text.encode())
 
 
+def keep_answer(folder: Path, answer: dict[str, Any]) -> None:
+    """Write the answer beside its page, where `hjcamp effects new NAME --from` finds it, whole or not at all."""
+    from hjcamp.storage import whole_file
+
+    with whole_file(folder / "answer.json") as stream:
+        stream.write((json.dumps(answer, indent=2, allow_nan=False) + "\n").encode())
+
+
 def free_standard_output() -> None:
     """Give standard output back to what is meant for people, at the end of a call."""
     while _kept:

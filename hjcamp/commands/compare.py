@@ -37,6 +37,9 @@ def compare(
         str | None,
         typer.Option(help="Compare with tables instead: 5.4.1 and further ones, or a CSV file and campaign=NAME."),
     ] = None,
+    mcap: Annotated[
+        Path | None, typer.Option(help="Write each test with models and residuals as topics into this folder.")
+    ] = None,
 ) -> None:
     """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
     from hjcamp.campaign.console import make_console
@@ -54,22 +57,35 @@ def compare(
     check_answer_file(json)
     if into is not None:
         check_place(into, "--into", folder=True)
+    if mcap is not None:
+        check_place(mcap, "--mcap", folder=True)
     data = Data(paths)
     if not data.of_pump_joint:
-        compare_any(data, names, json, into)
+        compare_any(data, names, json, into, mcap)
         return
     console = make_console()
     with progress_of(console) as report:
+        from hjcamp.commands._compare_explorer import tests_of
         from hjcamp.commands._compare_page import write_pictures
         from hjcamp.discrepancy.compare import answer
+        from hjcamp.records.model_log import write_modelled
 
         found = compare_pump_joint(data, names, report)
         write_answer(json, answer(found.models, len(data.evidence.tests)))
         report("drawing", 0.8)
         files = write_pictures(found, into or folder_for("compare", paths, json))
+        views = [] if mcap is None else write_modelled(mcap, tests_of(found))
     _print(console, found, files)
+    tell_of_views(console, views)
     for number, command in enumerate(next_commands(found, paths)):
         console.print(f"{'        ' if number else 'next    '} {command}", markup=False)
+
+
+def tell_of_views(console: Console, files: list[Path]) -> None:
+    """Say where tests with models as topics were written, and what opens them."""
+    if files:
+        console.print(f"mcap     {len(files) - 2} tests in {files[0].parent}", markup=False)
+        console.print(f"         layouts {files[-2]} (Foxglove), {files[-1]} (PlotJuggler)", markup=False)
 
 
 def next_commands(found: Comparison, paths: list[Path]) -> list[str]:

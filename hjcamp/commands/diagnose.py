@@ -49,6 +49,9 @@ def diagnose(
     cluster: Annotated[str | None, typer.Option(help="A dask scheduler, tcp://HOST:PORT, or 'local'.")] = None,
     only: Annotated[str | None, typer.Option(help="Effects to consider, with commas; all of them by default.")] = None,
     without: Annotated[str | None, typer.Option(help="Effects to leave out, with commas.")] = None,
+    ask: Annotated[
+        str | None, typer.Option(help="Effects that get a row whatever they explain, with commas; your own always do.")
+    ] = None,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
     from hjcamp.commands._tables import diagnose_tables, no_logs
@@ -67,10 +70,10 @@ def diagnose(
         raise no_logs()
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._any_plant import diagnose_any
-    from hjcamp.commands._session import check_answer_file, folder_for, progress_of, write_answer
+    from hjcamp.commands._session import check_answer_file, folder_for, keep_answer, progress_of, write_answer
 
     check_answer_file(json)
-    asked = Asked(model, effort, seed, only, without, workers, cluster)
+    asked = Asked(model, effort, seed, only, without, workers, cluster, ask)
     asked.check()
     data = Data(paths)
     if not data.of_pump_joint:
@@ -80,18 +83,21 @@ def diagnose(
     with progress_of(console) as report:
         from hjcamp.commands._diagnose_page import write_pictures
         from hjcamp.commands._diagnose_words import Told
+        from hjcamp.commands._joint_evidence import gathered
 
         compiling = partial(tell_of_compiling, console, report)
-        done = diagnose_pump_joint(data, asked, report, compiling, partial(_say_what_is_lacking, console))
+        done = diagnose_pump_joint(data, asked, report, compiling, partial(_say_what_is_lacking, console), gathered)
         told = Told(**vars(done))
         content = told.content
         write_answer(json, content)
         report("drawing", 0.99)
-        files = write_pictures(told, folder_for("diagnose", paths, json))
+        folder = folder_for("diagnose", paths, json)
+        files = write_pictures(told, folder)
+        keep_answer(folder, content)
     _print(console, told)
-    console.print(f"figures {'  '.join(str(file) for file in files[:-1])}", markup=False)
+    console.print(f"figures {len(files) - 1} in {files[-1].parent}", markup=False)
     console.print(f"page    {files[-1]}", markup=False)
-    console.print(f"next    {next_command(content, paths, model)}", markup=False)
+    console.print(f"next    {next_command(content, paths, model, files[-1].parent)}", markup=False)
 
 
 def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:
@@ -116,7 +122,9 @@ def tell_of_compiling(console: Console, report: Callable[[str, float], None], do
         console.print(f"  compiling {count} kernels, once for these effects", markup=False)
 
 
-def next_command(content: dict[str, Any], paths: list[Path], model: str = "published") -> str:
+def next_command(
+    content: dict[str, Any], paths: list[Path], model: str = "published", folder: Path = Path("diagnose")
+) -> str:
     """Return the command that goes on from an answer; it can be pasted as it is."""
     from hjcamp.commands import command_files
 
@@ -127,7 +135,10 @@ def next_command(content: dict[str, Any], paths: list[Path], model: str = "publi
         return f"hjcamp add {' '.join(content['effects'])} {joined(paths)}{own} --as {name}"
     if verdict == "outside_library":
         driver = content["drivers"][0] if content["drivers"] else "unknown"
-        return f"hjcamp effects new {driver}_effect   # write its law, then: hjcamp diagnose {joined(paths)}{own}"
+        begun = f" --from {joined([folder])}" if content.get("unknowns") else ""
+        return (
+            f"hjcamp effects new {driver}_effect{begun}   # write its law, then: hjcamp diagnose {joined(paths)}{own}"
+        )
     if verdict == "nothing_missing" or "next" not in command_files():
         return f"hjcamp compare {joined(paths)}{own}"
     return f"hjcamp next {joined(paths)}"

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 RUN_S = 15.0  # a test of the checks takes well under a second
 USAGE = (
-    "hjcamp effects [NAME [OVERRIDE...]] | effects new NAME [--on KIND] | effects test NAME, each with --plant PLANT"
+    "hjcamp effects [NAME [OVERRIDE...]] | effects --pages DIR | effects new NAME [--on KIND | --from DIAGNOSIS] | effects test NAME, "
+    "each with --plant PLANT"
 )
 # Fast and slow moves, reversals and rests at a high preload with dither: every effect has its moment. Open loop, for in
 # closed loop one slip that comes earlier changes all that follow. The draws of the rig are left out.
@@ -62,6 +63,18 @@ def effects(
     on: Annotated[
         str, typer.Option(help="With new: write it for this kind of place, on any plant.", show_default=False)
     ] = "",
+    begun: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            help="With new: begin with the curve that a diagnosis found (its folder, or its --json).",
+            show_default=False,
+        ),
+    ] = None,
+    pages: Annotated[
+        Path | None,
+        typer.Option("--pages", help="Write a page for each effect and plant into this folder.", show_default=False),
+    ] = None,
     json: AnswerFile = None,
 ) -> None:
     """Show the effect library, or one effect with a picture; write and test an effect of one's own."""
@@ -69,12 +82,18 @@ def effects(
 
     if on and (words or [])[:1] != ["new"]:
         raise UsageError(f"--on is for a new effect: {USAGE}")
+    if begun is not None and ((words or [])[:1] != ["new"] or on or plant):
+        raise UsageError(f"--from is for a new effect, and says on which plant: {USAGE}")
+    if pages is not None and words:
+        raise UsageError(f"--pages writes all effects and plants, and takes no name: {USAGE}")
     check_answer_file(json)
     match words or []:
+        case [] if pages is not None:
+            write_catalogue(pages)
         case []:
             write_answer(json, show_catalogue(plant))
         case ["new", name]:
-            written = write_new(name, plant, on)
+            written = write_new(name, plant, on, begun)
             write_answer(json, {"schema": "hjcamp.template/1", "name": name, "file": str(written)})
         case ["test", name]:
             write_answer(json, test_effect(name, plant))
@@ -93,6 +112,15 @@ def effects(
             write_answer(json, show_effect(name, plant))
             if config is not None:
                 draw(name, config, path)
+
+
+def write_catalogue(folder: Path) -> None:
+    """Write the catalogue as pages."""
+    from hjcamp.campaign.console import make_console
+    from hjcamp.commands._catalogue import write_pages
+
+    written = write_pages(folder)
+    make_console().print(f"  {len(written)} pages  {written[-1]}", markup=False, soft_wrap=True)
 
 
 def show_catalogue(plant: str = "") -> dict[str, Any]:
@@ -241,11 +269,19 @@ def simulated_pair(name: str, config: dict[str, Any], console: Console) -> tuple
     return without, with_effect
 
 
-def write_new(name: str, plant: str = "", on: str = "") -> Path:
-    """Write the template of an effect into ./effects: in the names of pump_joint, or for a kind of place on any plant."""
+def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = None) -> Path:
+    """Write the template of an effect into ./effects: in the names of pump_joint, for a kind of place, or from a diagnosis."""
     from hjcamp.campaign.console import make_console
 
-    path = new_effect_file(name, plant, on)
+    if begun is not None:
+        from hjcamp.commands._effect_from import write_from_diagnosis
+        from hjcamp.effects import effect_files, load_effects
+        from hjcamp.plants import DEFAULT
+
+        path, plant = write_from_diagnosis(name, begun, sorted({*effect_files([]), *load_effects([])}))
+        plant = "" if plant == DEFAULT else plant
+    else:
+        path = new_effect_file(name, plant, on)
     console = make_console()
     console.print(f"  written  {path}", markup=False)
     where = f" --plant {plant}" if plant else " --plant PLANT" if on else ""

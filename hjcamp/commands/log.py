@@ -1,4 +1,4 @@
-"""Look at, check and recover test logs: hjcamp log info, verify, recover."""
+"""Look at, check, recover and export test logs: hjcamp log info, verify, recover, export."""
 
 from __future__ import annotations
 
@@ -16,11 +16,15 @@ Paths = Annotated[list[Path], typer.Argument(help="Run folders, folders of logs,
 def register(app: typer.Typer) -> None:
     """Add the commands."""
     group = typer.Typer(
-        name="log", help="Look at, check and recover test logs.", no_args_is_help=True, pretty_exceptions_enable=False
+        name="log",
+        help="Look at, check, recover and export test logs.",
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
     )
     group.command("info")(info)
     group.command("verify")(verify)
     group.command("recover")(recover)
+    group.command("export")(export)
     app.add_typer(group)
 
 
@@ -101,3 +105,18 @@ def recover(
     for problem in result.problems:
         print(f"  {problem}")
     print(f"{result.path}: {result.words}")
+
+
+def export(
+    paths: Paths,
+    kind: Annotated[str, typer.Option("--as", help="parquet, csv, mat or npz.")] = "parquet",
+    into: Annotated[Path, typer.Option(help="The folder of the tables.")] = Path("export"),
+) -> None:
+    """Write logs as tables for other programs, one file each, with units and metadata."""
+    from hjcamp.records.exporting import export_logs
+    from hjcamp.records.find import find_logs
+    from hjcamp.records.read import read_log
+
+    written = export_logs(find_logs(paths), read_log, kind, into)
+    for path in written:
+        print(path)

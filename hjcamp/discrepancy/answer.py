@@ -12,7 +12,7 @@ from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.heldout import Local, folds, parameter_rows
 from hjcamp.discrepancy.saved import complete
 from hjcamp.discrepancy.scale import Judge, Judged, scale_of
-from hjcamp.discrepancy.search import Step, unknowns_of
+from hjcamp.discrepancy.search import Step, fit_effect, rival_weights, unknowns_of
 from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.discrepancy.where import Place, where
 from hjcamp.model.candidate import Candidate
@@ -21,6 +21,7 @@ from hjcamp.model.effect import Effect
 SCHEMA = "hjcamp.diagnosis/1"
 FOLDS = {"quick": 1, "standard": 3, "thorough": 3}
 NOTHING_ELSE = 0.5
+STEPS_ASKED = 4
 SHOWN = {"quick": 3, "standard": 5, "thorough": 10}
 Report = Callable[[str, float], None]
 
@@ -132,7 +133,7 @@ def _calibration(best: Local) -> dict[str, dict[str, Any]]:
 
 def _candidates(judged: Judging, shown: int) -> list[dict[str, Any]]:
     """Return the effects named first, then the rivals of the last step by weight; each fitted effect once."""
-    found, best = judged.found, judged.best
+    found = judged.found
     baseline = judged.base.heldout_error(judged.parts, found.floor)
     rows: dict[str, tuple[Step, float, int]] = {}
     for step in found.steps:
@@ -144,16 +145,35 @@ def _candidates(judged: Judging, shown: int) -> list[dict[str, Any]]:
             if name not in rows or (first, -posterior) < (rows[name][2], -rows[name][1]):
                 rows[name] = (step, posterior, first)
     order = sorted(rows, key=lambda name: (rows[name][2], -rows[name][1]))[: shown + len(found.effects)]
-    answers = []
-    for name in order:
-        step, posterior, _ = rows[name]
-        fit = step.fits[name]
-        own = best if fit is best.fit else judged.local(fit)
-        error = own.heldout_error(judged.parts, found.floor)
-        final = best if name in best.fit.candidate.effects else own
-        parameters = parameter_rows(final.intervals(), final.unknowns, name)
-        ratio = _finite(error / baseline) if baseline > 0 else None
-        answers.append(
-            {"effect": name, "posterior": float(posterior), "heldout_error_ratio": ratio, "parameters": parameters}
-        )
-    return answers
+    return [_candidate(judged, name, rows[name][0].fits[name], rows[name][1], baseline) for name in order]
+
+
+def _candidate(judged: Judging, name: str, fit: Fit, posterior: float, baseline: float) -> dict[str, Any]:
+    """Return the row of one effect: as it stands in the final model where it is in that, else as fitted beside others."""
+    best = judged.best
+    own = best if fit is best.fit else judged.local(fit)
+    error = own.heldout_error(judged.parts, judged.found.floor)
+    final = best if name in best.fit.candidate.effects else own
+    parameters = parameter_rows(final.intervals(), final.unknowns, name)
+    ratio = _finite(error / baseline) if baseline > 0 else None
+    return {"effect": name, "posterior": float(posterior), "heldout_error_ratio": ratio, "parameters": parameters}
+
+
+def asked_candidates(judged: Judging, names: Sequence[str], present: Sequence[str]) -> list[dict[str, Any]]:
+    """Return rows for effects that were asked for and are not ``present``: fitted beside the calibrated model alone.
+
+    Their weight is that beside the effects of the first step. None for an effect that the calibrated model has already.
+    """
+    found = judged.found
+    baseline = judged.base.heldout_error(judged.parts, found.floor)
+    screening = found.screenings[0] if found.screenings else None
+    rows = []
+    for name in names:
+        if screening is None or name in present or name not in {**screening.ranked, **screening.instead}:
+            continue
+        effect = next(one for one in judged.effects if one.name == name)
+        fit = fit_effect(found.fitter, screening, effect, judged.effects, STEPS_ASKED)
+        others = found.steps[0].fits if found.steps else {}
+        weight = rival_weights({**others, name: fit}, found.fitter.least, judged.effects)[name]
+        rows.append(_candidate(judged, name, fit, weight, baseline))
+    return rows

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -168,11 +168,14 @@ def _swing(basis: Array, seen: Array) -> Array:
     return np.asarray(np.einsum("fk,fk->f", cross, np.linalg.solve(square, cross[:, :, None])[:, :, 0]))
 
 
-def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, str, float]]:
+def rank_drivers(
+    features: Features, fit: Fit, floor: Array, barred: Mapping[str, Sequence[str]] = TAUTOLOGIES
+) -> list[tuple[str, str, float]]:
     """Return (driver, channel, share explained on conditions left out), largest first, of the channel most off its floor.
 
     Slopes and spots are looked for alike, with few knots and with many. A force that is even in direction is looked for as
-    it is, friction as its product with the direction; a force in time may also swing with one frequency.
+    it is, friction as its product with the direction; a force in time may also swing with one frequency. ``barred`` are
+    drivers that are not looked at in a channel.
     """
     values = driver_values(features)
     sign = values["direction"]
@@ -183,7 +186,7 @@ def rank_drivers(features: Features, fit: Fit, floor: Array) -> list[tuple[str, 
         power = float((residual[valid] ** 2).sum()) / max(floor[index] ** 2 * valid.sum(), 1e-30)
         excess = max(1.0 - 1.0 / max(power, 1e-9), 0.0) * min(power, 25.0)
         for driver, column in values.items():
-            if driver in TAUTOLOGIES.get(channel, ()):
+            if driver in barred.get(channel, ()):
                 continue
             best = max(_gain(features, residual, valid, _basis(column, None, count)) for count in KNOTS)
             if channel == "sliding":

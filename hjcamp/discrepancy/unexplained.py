@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +23,8 @@ CHANNELS = {
     "line_sum": (2, "flow out of both lines", "mm3/s"),
     "line_difference": (3, "flow out of line 1 beyond that of line 2", "mm3/s"),
 }
+SI = {"": 1.0, "deg": np.pi / 180.0, "mm": 1e-3, "mm/s": 1e-3, "MPa": 1e6, "s": 1.0, "N": 1.0, "mm3/s": 1e-9}
+IN_SI = {"deg": "rad", "mm": "m", "mm/s": "m/s", "MPa": "Pa", "mm3/s": "m^3/s"}
 BINS = 12
 STRAIGHT = 0.5
 
@@ -36,6 +40,21 @@ class Unexplained:
     centres: Array
     forward: Array
     backward: Array
+    channel: str = "sliding"
+
+    def row(self) -> dict[str, Any]:
+        """Return the curve for programs, SI: what drives it, where it acts, and its values in both directions."""
+        forward, backward = (
+            [float(value) * SI[self.unit] if np.isfinite(value) else None for value in one]
+            for one in (self.forward, self.backward)
+        )
+        return {
+            "driver": self.driver, "quantity": self.quantity, "port": self.channel,
+            "curve": {
+                "x": [float(v) * SI[self.driver_unit] for v in self.centres], "forward": forward, "backward": backward,
+                "x_unit": IN_SI.get(self.driver_unit, self.driver_unit) or "1", "y_unit": IN_SI.get(self.unit, self.unit),
+            },
+        }  # fmt: skip
 
     @property
     def even(self) -> Array:
@@ -69,9 +88,9 @@ class Unexplained:
         return f"{said}: between {low:.2g} and {high:.2g} {self.unit}."
 
 
-def unexplained(features: Features, fit: Fit, floor: Array, driver: str) -> Unexplained:
-    """Return what ``fit`` leaves over ``driver``, in the channel in which the driver explains most of it."""
-    channel = next(row[1] for row in rank_drivers(features, fit, floor) if row[0] == driver)
+def unexplained(features: Features, fit: Fit, floor: Array, driver: str, channel: str = "") -> Unexplained:
+    """Return what ``fit`` leaves over ``driver``, in the ``channel``, else in that in which the driver explains most of it."""
+    channel = channel or next(row[1] for row in rank_drivers(features, fit, floor) if row[0] == driver)
     index, name, unit = CHANNELS[channel]
     quantity = quantities(features, fit.features)[index]
     # The balance is push less friction: a force on the arm that the model lacks has the other sign.
@@ -86,7 +105,28 @@ def unexplained(features: Features, fit: Fit, floor: Array, driver: str) -> Unex
         curves.append(
             np.array([scale * float(quantity.values[one].mean()) if one.sum() >= FEWEST else np.nan for one in members])
         )
-    return Unexplained(driver, driver_unit, name, unit, 0.5 * (edges[1:] + edges[:-1]), *curves)
+    return Unexplained(driver, driver_unit, name, unit, 0.5 * (edges[1:] + edges[:-1]), curves[0], curves[1], channel)
+
+
+def driver_of(features: Features, fit: Fit, channel: str, barred: Sequence[str] = ()) -> str:
+    """Return the driver whose bins, each direction on its own, tell most of what ``fit`` leaves in a channel."""
+    quantity = quantities(features, fit.features)[CHANNELS[channel][0]]
+    drivers = driver_values(features)
+    valid, sign = quantity.valid, drivers["direction"]
+    whole = float(np.sum((quantity.values[valid] - quantity.values[valid].mean()) ** 2)) if valid.any() else 0.0
+    told: dict[str, float] = {}
+    for name, values in drivers.items():
+        if name in barred or name in ("repetition", "direction") or whole == 0.0:
+            continue
+        left = 0.0
+        for way in (1.0, 0.0, -1.0):
+            inside = valid & (sign == way)
+            place = np.digitize(values, _edges(values[valid]))
+            for one in np.unique(place[inside]):
+                members = quantity.values[inside & (place == one)]
+                left += float(np.sum((members - members.mean()) ** 2))
+        told[name] = 1.0 - left / whole
+    return max(told, key=lambda name: told[name]) if told else "time"
 
 
 def _edges(values: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -77,13 +77,15 @@ class Diagnosis(Result):
 
             scale = self.words.judging.scale
             return figure_of(draw_errors, self.words.scores(), over(scale), scale.repeated)
-        from hjcamp.commands._plant_pages import _curves
-        from hjcamp.report.prediction_figures import draw_chance, draw_curves
+        from hjcamp.commands._plant_evidence import missing_of
+        from hjcamp.report.evidence_figures import draw_gains, draw_missing
 
-        if curves := _curves(self.words):
-            return figure_of(draw_curves, curves)
-        if steps := self.words.analysis.search.steps:
-            return figure_of(draw_chance, steps[0].chance, steps[0].gain)
+        steps = self.words.analysis.search.steps
+        if steps and steps[0].unknown:
+            missing = replace(missing_of(self.words), after=())
+            return figure_of(lambda: draw_missing(missing)["before"])
+        if steps:
+            return figure_of(draw_gains, steps[0].chance, steps[0].gain, "residuals moved in time")
         raise UsageError(f"{self.title}: nothing was fitted, so there is nothing to draw")
 
     def page(self, folder: str | Path = "diagnose") -> Path:
@@ -115,13 +117,14 @@ def diagnose(
     seed: int = 1,
     only: str | Sequence[str] | None = None,
     without: str | Sequence[str] | None = None,
+    ask: str | Sequence[str] | None = None,
     workers: int | None = None,
     cluster: str | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> Diagnosis:
     """Return which effect the model misses, or that nothing is missing, or that these tests cannot tell; `hjcamp diagnose`.
 
-    The options are those of the command; ``only`` and ``without`` are lists of effects, or texts with commas. Raises
+    The options are those of the command; ``only``, ``without`` and ``ask`` are lists of effects, or texts with commas. Raises
     ``UsageError`` for unknown models, effects and efforts.
 
     >>> found = hjcamp.diagnose("logs", only=["spring", "constant_force"])
@@ -130,11 +133,12 @@ def diagnose(
     >>> figure = found.plot()
     """
     data = data_of(tests)
-    asked = Asked(str(model), effort, seed, _text(only), _text(without), workers, cluster)
+    asked = Asked(str(model), effort, seed, _text(only), _text(without), workers, cluster, _text(ask))
     if data.of_pump_joint:
         from hjcamp.commands._diagnose_words import Told
+        from hjcamp.commands._joint_evidence import gathered
 
-        told = Told(**vars(diagnose_pump_joint(data, asked, progress_to(progress))))
+        told = Told(**vars(diagnose_pump_joint(data, asked, progress_to(progress), gather=gathered)))
         return Diagnosis(data, asked.model, told, told.content)
     from hjcamp.commands._plant_words import Words
 

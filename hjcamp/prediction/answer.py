@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from hjcamp.prediction.chapters import advantages
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.selection import Scored, critical, error_ratio
+from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
 from hjcamp.prediction.windows import DELAY
 
@@ -134,6 +135,20 @@ def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
     return rows
 
 
+def asked_candidates(analysis: Analysis, verdict: Verdict, names: Sequence[str]) -> list[dict[str, Any]]:
+    """Return rows for effects that were asked for and were not fitted yet: each beside the calibrated model alone."""
+    known = {row["effect"] for row in candidates(analysis, verdict)} | set(analysis.base.names)
+    rows = []
+    for name in dict.fromkeys(names):
+        if name in known:
+            continue
+        effect = analysis.search.library[name]
+        model = analysis.search.fitted(analysis.base.fitted.candidate.with_effect(name, effect.defaults()))
+        if np.isfinite(model.left_out):
+            rows.append(_candidate(analysis, name, model, analysis.base, named=False))
+    return rows
+
+
 def _candidate(analysis: Analysis, name: str, model: Scored, before: Scored, named: bool) -> dict[str, Any]:
     effect = analysis.search.library[name]
     found = [one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name]
@@ -177,11 +192,12 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
         reference = step.before if step else analysis.base
         row = {
             "driver": f"{known.place}_{known.driver}" if known.driver != "time" else "time",
-            "quantity": known.quantity, "port": known.place,
+            "quantity": known.quantity, "port": known.place, "signal": known.signal, "slots": list(known.effect.terms),
             "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
         }  # fmt: skip
         if place == 0:
             row["curve"] = curve_of(analysis, one, name)
+            row["knots"] = knots_of(known, one.fitted.candidate.effects[name])
         rows.append(row)
     return rows
 
@@ -200,6 +216,12 @@ def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
         "x": x.tolist(), "x_unit": parameters["low"].unit, "y": values.tolist(), "y_unit": parameters["a0"].unit,
         "low": low.tolist(), "high": high.tolist(),
     }  # fmt: skip
+
+
+def knots_of(known: Unknown, values: Mapping[str, float]) -> dict[str, list[float]]:
+    """Return the places over the driver (SI) at which an unknown's law has its values, and these."""
+    places = np.linspace(known.low, known.high, len(known.amplitudes))
+    return {"x": places.tolist(), "y": [float(values[name]) for name in known.amplitudes]}
 
 
 def removed(analysis: Analysis, model: Scored) -> float:

@@ -82,10 +82,11 @@ class Container:
             )
         )
 
-    def add_channel(self, topic: str, descriptor: bytes) -> None:
-        """Write the schema and the channel, outside any chunk: they survive the loss of every chunk."""
+    def add_channel(self, topic: str, descriptor: bytes, units: Mapping[str, str]) -> None:
+        """Write the schema and the channel with the unit of each field, outside any chunk: they survive the loss of all."""
         schema = records.Schema(id=SCHEMA, name=SCHEMA_NAME, encoding=SCHEMA_ENCODING, data=descriptor)
-        channel = records.Channel(id=CHANNEL, topic=topic, message_encoding="protobuf", metadata={}, schema_id=SCHEMA)
+        said = {f"unit.{name}": unit for name, unit in units.items()}
+        channel = records.Channel(id=CHANNEL, topic=topic, message_encoding="protobuf", metadata=said, schema_id=SCHEMA)
         self._schema_and_channel = [schema, channel]
         for record in self._schema_and_channel:
             self._write(record_bytes(record))

@@ -190,7 +190,8 @@ def _write(target: Path, samples: Samples, result: Salvage, note: dict[str, str]
         container.add_metadata(RECOVERY_METADATA, note)
         for attachment in result.found.attachments:
             container.add_attachment(attachment.name, attachment.media_type, attachment.data, attachment.log_time)
-        container.add_channel(TOPIC, descriptor_set(tuple(zip(samples.columns, numbers, strict=True))))
+        units = {name: table.field(name).unit for name in samples.columns}
+        container.add_channel(TOPIC, descriptor_set(tuple(zip(samples.columns, numbers, strict=True))), units)
         for start in range(0, len(messages), size):
             container.add_chunk(messages[start : start + size])
         container.finish()

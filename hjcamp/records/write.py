@@ -110,7 +110,10 @@ class LogWriter:
             for name, content in sorted((attachments or {}).items()):
                 media_type = MEDIA_TYPES.get(Path(name).suffix, "application/octet-stream")
                 self._container.add_attachment(name, media_type, content, self._start_ns)
-            self._container.add_channel(TOPIC, descriptor_set(tuple(zip(self.names, self._numbers, strict=True))))
+            units = {name: table.field(name).unit for name in self.names}
+            self._container.add_channel(
+                TOPIC, descriptor_set(tuple(zip(self.names, self._numbers, strict=True))), units
+            )
 
     def append(self, sample: Mapping[str, float]) -> None:
         """Add one sample (field name to value); every field given at the start must be there."""

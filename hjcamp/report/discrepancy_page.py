@@ -8,6 +8,7 @@ from typing import Any
 
 from hjcamp.report.explorer import NOTHING_FETCHED
 from hjcamp.report.figures import tidy
+from hjcamp.report.glossary import glossed, words_of
 from hjcamp.report.page import STYLE, shaded
 
 PLACES = 8
@@ -15,34 +16,45 @@ PLACES = 8
 
 def discrepancy_page(title: str, lead: str, parts: Sequence[str]) -> str:
     """Return the HTML; ``lead`` is the answer in one line, ``parts`` are blocks made by the functions below."""
-    said = f'<p class="verdict">{escape(lead)}</p>\n' if lead else ""
+    said = f'<p class="verdict">{glossed(lead)}</p>\n' if lead else ""
     body = "\n".join(part for part in parts if part)
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">\n{NOTHING_FETCHED}\n'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{escape(title)}</title>\n'
         f"<style>\n{STYLE.read_text(encoding='utf-8')}</style></head>\n<body>\n<h1>{escape(title)}</h1>\n"
-        f"{said}{body}\n</body>\n</html>\n"
+        f"{said}{body}\n{words_of(said + body)}\n</body>\n</html>\n"
     )
 
 
 def heading(text: str) -> str:
     """Return the heading of a section."""
-    return f"<h2>{escape(text)}</h2>"
+    return f"<h2>{glossed(text)}</h2>"
 
 
 def note(text: str) -> str:
     """Return a paragraph in the softer shade."""
-    return f'<p class="soft">{escape(text)}</p>'
+    return f'<p class="soft">{glossed(text)}</p>'
 
 
 def bullets(lines: Sequence[str]) -> str:
     """Return sentences as a list."""
-    return "<ul>" + "".join(f"<li>{escape(line)}</li>" for line in lines) + "</ul>" if lines else ""
+    return "<ul>" + "".join(f"<li>{glossed(line)}</li>" for line in lines) + "</ul>" if lines else ""
 
 
 def picture(caption: str, svg: str) -> str:
     """Return a picture under its caption, in the shades of the page."""
-    return f"<h3>{escape(caption)}</h3>\n<figure>{shaded(tidy(svg), caption)}</figure>"
+    return f"<h3>{glossed(caption)}</h3>\n<figure>{shaded(tidy(svg), caption)}</figure>"
+
+
+def side_by_side(pictures: Sequence[tuple[str, str]]) -> str:
+    """Return pictures with what they show in words, beside each other, one below the other where the page is narrow."""
+    if not pictures:
+        return ""
+    return (
+        '<div class="evidence">'
+        + "".join(f"<figure>{shaded(tidy(svg), told)}</figure>" for told, svg in pictures)
+        + "</div>"
+    )
 
 
 def place_table(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -64,6 +76,6 @@ def place_cells(row: Mapping[str, Any]) -> list[str]:
 
 def table_of(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a table."""
-    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in headings)
+    head = "".join(f'<th scope="col">{glossed(name)}</th>' for name in headings)
     body = "\n".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     return f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'

@@ -1,8 +1,8 @@
-"""Pictures of a prediction-error analysis: what is missing over its driver, chance, the worst windows, models side by side."""
+"""Pictures of a prediction-error analysis: the worst windows, and models side by side."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -27,42 +27,6 @@ def readable(name: str, unit: str, *values: Array) -> tuple[str, list[Array]]:
     inside = f"{tens}{called}".strip()
     scale = factor * 10.0**power
     return f"{name} ({inside})" if inside else name, [np.asarray(one) * scale for one in values]
-
-
-def draw_curves(curves: Sequence[tuple[str, str, str, Mapping[str, Any]]]) -> str:
-    """Return free laws with their 95 % bands, one panel each: title, name of the driver, name of the quantity, curve (SI)."""
-
-    def paint(figure: Any) -> None:
-        for place, (title, across, up, curve) in enumerate(curves):
-            axis = figure.add_subplot(1, len(curves), place + 1)
-            horizontal, [x] = readable(across, curve["x_unit"], np.array(curve["x"]))
-            bounds = [np.array(curve[name]) for name in ("y", "low", "high")]
-            vertical, [y, low, high] = readable(up, curve["y_unit"], *bounds)
-            axis.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0)
-            axis.plot(x, y, color=BLUE, linewidth=1.4)
-            axis.axhline(0.0, color=INK, linewidth=0.6)
-            dress(axis, vertical)
-            axis.set_xlabel(horizontal, color=INK, fontsize=8.5)
-            axis.set_title(title, color=INK, fontsize=9, loc="left")
-
-    return draw((4.8 * len(curves), 3.2), "missing", paint)
-
-
-def draw_chance(chance: Array, gain: float) -> str:
-    """Return the largest gains beside residuals moved in time as a strip, and the real one."""
-
-    def paint(figure: Any) -> None:
-        axis = figure.subplots()
-        spread = np.random.default_rng(1).uniform(-0.3, 0.3, len(chance))
-        axis.plot(chance, spread, ".", color=INK, markersize=3, alpha=0.5, label="residuals moved in time")
-        axis.plot([gain], [0.0], "D", color=RED, markersize=7, label="these tests")
-        axis.set_yticks([])
-        axis.set_ylim(-1.0, 1.0)
-        dress(axis, "")
-        axis.set_xlabel("largest gain of the library (log-likelihood)", color=INK, fontsize=8.5)
-        axis.legend(fontsize=8, frameon=False, loc="upper center", ncols=2)
-
-    return draw((9.6, 1.7), "chance", paint)
 
 
 def draw_windows(

@@ -13,6 +13,7 @@ SHOWN: dict[str, tuple[str, float]] = {
     "m": ("mm", 1e3),
     "m^2": ("mm2", 1e6),
     "m^3": ("mm3", 1e9),
+    "m^3/s": ("mm3/s", 1e9),
     "m/s": ("mm/s", 1e3),
     "m/s^2": ("mm/s2", 1e3),
     "kg": ("g", 1e3),

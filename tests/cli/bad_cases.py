@@ -78,7 +78,7 @@ NEEDED = {
     "compare": ("run",), "diagnose": ("run", "--effort=quick"), "report": ("run",), "show": ("run",), "resume": ("run",),
     "calibrate": ("run", "--as=new"), "add": ("nosuch", "run", "--as=new"), "next": ("run", "--effort=quick"),
     "import": ("table.csv", "--map=map.yaml"), "effects": ("my_spring", "--no-figure"), "plants": ("axis",),
-    "tour": ("--step=4",), "log info": ("run",), "log verify": ("run",),
+    "tour": ("--step=4",), "log info": ("run",), "log verify": ("run",), "log export": ("run",), "explain": ("floor",),
     "log recover": ("run/logs/ramp_pos__pid/rep_01.mcap", "--output=new.mcap"), "diff": ("run", "run"),
     "history": ("campaign=own",), "paper": ("run", "--as=text"),
 }  # fmt: skip

@@ -16,7 +16,7 @@ from hjcamp.records.write import write_log
 
 KEYS = {
     "schema", "verdict", "effects", "drivers", "p_value", "candidates", "error", "calibration", "where",
-    "confounded", "lacking", "minimum_detectable", "seconds",
+    "confounded", "lacking", "minimum_detectable", "seconds", "unknowns",
 }  # fmt: skip
 BOXES = {"joint", "lines", "pump"}
 
@@ -55,6 +55,12 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     page = Path("diagnose/index.html").read_text(encoding="utf-8")
     assert "<svg" in page and "Effect: leakage" in page and "Water is lost from each line" in page
     assert all(name in page for name in ("published", "calibrated", "with leakage", "floor"))
+    assert page.index('class="evidence"') < page.index("<math") < page.index("Effects, best first")
+    assert all(
+        said in page for said in ("missing: calibrated model", "missing: with leakage", "worst test", "these tests")
+    )
+    assert "residual with itself" in page and 'href="effect_leakage.html"' in page
+    assert Path("diagnose/effect_leakage.html").is_file() and read_answer(Path("diagnose/answer.json")) == found
 
     answer = call("add", "leakage", leak, "--as", "bench", "--json", "a.json")
     assert answer.code == 0, answer.err
@@ -156,7 +162,9 @@ def test_a_comparison_ends_whatever_verify_accepts(call: Call, leak: Path, spoil
     answer = call("compare", "odd.mcap", "--json", "c.json")
     assert answer.code == 0, answer.err
     assert "No test was repeated, so there is no floor" in answer.out and "othing stands out" not in answer.out
-    negative = [one for one in read_answer(Path("c.json"))["models"][0]["error"].values() if one and (one["r2"] or 0) < 0]
+    negative = [
+        one for one in read_answer(Path("c.json"))["models"][0]["error"].values() if one and (one["r2"] or 0) < 0
+    ]
     assert bool(negative) == ("r2 is negative for" in answer.out)
 
 

@@ -28,7 +28,17 @@ def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_the_tour_of_an_own_plant(stage: Path) -> None:
     done = run(
-        app, ["diagnose", "logs/train.mcap", "--only", "spring,constant_force,quadratic_drag", "--json", "a.json"]
+        app,
+        [
+            "diagnose",
+            "logs/train.mcap",
+            "--only",
+            "spring,constant_force,quadratic_drag",
+            "--json",
+            "a.json",
+            "--ask",
+            "quadratic_drag",
+        ],
     )
     assert done.exit_code == 0, done.output
     answer = json.loads((stage / "a.json").read_text(encoding="utf-8"))
@@ -36,6 +46,15 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     assert (answer["verdict"], answer["effects"]) == ("effect", ["spring"])
     page = (stage / "diagnose" / "index.html").read_text(encoding="utf-8")
     assert "spring" in page and "<svg" in page and "http://" not in page.replace("http://www.w3.org", "")
+    assert page.index('class="evidence"') < page.index("<math") < page.index("Effects, best first")
+    assert all(
+        said in page
+        for said in ("missing: calibrated model", "missing: with spring", "spring, forwards", "spring, backwards")
+    )
+    assert all(said in page for said in ("worst test", "these tests", "residual with itself", "with voltage before"))
+    assert "Hooke" in (stage / "diagnose" / "effect_spring.html").read_text(encoding="utf-8")
+    assert json.loads((stage / "diagnose" / "answer.json").read_text(encoding="utf-8")) == answer
+    assert any(row["effect"] == "quadratic_drag" and row["asked"] for row in answer["candidates"])
     done = run(app, ["add", "spring", "logs/train.mcap", "--as", "with_spring", "--json", "b.json"])
     assert done.exit_code == 0, done.output
     saved = yaml.safe_load((stage / "conf/model/with_spring.yaml").read_text(encoding="utf-8"))
@@ -65,6 +84,8 @@ def test_calibrate_saves_the_base_of_any_plant(stage: Path) -> None:
         (["diagnose", "logs", "--model", "none"], "unknown model 'none'"),
         (["diagnose", "logs", "--only", "sprong"], "spring"),
         (["diagnose", "logs", "--only", "leakage"], "leakage"),
+        (["diagnose", "logs", "--ask", "sprong"], "did you mean 'spring'"),
+        (["diagnose", "logs", "--ask", " , "], "give the names of effects"),
         (["add", "spring", "spring", "logs", "--as", "x"], "each effect once"),
         (["add", "sprong", "logs", "--as", "x"], "spring"),
         (["add", "spring", "logs", "--as", "published"], "exists already"),

@@ -1,0 +1,173 @@
+"""``hjcamp effects new NAME --from DIAGNOSIS``: what a diagnosis found missing, as an effect file that runs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.errors import UsageError
+
+if TYPE_CHECKING:
+    from hjcamp.effects._curve_template import Begun, Table
+
+ANSWER = "answer.json"
+KNOTS = 24
+# What the pump joint's drivers are in its own names: expression, arguments, unit, the velocity by which a rest is known.
+DRIVERS = {
+    "arm_angle": ("slider_position / pulley_radius", ("slider_position", "pulley_radius"), "rad", ""),
+    "arm_velocity": ("abs(slider_velocity)", ("slider_velocity",), "m/s", ""),
+    "direction": ("direction", ("direction",), "1", ""),
+    "pressure_sum": ("(pressure1 + pressure2)", ("pressure1", "pressure2"), "Pa", ""),
+    "pressure_difference": ("(pressure1 - pressure2)", ("pressure1", "pressure2"), "Pa", ""),
+    "pump_position": ("pump_position", ("pump_position",), "m", ""),
+    "pump_velocity": ("pump_velocity", ("pump_velocity",), "m/s", ""),
+    "time": ("time", ("time",), "s", ""),
+    "time_at_rest": ("max(time - rest_began, 0.0)", ("time", "rest_began"), "s", "slider_velocity"),
+}
+# Its quantities: subsystem, slots of what is alike in both directions, share of it, slots of what turns with the motion.
+QUANTITIES = {
+    "sliding": ("joint", ("load_force",), 1.0, ("friction_static", "friction_coulomb")),
+    "line_sum": ("lines", ("leak1", "leak2"), 0.5, ()),
+    "line_difference": ("lines", ("cross_flow",), 0.5, ()),
+}
+TO_DO = {
+    "effect": "it names {names}: hjcamp add {names} RUN --as NAME",
+    "one_of": "it leaves {names}: tests that tell them apart are named in it; then hjcamp add",
+    "nothing_missing": "no law is missing; hjcamp effects new NAME writes a template without a curve",
+    "cannot_tell": "its tests do not suffice; diagnose more or longer tests",
+    "outside_library": "nothing that was measured drives what it leaves; hjcamp effects new NAME writes a template",
+}
+
+
+def write_from_diagnosis(name: str, diagnosis: Path, taken: Sequence[str]) -> tuple[Path, str]:
+    """Write ``effects/NAME.py`` from a diagnosis (its answer, its folder, or its run) and return the path and the plant.
+
+    Raises ``UsageError`` for what is no diagnosis, one without an unknown, and a file that exists.
+    """
+    from hjcamp.effects._curve_template import write_from_curve
+
+    file = answer_file(diagnosis)
+    content = read_answer(file)
+    begun = begun_from(content, file)
+    return write_from_curve(name, Path("effects"), begun, taken), begun.plant
+
+
+def answer_file(path: Path) -> Path:
+    """Return the answer for programs that is meant by a file, the folder of a diagnosis, or a run folder."""
+    from hjcamp.storage import check_is_file, shown_path
+
+    check_is_file(path)
+    if not path.exists():
+        raise UsageError(f"--from {shown_path(path)}: this does not exist; give a diagnosis (hjcamp diagnose RUN)")
+    places = [path] if path.is_file() else [path / ANSWER, path / "diagnose" / ANSWER]
+    found = next((place for place in places if place.is_file()), None)
+    if found is None:
+        raise UsageError(
+            f"--from {shown_path(path)}: no diagnosis is in this folder; hjcamp diagnose writes diagnose/{ANSWER}, or give the "
+            "file that --json wrote"
+        )
+    return found
+
+
+def read_answer(file: Path) -> Mapping[str, Any]:
+    """Return the answer of a diagnosis; refuse what is none."""
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as problem:
+        raise UsageError(f"{file}: this is no JSON: {problem}") from None
+    except OSError as problem:
+        raise UsageError(f"{file}: cannot be read: {problem.strerror or problem}") from None
+    schema = content.get("schema") if isinstance(content, dict) else None
+    if not isinstance(schema, str) or not schema.startswith("hjcamp.diagnosis/"):
+        raise UsageError(f"{file}: this is no answer of hjcamp diagnose (its schema is {schema or 'not given'})")
+    return dict(content)
+
+
+def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
+    """Return what a file begins with from the answer of a diagnosis."""
+    from hjcamp.plants import DEFAULT
+
+    rows = content.get("unknowns") or []
+    known = next((row for row in rows if isinstance(row, dict) and row.get("curve")), None)
+    if known is None:
+        verdict = str(content.get("verdict"))
+        names = " ".join(str(name) for name in content.get("effects") or [])
+        advice = TO_DO.get(verdict, "diagnose again").format(names=names)
+        raise UsageError(f"{file}: this diagnosis says {verdict.upper()} and holds no curve of an unknown; {advice}")
+    try:
+        if content.get("plant", DEFAULT) == DEFAULT:
+            return _of_pump_joint(known, file)
+        return _of_any_plant(str(content["plant"]), known, file)
+    except (KeyError, TypeError, ValueError, IndexError) as problem:
+        raise UsageError(
+            f"{file}: the curve of its unknown is not whole ({type(problem).__name__}: {problem})"
+        ) from None
+
+
+def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
+    from hjcamp.effects._curve_template import Begun, Table, even_steps
+    from hjcamp.model.vocabulary import read_vocabulary
+    from hjcamp.plants import find_plant
+
+    ports = read_vocabulary(find_plant(plant)).ports
+    if row["port"] not in ports:
+        raise UsageError(f"{file}: plant {plant} has no place '{row['port']}' any more; diagnose again")
+    port, curve = ports[row["port"]], row["curve"]
+    values, first, last = even_steps(row["knots"]["x"], row["knots"]["y"], KNOTS)
+    quantity, signal = str(row["quantity"]), str(row["signal"])
+    text = f"{quantity} at {row['port']}".replace("_", " ")
+    table = Table("amplitude", tuple(row["slots"]), values, curve["y_unit"], text)
+    return Begun(
+        plant, port.subsystem or port.kind, signal.replace("_", " "), signal, (signal,), curve["x_unit"], first, last,
+        (table,), f"the diagnosis {file}",
+    )  # fmt: skip
+
+
+def _of_pump_joint(row: Mapping[str, Any], file: Path) -> Begun:
+    from hjcamp.effects._curve_template import Begun, Table, even_steps
+    from hjcamp.plants import DEFAULT
+
+    driver, curve = str(row["driver"]), row["curve"]
+    if driver not in DRIVERS:
+        raise UsageError(
+            f"{file}: what is missing differs from {driver.replace('_', ' ')} to {driver.replace('_', ' ')}, which no law of the "
+            "joint knows; look at what changed between the tests"
+        )
+    expression, arguments, unit, rests = DRIVERS[driver]
+    subsystem, slots, share, turning = QUANTITIES[row["port"]]
+    forward, backward = curve["forward"], curve["backward"]
+    both = [
+        None
+        if a is None and b is None
+        else share * (_mean(a, b, 1.0) if a is not None and b is not None else _one(a, b))
+        for a, b in zip(forward, backward, strict=True)
+    ]
+    values, first, last = even_steps(curve["x"], both, KNOTS)
+    said = str(row["quantity"])
+    tables: list[Table] = [Table("even", slots, values, curve["y_unit"], f"{said}, alike both ways")]
+    odd = [
+        None if a is None or b is None else share * _mean(a, b, -1.0) for a, b in zip(forward, backward, strict=True)
+    ]
+    if sum(value is not None for value in odd) >= 2:
+        known = {"x": curve["x"], "y": odd}
+        turned, _, _ = even_steps(known["x"], known["y"], KNOTS)
+        # friction is counted against the motion, a missing force along it
+        tables.append(
+            Table("odd", turning, tuple(-value for value in turned), curve["y_unit"], f"{said}, against the motion")
+            if turning
+            else Table("odd", slots, turned, curve["y_unit"], f"{said}, that turns with the motion", "direction * ")
+        )
+    return Begun(
+        DEFAULT, subsystem, driver.replace("_", " "), expression, arguments, unit, first, last, tuple(tables),
+        f"the diagnosis {file}", rests,
+    )  # fmt: skip
+
+
+def _mean(a: float, b: float, sign: float) -> float:
+    return 0.5 * (a + sign * b)
+
+
+def _one(a: float | None, b: float | None) -> float:
+    return float(a if a is not None else b or 0.0)

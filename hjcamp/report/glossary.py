@@ -1,0 +1,140 @@
+"""The words of the answers, one sentence each, for ``hjcamp explain`` and as tooltips on the pages."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from html import escape
+
+#: Names in the order of a reader's way through an answer; others of the same meaning stand in `ALSO`.
+WORDS: Mapping[str, str] = {
+    "floor": "The error below which no model can go: what repetitions of a test do not share, else what alike moments differ by, "
+    "else (a lower bound) the sensor's noise.",
+    "over the floor": "An error divided by its floor: 1 is as good as repetitions allow, 2 is twice that.",
+    "calibrated": "With the base parameters fitted to these tests first, so that a constant that is merely different on this rig "
+    "is not called a missing effect.",
+    "base parameter": "A constant of the plant's own equations that differs from rig to rig, such as a mass or a friction.",
+    "effect": "A physical law that the plant's equations leave out, one file of the library or of your own; as a verdict: this one "
+    "is missing.",
+    "one of": "The verdict that several sets of effects explain these tests equally well; others tests would tell them apart.",
+    "outside the library": "The verdict that something is missing which no effect of the library explains; its curve is shown.",
+    "nothing missing": "The verdict that no effect takes more of the error than chance does.",
+    "cannot tell": "The verdict that these tests are too few, too short or too still for any other verdict.",
+    "unknown": "A law without a form over one quantity, such as a force over position, that competes with the named effects and "
+    "is never named itself.",
+    "free law": "Another word for an unknown: values at knots over what drives it, straight in between, fitted to the tests.",
+    "drivers": "The measured quantities on which what is missing depends, the most likely one first.",
+    "law left": "The share of what a free law explains that the named effect's own law leaves; 0 where its form is right "
+    "(law_left in the answer for programs).",
+    "candidate": "An effect that was fitted beside the calibrated model, with its parameters and what it explains.",
+    "posterior weight": "How probable an effect is among those that were weighed, from how well it predicts tests that it was not "
+    "fitted to; 1 is certain.",
+    "held-out": "Not used for the fit: the error on held-out tests is what a model is judged by, since a fit alone can only fall.",
+    "left": "The share of the calibrated model's held-out error that stays with an effect added: 30 % left is 70 % explained.",
+    "chapter": "A part of the measurements that is left out as a whole to judge a fit of the others: a condition, a test, or a "
+    "part of a test.",
+    "window": "A short stretch of a test that a model predicts from a start of its own, so that what drifts does not hide what it "
+    "misses.",
+    "confidence set": "Every set of effects that these tests do not rule out; where it holds more than one, more tests are needed.",
+    "t": "Student's t of the paired differences between two models' errors over chapters: how far their mean is from 0, in its "
+    "own standard errors.",
+    "p-value": "How probable a gain as large as this one is where nothing is missing; below 0.05 something is claimed.",
+    "gain": "By how much an effect raises the log-likelihood of the tests.",
+    "chance": "What effects gain where none of them is missing, found from surrogate data.",
+    "surrogate data": "Data as noisy as the measured ones in which nothing is missing: residuals moved in time, or twins.",
+    "twin": "A simulation of the measured tests by the calibrated model with the rig's scatter and nothing missing; what effects "
+    "gain on twins is chance.",
+    "residual": "What is measured less what the model predicts.",
+    "autocorrelation": "How alike a residual is to itself some time later; outside its band it is not noise, and something is "
+    "missing.",
+    "cross-correlation": "How alike a residual is to an input some time before; outside its band the model does not use that "
+    "input rightly.",
+    "band": "The range that holds 95 % of what chance, or the uncertainty of a curve, makes.",
+    "95 % interval": "The range that holds the true value of a parameter in 95 of 100 such measurements.",
+    "condition": "Tests that are meant to be alike, in all but what scatters.",
+    "repetition": "One of several tests of a condition; what repetitions do not share is the floor.",
+    "near-replicates": "Moments of the tests at which state and input are nearly alike: what follows should be, too, and what "
+    "differs is a floor where nothing was repeated.",
+    "cosine": "How alike the responses of two effects are in these tests: at 1 or -1 the tests cannot tell them apart.",
+    "smallest that would have been seen": "The amplitude from which on an effect would have been claimed in these tests.",
+    "exploratory": "Without repetitions, so that the scatter of the rig is assumed and probabilities are a guide only.",
+    "place": "An element of a plant's equations on which effects act: a contact, body, store, path, sensor, actuator or transmission.",
+    "slot": "A quantity of the equations that an effect may add to or change.",
+    "horizon": "The time since a model was last set to the measured state; an error that grows with it comes from the rates.",
+    "missing quantity": "The force, flow, command or reading that would have to be added to the calibrated model, instant by "
+    "instant, for it to agree with the measurement.",
+}  # fmt: skip
+ALSO: Mapping[str, str] = {
+    "driver": "drivers", "law_left": "law left", "heldout": "held-out", "held out": "held-out", "left out": "held-out",
+    "chapters left out": "chapter", "posterior": "posterior weight", "weight": "posterior weight", "twins": "twin",
+    "residuals moved in time": "surrogate data", "surrogates": "surrogate data", "windows": "window", "chapters": "chapter",
+    "unknowns": "unknown", "p": "p-value", "p value": "p-value", "one_of": "one of", "outside_library": "outside the library",
+    "outside library": "outside the library", "nothing_missing": "nothing missing", "cannot_tell": "cannot tell",
+    "knots": "free law", "confidence interval": "95 % interval", "interval": "95 % interval", "95 %": "95 % interval",
+    "minimum detectable": "smallest that would have been seen", "minimum_detectable": "smallest that would have been seen",
+    "confounded": "cosine", "calibration": "calibrated", "calibrated first": "calibrated", "base parameters": "base parameter",
+    "repetitions": "repetition", "conditions": "condition", "residuals": "residual", "candidates": "candidate",
+    "confidence_set": "confidence set", "null": "chance", "gamma test": "near-replicates", "free laws": "free law",
+}  # fmt: skip
+# On a page these are everyday words more often than terms.
+EVERYDAY = frozenset(
+    {
+        "effect",
+        "left",
+        "t",
+        "p",
+        "weight",
+        "null",
+        "one of",
+        "place",
+        "gain",
+        "interval",
+        "unknown",
+        "95 %",
+        "conditions",
+        "condition",
+    }
+)
+
+
+def plain_word(text: str) -> str:
+    """Return a word as it stands in `WORDS` where that is only a matter of capitals, ``-`` and ``_``."""
+    asked = " ".join(text.lower().replace("_", " ").split())
+    spelled = {one.replace("-", " ").replace("_", " "): one for one in (*ALSO, *WORDS)}
+    found = spelled.get(asked.replace("-", " "), asked)
+    return ALSO.get(found, found)
+
+
+@cache
+def _pattern() -> re.Pattern[str]:
+    names = sorted({*WORDS, *ALSO} - EVERYDAY, key=len, reverse=True)
+    return re.compile(
+        r"(?<![\w-])(" + "|".join(re.escape(escape(name)) for name in names) + r")(?![\w-])", re.IGNORECASE
+    )
+
+
+def glossed(text: str) -> str:
+    """Return text as HTML with a tooltip on the first use of each word of the glossary."""
+    seen: set[str] = set()
+
+    def marked(found: re.Match[str]) -> str:
+        word = plain_word(found[0])
+        if word in seen:
+            return found[0]
+        seen.add(word)
+        return f'<abbr title="{escape(WORDS[word])}">{found[0]}</abbr>'
+
+    return _pattern().sub(marked, escape(text))
+
+
+def words_of(html: str) -> str:
+    """Return the words that have a tooltip in a page as a list with their sentences, empty where there is none.
+
+    A finger opens no tooltip, and paper has none.
+    """
+    found = {plain_word(one) for one in re.findall(r"<abbr [^>]*>([^<]*)</abbr>", html)}
+    if not found:
+        return ""
+    rows = "".join(f"<dt>{escape(word)}</dt><dd>{escape(said)}</dd>" for word, said in WORDS.items() if word in found)
+    return f'<details class="words"><summary>Words on this page</summary><dl>{rows}</dl></details>'

@@ -1,0 +1,135 @@
+"""An effect file that begins with the curve of a diagnosis: it loads, says the curve, and passes the checks."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hjcamp import cli
+from hjcamp.effects import load_effects
+from hjcamp.model.effect import Effect
+from hjcamp.model.effect_units import check_units
+from hjcamp.plants import find_plant
+from hjcamp.plants._template import write_template
+
+STIFFNESS, REST = 140.0, 0.02
+SPRING: dict[str, Any] = {
+    "schema": "hjcamp.diagnosis/2", "plant": "axis", "verdict": "outside_library", "effects": [],
+    "unknowns": [{
+        "driver": "velocity_position", "quantity": "force", "port": "velocity", "signal": "position", "slots": ["load"],
+        "curve": {"x_unit": "m", "y_unit": "N"},
+        "knots": {"x": [-0.1, -0.05, 0.0, 0.05, 0.1], "y": [-STIFFNESS * (x - REST) for x in (-0.1, -0.05, 0.0, 0.05, 0.1)]},
+    }],
+}  # fmt: skip
+
+
+def joint(driver: str = "arm_angle", **changed: Any) -> dict[str, Any]:
+    """Return an answer for the pump joint: a spring of 2 N/rad and 0.5 N more friction, not seen at both ends."""
+    x = [-1.0, -0.5, 0.0, 0.5, 1.0]
+    curve = {
+        "x": x, "x_unit": "rad", "y_unit": "N",
+        "forward": [None, *(-2.0 * at - 0.5 for at in x[1:])], "backward": [*(-2.0 * at + 0.5 for at in x[:-1]), None],
+    }  # fmt: skip
+    row = {"driver": driver, "quantity": "force on the arm", "port": "sliding", "curve": curve | changed}
+    return {"schema": "hjcamp.diagnosis/1", "verdict": "outside_library", "effects": [], "unknowns": [row]}
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    write_template("axis", Path("plants"), [])
+    return tmp_path
+
+
+def begun(content: dict[str, Any], plant: str, name: str = "mine") -> type[Effect]:
+    """Return the effect that the command writes from an answer."""
+    Path("answer.json").write_text(json.dumps(content), encoding="utf-8")
+    assert cli.run(["effects", "new", name, "--from", "answer.json"]) == 0
+    return load_effects(plant=plant)[name]
+
+
+def at_defaults(effect: type[Effect], slot: str, **given: float) -> float:
+    """Return a method's value with the effect's parameters at their defaults."""
+    term = effect.terms[slot]
+    return float(term.function(*(given.get(name, effect.defaults().get(name)) for name in term.arguments)))
+
+
+def test_the_curve_of_any_plant_is_the_law_of_the_file(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    effect = begun(SPRING, "axis")
+    check_units(effect, find_plant("axis"))
+    for x in (-0.09, -0.03, 0.02, 0.071):
+        assert at_defaults(effect, "load", position=x) == pytest.approx(-STIFFNESS * (x - REST), abs=2e-3)
+    held = at_defaults(effect, "load", position=0.5)
+    assert held == pytest.approx(-STIFFNESS * (0.1 - REST), abs=2e-3)  # beyond the tests the last value holds
+    assert cli.run(["effects", "test", "mine", "--plant", "axis"]) == 0
+    assert "mine passes" in capsys.readouterr().out
+
+
+def test_both_directions_become_a_force_and_friction(here: Path) -> None:
+    effect = begun(joint(), "pump_joint")
+    check_units(effect, find_plant("pump_joint"))
+    assert set(effect.terms) == {"load_force", "friction_static", "friction_coulomb"}
+    place = {"slider_position": 0.3 * 3.41e-3, "pulley_radius": 3.41e-3}
+    assert at_defaults(effect, "load_force", **place) == pytest.approx(-0.6, abs=1e-3)
+    # forwards the missing force is -0.5 N, backwards +0.5 N: more friction, whichever way it moves
+    assert at_defaults(effect, "friction_coulomb", **place) == pytest.approx(0.5, abs=1e-3)
+    assert not any(at_defaults(effect, slot, **place, even=0.0, odd=0.0) for slot in effect.terms)
+
+
+@pytest.mark.parametrize(
+    "driver", ["arm_velocity", "direction", "pressure_sum", "pump_velocity", "time", "time_at_rest"]
+)
+def test_every_driver_of_the_joint_has_a_name_in_its_model(here: Path, driver: str) -> None:
+    check_units(begun(joint(driver), "pump_joint"), find_plant("pump_joint"))
+
+
+def test_a_flow_goes_to_both_lines(here: Path) -> None:
+    content = joint("pressure_sum")
+    content["unknowns"][0] |= {"port": "line_sum", "quantity": "flow out of both lines"}
+    content["unknowns"][0]["curve"] |= {
+        "y_unit": "m^3/s",
+        "forward": [1e-9, 2e-9, 3e-9, 4e-9, 5e-9],
+        "backward": [None] * 5,
+    }
+    effect = begun(content, "pump_joint")
+    check_units(effect, find_plant("pump_joint"))
+    each = [at_defaults(effect, slot, pressure1=0.25, pressure2=0.25) for slot in ("leak1", "leak2")]
+    assert np.allclose(each, 2e-9, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ({"schema": "hjcamp.diagnosis/1", "verdict": "effect", "effects": ["leakage"]}, "hjcamp add leakage"),
+        ({"schema": "hjcamp.diagnosis/2", "verdict": "nothing_missing", "unknowns": []}, "NOTHING_MISSING"),
+        ({"schema": "hjcamp.diagnosis/1", "verdict": "cannot_tell"}, "CANNOT_TELL"),
+        ({"schema": "hjcamp.comparison/1"}, "no answer of hjcamp diagnose"),
+        ([1, 2], "no answer of hjcamp diagnose"),
+        (joint("repetition"), "no law of the joint knows"),
+        (joint(forward=[None] * 5, backward=[None] * 5), "not whole"),
+        ({**SPRING, "plant": "axes"}, "did you mean 'axis'"),
+    ],
+)
+def test_what_cannot_begin_a_file_says_why(
+    here: Path, capsys: pytest.CaptureFixture[str], content: Any, said: str
+) -> None:
+    Path("answer.json").write_text(json.dumps(content), encoding="utf-8")
+    assert cli.run(["effects", "new", "mine", "--from", "answer.json"]) == 2
+    assert said in capsys.readouterr().err
+    assert not Path("effects").exists()
+
+
+def test_a_file_that_exists_and_a_place_without_a_diagnosis(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    begun(SPRING, "axis")
+    before = Path("effects/mine.py").read_text(encoding="utf-8")
+    assert cli.run(["effects", "new", "mine", "--from", "answer.json"]) == 2
+    assert "exists; it is left as it is" in capsys.readouterr().err
+    assert Path("effects/mine.py").read_text(encoding="utf-8") == before
+    assert cli.run(["effects", "new", "other", "--from", "plants"]) == 2
+    assert "no diagnosis is in this folder" in capsys.readouterr().err
+    assert cli.run(["effects", "new", "other", "--from", "nowhere"]) == 2
+    assert "does not exist" in capsys.readouterr().err

@@ -1,0 +1,49 @@
+"""The words of the answers: one sentence each, found by any spelling, and shown on the pages."""
+
+from __future__ import annotations
+
+import re
+from html import escape
+
+import pytest
+
+from hjcamp import cli
+from hjcamp.report.discrepancy_page import bullets, discrepancy_page, note
+from hjcamp.report.glossary import ALSO, EVERYDAY, WORDS, glossed, plain_word
+
+
+def test_every_word_is_one_sentence_and_every_other_name_leads_to_one() -> None:
+    for word, said in WORDS.items():
+        assert said.endswith(".") and ". " not in said, word
+        assert plain_word(word) == word
+    assert set(ALSO.values()) <= set(WORDS) and not set(ALSO) & set(WORDS)
+    assert set(WORDS) | set(ALSO) >= EVERYDAY
+
+
+@pytest.mark.parametrize(
+    ("asked", "found"),
+    [("floor", "floor"), ("Surrogate data", "surrogate data"), ("LAW_LEFT", "law left"), ("held out", "held-out"),
+     ("outside_library", "outside the library"), ("confidence_set", "confidence set"), ("twins", "twin")],
+)  # fmt: skip
+def test_explain_finds_a_word_however_it_is_written(asked: str, found: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", *asked.split()]) == 0
+    assert " ".join(capsys.readouterr().out.split()) == f"{found}: {WORDS[found]}"
+
+
+def test_explain_names_the_nearest_word_and_lists_all(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", "flor"]) == 2
+    assert "did you mean 'floor'" in capsys.readouterr().err
+    assert cli.run(["explain"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert all(f"{word}: " in out for word in WORDS)
+
+
+def test_a_page_explains_its_words_once_each_and_no_others() -> None:
+    assert glossed("The floor and the floor < 1") == (
+        f'The <abbr title="{escape(WORDS["floor"])}">floor</abbr> and the floor &lt; 1'
+    )
+    assert glossed("floored, window-sill") == "floored, window-sill"
+    html = discrepancy_page("A page", "", [bullets(["p-value of chapters left out"]), note("floor unknown & more")])
+    listed = re.findall(r"<dt>([^<]*)</dt>", html)
+    assert listed == ["floor", "chapter", "p-value"]
+    assert "<dl>" not in discrepancy_page("Another", "", [note("nothing of this")])
