@@ -67,6 +67,10 @@ def judged(analysis: Analysis) -> Verdict:
         if unknown is None and not _far_above_floor(analysis, base):
             return Verdict(NOTHING, (), base, p_value, ((),), 0.0, None, ())
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
+    # what repetitions share is hardly touched: whatever was found is not what is missing
+    removable = math.log(base.left_out / _least(analysis))
+    if _far_above_floor(analysis, model) and _taken(base, model) < MOST_OF_IT * removable:
+        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
     models = _confidence_set(analysis, model, added)
     law_left = 0.0
     if unknown is not None:
@@ -89,11 +93,13 @@ def judged(analysis: Analysis) -> Verdict:
 
 def _far_above_floor(analysis: Analysis, model: Scored) -> bool:
     """Whether most of what a model leaves is shared by repetitions: a thing is missing, whatever it depends on."""
-    floor = analysis.floor
-    if floor.source != "repetitions":
-        return False
-    least = math.exp(0.5 * float(np.linalg.slogdet(floor.moments)[1]) / len(floor.moments))
-    return least < (1.0 - MOST_OF_IT) * model.left_out
+    return analysis.floor.source == "repetitions" and _least(analysis) < (1.0 - MOST_OF_IT) * model.left_out
+
+
+def _least(analysis: Analysis) -> float:
+    """Return the size of the floor."""
+    moments = analysis.floor.moments
+    return math.exp(0.5 * float(np.linalg.slogdet(moments)[1]) / len(moments))
 
 
 def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:
