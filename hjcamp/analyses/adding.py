@@ -30,7 +30,7 @@ def library_of_data(data: Data) -> Mapping[str, type[Effect]]:
     """Return the effects that the plant of these tests can have."""
     from hjcamp.effects import load_effects
 
-    return load_effects() if data.of_pump_joint else load_effects(plant=data.plant)
+    return load_effects() if data.of_pump_joint else load_effects(plant=data.measured.plant)
 
 
 def add(data: Data, names: Sequence[str], name: str, model: str = "published", report: Report = silent) -> Added:

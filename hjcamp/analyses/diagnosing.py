@@ -58,7 +58,7 @@ class Diagnosed:
     start: Judged | None
     judging: Judging
     unexplained: Unexplained | None
-    shown: Any
+    shown: Any = None
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,7 @@ def parameter_row(parameter: Parameter) -> dict[str, Any]:
     return {
         "name": parameter.name,
         "unit": parameter.unit,
-        "default": parameter.default,
+        "default": parameter.default if math.isfinite(parameter.default) else None,
         "bounds": [bound if math.isfinite(bound) else None for bound in parameter.bounds],
         "prior": parameter.prior,
         "absent_at": parameter.off,

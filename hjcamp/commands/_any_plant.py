@@ -75,7 +75,7 @@ def add_any(there: Data, names_and_paths: list[str], name: str, model: str, json
         from hjcamp.prediction.addition import Addition
 
         names, paths = split(names_and_paths, library_of_data(there))
-        done = add(Data(paths), names, name, model, report)
+        done = add(there, names, name, model, report)
         write_answer(json, done.content)
     assert isinstance(done.found, Addition)
     print_addition(console, done.found, names, done.path)

@@ -183,7 +183,7 @@ def add_table(path: Path, name: str, json: Path | None) -> None:
     text = "".join(f"# {line}\n" for line in head) + yaml.safe_dump(content, sort_keys=False, width=110)
     file.parent.mkdir(parents=True, exist_ok=True)
     write_whole(file, text)
-    write_answer(json, content)
+    write_answer(json, {"schema": "hjcamp.table_model/1", "file": str(file), **content})
     make_console().print(f"{file}  = {' + '.join(['published', 'calibration', *model['names']])}", markup=False)
     make_console().print(f"next    hjcamp run campaign=controllers model={name}", markup=False)
 

@@ -10,6 +10,7 @@ import typer
 
 from hjcamp.analyses.adding import add as add_effects
 from hjcamp.analyses.data import Data, joined
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError, nearest, unknown
 
 if TYPE_CHECKING:
@@ -32,9 +33,7 @@ def add(
     ],
     name: Annotated[str, typer.Option("--as", help="Name of the new model: conf/model/NAME.yaml.")],
     model: Annotated[str, typer.Option(help="The model to add to.")] = "published",
-    json: Annotated[
-        Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
-    ] = None,
+    json: AnswerFile = None,
 ) -> None:
     """Add effects to a model: fit them, save the model, and show the error fall on tests that were not used."""
     from hjcamp.campaign.console import make_console

@@ -9,6 +9,7 @@ import typer
 
 from hjcamp.analyses.comparing import check_models, compare_pump_joint
 from hjcamp.analyses.data import Data, joined
+from hjcamp.commands._session import AnswerFile
 from hjcamp.storage import check_place
 
 if TYPE_CHECKING:
@@ -27,9 +28,7 @@ def register(app: typer.Typer) -> None:
 def compare(
     paths: Annotated[list[Path] | None, typer.Argument(help="Run folders, folders of logs, or log files.")] = None,
     model: Annotated[list[str] | None, typer.Option(help="A saved model; may be repeated.")] = None,
-    json: Annotated[
-        Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
-    ] = None,
+    json: AnswerFile = None,
     into: Annotated[
         Path | None, typer.Option(help="The folder of the page; compare, beside the logs, by default.")
     ] = None,

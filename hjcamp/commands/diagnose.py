@@ -11,6 +11,7 @@ import typer
 
 from hjcamp.analyses.data import Data, free_model_name, joined
 from hjcamp.analyses.diagnosing import Asked, diagnose_pump_joint
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -38,9 +39,7 @@ def diagnose(
     held_out: Annotated[
         str | None, typer.Option("--held-out", help="Tables to predict, with commas; by default all that are not used.")
     ] = None,
-    json: Annotated[
-        Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
-    ] = None,
+    json: AnswerFile = None,
     effort: Annotated[str, typer.Option(help="quick, standard or thorough.")] = "standard",
     seed: Annotated[int, typer.Option(help="Seed of the simulated twins.")] = 1,
     workers: Annotated[

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import unknown
 
 
@@ -19,19 +20,21 @@ def explain(
         list[str] | None,
         typer.Argument(help="A word, such as floor or 'posterior weight'; none for all of them.", show_default=False),
     ] = None,
+    json: AnswerFile = None,
 ) -> None:
     """Say what a word of the answers means, in one sentence."""
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._error_words import print_wrapped
+    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.report.glossary import ALSO, WORDS, plain_word
 
+    check_answer_file(json)
     asked = " ".join(word or [])
-    console = make_console()
-    if not asked:
-        for name, said in WORDS.items():
-            print_wrapped(console, [f"{name}: {said}"], 2)
-        return
     found = plain_word(asked)
-    if found not in WORDS:
+    if asked and found not in WORDS:
         raise unknown("word", asked, {*WORDS, *ALSO})
-    print_wrapped(console, [f"{found}: {WORDS[found]}"], 2)
+    told = {found: WORDS[found]} if asked else dict(WORDS)
+    write_answer(json, {"schema": "hjcamp.words/1", "words": told})
+    console = make_console()
+    for name, said in told.items():
+        print_wrapped(console, [f"{name}: {said}"], 2)

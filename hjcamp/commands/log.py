@@ -111,12 +111,16 @@ def export(
     paths: Paths,
     kind: Annotated[str, typer.Option("--as", help="parquet, csv, mat or npz.")] = "parquet",
     into: Annotated[Path, typer.Option(help="The folder of the tables.")] = Path("export"),
+    json: AnswerFile = None,
 ) -> None:
     """Write logs as tables for other programs, one file each, with units and metadata."""
+    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.records.exporting import export_logs
     from hjcamp.records.find import find_logs
     from hjcamp.records.read import read_log
 
+    check_answer_file(json)
     written = export_logs(find_logs(paths), read_log, kind, into)
+    write_answer(json, {"schema": "hjcamp.export/1", "files": [str(path) for path in written]})
     for path in written:
         print(path)

@@ -27,7 +27,7 @@ def test_a_test_that_lasts_longer_than_usual_draws_all(monkeypatch: pytest.Monke
     config = dict(Composer().compose(["trajectory=ramp_pos", "controller=pid"]).config)
     usual = run_test(config, 7)[0]
     tried = []
-    run = simulation.Simulator.run
+    run = simulation.JointSimulator.run
 
     def noted(self, *given):  # type: ignore[no-untyped-def]
         try:
@@ -36,7 +36,7 @@ def test_a_test_that_lasts_longer_than_usual_draws_all(monkeypatch: pytest.Monke
             tried.append(len(given[2].noise))
             raise
 
-    monkeypatch.setattr(simulation.Simulator, "run", noted)
+    monkeypatch.setattr(simulation.JointSimulator, "run", noted)
     monkeypatch.setattr(simulation, "USUAL_PHASES_S", 0.05)
     again = run_test(config, 7)[0]
     assert len(tried) == 1 and tried[0] < len(usual["time_s"])

@@ -24,7 +24,7 @@ def test_every_place_names_the_same_versions() -> None:
     workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "ci.yml").read_text())
     job = workflow["jobs"]["test"]
     assert job["strategy"]["matrix"]["python-version"] == VERSIONS
-    assert job["steps"][-1]["run"] == "make test PYTHON=python"
+    assert job["steps"][-1]["run"] == ".ci/run PYTHON=python"
     assert f"{sys.version_info.major}.{sys.version_info.minor}" in VERSIONS
 
 
