@@ -145,6 +145,7 @@ def test_a_scheduler_that_is_killed_is_one_message_and_the_run_goes_on_without_i
     assert result.kept >= 3 and result.kept + result.done == 12
 
 
+@pytest.mark.study
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.usefixtures("empty_folder")
 def test_the_command_line_takes_a_cluster(cluster: Cluster) -> None:

@@ -49,7 +49,12 @@ def same(one: Composition, other: Composition) -> None:
     assert json.dumps(one.choices) == json.dumps(other.choices)
 
 
-@pytest.mark.parametrize("name", CAMPAIGNS)
+LONG = {"bandwidth", "two_pumps", "valve_timing", "dither_map", "preload"}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(one, marks=pytest.mark.study) if one in LONG else one for one in CAMPAIGNS]
+)
 def test_every_condition_of_a_campaign(composer: Composer, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     campaign = read_campaign(composer.compose([f"campaign={name}"]).config["campaign"], name)
     for draft in draft_conditions(campaign, [], composer, 10_000)[1]:

@@ -16,9 +16,11 @@ from hjcamp.configuration.composer import Composer
 
 CAMPAIGNS = sorted(path.stem for path in (Path(hjcamp.__file__).parents[1] / "campaigns").glob("*.yaml"))
 
+LONG = {"two_pumps", "previous_joint", "preload", "valve_tuning", "robustness_horizontal", "dither_map"}
+
 
 @pytest.mark.parametrize(
-    "campaign", [pytest.param(name, marks=pytest.mark.study) if name == "two_pumps" else name for name in CAMPAIGNS]
+    "campaign", [pytest.param(name, marks=pytest.mark.study) if name in LONG else name for name in CAMPAIGNS]
 )
 def test_every_test_of_a_shipped_campaign_succeeds(campaign: str, composer: Composer, empty_folder: Path) -> None:
     lines = [f"campaign={campaign}", "repetitions=1"]

@@ -156,6 +156,7 @@ def test_a_log_of_another_test_is_repeated(call: Call, run: Path) -> None:
     assert (logs / "rep_01.mcap.foreign_2").exists(), "what was put aside before stays"
 
 
+@pytest.mark.study
 def test_a_log_of_another_gain_is_not_averaged_in(call: Call, run: Path, finished: Path) -> None:
     two = finished / "runs/two"
     log = "logs/ramp_pos__pid/rep_01.mcap"

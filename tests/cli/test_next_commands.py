@@ -36,7 +36,7 @@ def advised(out: str) -> list[list[str]]:
     ("call", "first"),
     [
         (["campaign=controllers", "trajectory=ramp_pos", "controller=pid"], "compare"),
-        (["campaign=pump_step"], "calibrate"),
+        pytest.param(["campaign=pump_step"], "calibrate", marks=pytest.mark.study),
         (["campaign=two_pumps"], "compare"),
     ],
 )

@@ -98,6 +98,7 @@ def test_what_is_packed_is_unpacked(tmp_path: Path) -> None:
     assert samples.sealed_answer(tmp_path / "sealed") == {"effects": ["x"]}
 
 
+@pytest.mark.study
 def test_it_finds_the_effect_and_shows_the_error_fall(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     half = dict(list(samples.sample_logs().items())[:12])
     monkeypatch.setattr(samples, "sample_logs", lambda: half)

@@ -26,7 +26,7 @@ def test_parts_begin_with_a_test_and_cover_all() -> None:
     assert parts(restart[:10], 4) == [0, 10]
 
 
-@pytest.mark.parametrize("effect", ["leakage", "stribeck_friction", "presliding"])
+@pytest.mark.parametrize("effect", ["leakage", "stribeck_friction", pytest.param("presliding", marks=pytest.mark.study)])
 def test_residuals_do_not_depend_on_the_number_of_workers(leak: Path, effect: str) -> None:
     library = load_effects([])
     effects = (library["leakage"], library["pressure_offset"], library["stribeck_friction"])

@@ -34,6 +34,7 @@ def diagnosed(ask: Call, folder: Path, *effects: str, strength: str, seed: int) 
     return read_answer(Path("d.json"))
 
 
+@pytest.mark.study
 def test_a_hidden_effect_is_named_added_and_gone(ask: Call, tmp_path: Path) -> None:
     # One of the joint and one of the lines: test_missing_effect_commands.py; many of each: `make benchmark`.
     effect = "encoder_eccentricity"

@@ -16,6 +16,7 @@ KEYS = {
 FEW = ("procedure.preload_mpa=0.4", "payload=none", "orientation=horizontal")
 
 
+@pytest.mark.study
 def test_before_any_test_the_campaign_runs_as_it_is(call: Call) -> None:
     answer = call("next", *FEW, "--rivals", "leakage", "stribeck_friction", "--tests", "2", "--json", "n.json")
     assert answer.code == 0, answer.err

@@ -71,7 +71,14 @@ def plain_means(features: Features, residuals: Array) -> Array:
     return np.where(features.valid, total / features._members, 0.0)
 
 
-@pytest.fixture(scope="module", params=[{}, {"leakage": {}}, {"pressure_gain": {"error1": 0.2, "error2": 0.2}}])
+@pytest.fixture(
+    scope="module",
+    params=[
+        {},
+        pytest.param({"leakage": {}}, marks=pytest.mark.study),
+        {"pressure_gain": {"error1": 0.2, "error2": 0.2}},
+    ],
+)
 def seen(leak: Path, request: pytest.FixtureRequest) -> tuple[Views, Candidate]:
     library = load_effects([])
     views = Views(evidence_of([leak]), (library["leakage"], library["pressure_gain"]))

@@ -38,7 +38,7 @@ def test_open_loop_sine_follows_the_independent_solution(amplitude_deg: float, f
     assert np.abs(error).max() < 0.002 * DEGREE
 
 
-@pytest.mark.parametrize(("amplitude_deg", "frequency"), [(120.0, 2.0), (60.0, 0.5)])
+@pytest.mark.parametrize(("amplitude_deg", "frequency"), [pytest.param(120.0, 2.0, marks=pytest.mark.study), (60.0, 0.5)])
 def test_every_effect_follows_the_independent_solution(amplitude_deg: float, frequency: float) -> None:
     reference = sine(amplitude_deg, frequency, 4.0)
     arm = Arm.at_rest(WITH_EVERY_EFFECT, 0.32e6, 0.14e6, method="DOP853", rtol=1e-9)

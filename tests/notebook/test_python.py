@@ -21,6 +21,7 @@ from hjcamp.errors import HjcampError, UsageError
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "notebook.ipynb"
 
 
+@pytest.mark.study
 def test_every_example_runs(stage: Path) -> None:
     finder, flags = doctest.DocTestFinder(recurse=False), doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
     runner = doctest.DocTestRunner(optionflags=flags)

@@ -51,6 +51,7 @@ def run(
 HIGH = {"pressure1": 0.5e6, "pressure2": 0.5e6}  # no line comes near the floor
 
 
+@pytest.mark.study
 def test_opposite_commands_are_the_one_pump_joint(pair: Simulator) -> None:
     """Every state equals the one-pump joint's, from the same start: pump 2 is pump 1 backwards."""
     single = run(Simulator(Composition(PumpJoint), free=True), {"command": TURN}, HIGH)

@@ -11,6 +11,7 @@ import pytest
 SCRIPT = Path(__file__).with_name("kill_campaign.py")
 
 
+@pytest.mark.study
 @pytest.mark.skipif(sys.platform == "win32", reason="fork and kill -9")
 def test_kills(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(SCRIPT.parents[2]))

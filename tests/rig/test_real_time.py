@@ -154,7 +154,7 @@ def test_a_client_that_was_paused_stops(device: VirtualDevice, compose: Any, mon
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGSTOP")
-@pytest.mark.parametrize(("kind", "phase"), [ROWS[0], *(pytest.param(*row, marks=pytest.mark.study) for row in ROWS[1:])])
+@pytest.mark.parametrize(("kind", "phase"), [pytest.param(*row, marks=pytest.mark.study) for row in ROWS])
 def test_a_client_that_is_gone(kind: str, phase: str, tmp_path: Path, composer: Any, device: VirtualDevice) -> None:
     row = make_client_row(kind, phase, tmp_path, composer)
     assert any(line.startswith(row.line()) for line in TABLE.read_text(encoding="utf-8").splitlines()), row

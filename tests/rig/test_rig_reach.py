@@ -81,6 +81,7 @@ def test_not_refused(compose: Any, lines: tuple[str, ...]) -> None:
     check_test(compose(*lines))
 
 
+@pytest.mark.study
 def test_every_campaign_can_be_planned_on_the_example_with_the_tightest_limits(composer: Any) -> None:
     others = set()
     for campaign in composer.options("campaign"):

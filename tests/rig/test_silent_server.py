@@ -116,6 +116,7 @@ def test_a_server_that_goes_on_in_time_obeys(running: Test) -> None:
     assert "COULD NOT" not in said
 
 
+@pytest.mark.study
 def test_the_server_is_killed(running: Test) -> None:
     # The last test of this file: nobody needs the server after it.
     running.server.kill()
