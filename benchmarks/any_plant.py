@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import random
 import shlex
 import subprocess
 import sys
@@ -60,14 +61,18 @@ class AnyCase:
 def cases(plants: list[str], count: int, shift: int) -> Iterator[AnyCase]:
     """Yield the cases, one round over all forms and plants after the other, each rig with a seed of its own.
 
-    An unfinished study is then even over the forms. One log and repetitions take turns.
+    A round is in an order drawn at random, so that an unfinished one is even over plants and forms. One log and repetitions
+    take turns.
     """
     for turn in range(count):
+        found = []
         for plant in plants:
             forms = [*MACHINES[plant][1], *[NOTHING] * NULLS]
             for number, form in enumerate(forms):
                 seed = shift + turn * 1000 + number
-                yield AnyCase(plant, form.effect, form.name, seed, (turn + number) % 2 == 0)
+                found.append(AnyCase(plant, form.effect, form.name, seed, (turn + number) % 2 == 0))
+        random.Random(shift + turn).shuffle(found)
+        yield from found
 
 
 def hjcamp(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
