@@ -149,7 +149,7 @@ def looks_at_final(found: Diagnosis, error: float | None) -> bool:
 def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDiagnosed:
     """Return what the model of any plant misses (`hjcamp.prediction.verdict`)."""
     from hjcamp.effects import load_effects
-    from hjcamp.prediction.analysis import SHORTEST, calibrated
+    from hjcamp.prediction.analysis import calibrated
     from hjcamp.prediction.answer import answer, asked_candidates
     from hjcamp.prediction.floor import not_above
     from hjcamp.prediction.model_file import load_model
@@ -164,8 +164,9 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     check_asked(asked.ask, chosen)
     report("compiling, once for this plant and its effects", 0.02)
     analysis = calibrated(measured, chosen, start, report, asked.seed)
-    half = max(analysis.windows.layout.width // 2, SHORTEST)
-    verdict = agreed(analysis, lambda: calibrated(measured, chosen, start, report, asked.seed, width=half))
+    analysis, verdict = agreed(
+        analysis, lambda width: calibrated(measured, chosen, start, report, asked.seed, width=width)
+    )
     analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
     content = answer(analysis, verdict, 0.0)
     wanted = own_and_asked(chosen, asked.ask)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hjcamp.prediction.analysis import Analysis, what_lacks
+from hjcamp.prediction.analysis import SHORTEST, Analysis, what_lacks
 from hjcamp.prediction.levels import LEVEL, MOST_OF_IT
 from hjcamp.prediction.selection import Scored, Step
 
@@ -34,21 +34,29 @@ class Verdict:
     lacking: tuple[str, ...]
 
 
-def agreed(analysis: Analysis, shorter: Callable[[], Analysis]) -> Verdict:
-    """Return the verdict; without repetitions one set of names must be what windows of half the length do not rule out.
+def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
+    """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width.
 
-    ``shorter`` gives the same analysis over such windows. Where they name another set, both are what the tests leave.
+    Where nothing is seen, windows twice as long are looked at: what acts slowly or in few places hardly shows in short ones.
+    Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
+    set, both are what the tests leave.
     """
-    verdict = judged(analysis)
-    if verdict.word != EFFECT or analysis.measured.repeated:
-        return verdict
-    other = judged(shorter())
+    verdict, width = judged(analysis), analysis.windows.layout.width
+    if verdict.word == NOTHING and 2 * width <= min(test.samples for test in analysis.measured.tests):
+        longer = at(2 * width)
+        other = judged(longer)
+        if other.word not in (NOTHING, CANNOT_TELL):
+            return longer, other
+    half = max(width // 2, SHORTEST)
+    if verdict.word != EFFECT or analysis.measured.repeated or half == width:
+        return analysis, verdict
+    other = judged(at(half))
     known = {frozenset(names) for names in other.confidence_set}
     if other.word not in (EFFECT, ONE_OF) or frozenset(verdict.effects) in known:
-        return verdict
+        return analysis, verdict
     sets = (verdict.effects, *other.confidence_set)
     group = tuple(dict.fromkeys(name for names in sets for name in names))
-    return replace(verdict, word=ONE_OF, effects=group, confidence_set=sets)
+    return analysis, replace(verdict, word=ONE_OF, effects=group, confidence_set=sets)
 
 
 def judged(analysis: Analysis) -> Verdict:

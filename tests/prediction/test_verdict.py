@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from carriage import measured_log, nothing
 
 from hjcamp.effects import load_effects
+from hjcamp.prediction import verdict
 from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import answer
 from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.verdict import judged
+from hjcamp.prediction.verdict import agreed, judged
 
 LIBRARY = ("constant_force", "quadratic_drag", "spring")
 HIDDEN = {
@@ -28,8 +30,9 @@ HIDDEN = {
 def asked(force) -> dict:  # type: ignore[no-untyped-def, type-arg]
     measured = measured_tests([measured_log(force, seconds=24.0)])
     library = load_effects(plant=measured.plant)
-    analysis = calibrated(measured, {name: library[name] for name in LIBRARY})
-    return json.loads(json.dumps(answer(analysis, judged(analysis), 0.0), allow_nan=False))
+    chosen = {name: library[name] for name in LIBRARY}
+    found = agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width))
+    return json.loads(json.dumps(answer(*found, 0.0), allow_nan=False))
 
 
 @pytest.mark.parametrize("name", ["spring", "quadratic_drag"])
@@ -62,3 +65,25 @@ def test_few_tests_cannot_tell(axis: Path) -> None:
     analysis = calibrated(measured, {"spring": library["spring"]}, unknowns=False)
     found = answer(analysis, judged(analysis), 0.0)
     assert found["verdict"] == "cannot_tell" and found["lacking"]
+
+
+@pytest.mark.parametrize(
+    ("longer", "width", "word"),
+    [
+        ("outside_library", 200, "outside_library"),
+        ("nothing_missing", 100, "nothing_missing"),
+        ("cannot_tell", 100, "nothing_missing"),
+    ],
+)
+def test_where_nothing_is_seen_longer_windows_are_looked_at(
+    monkeypatch: pytest.MonkeyPatch, longer: str, width: int, word: str
+) -> None:
+    def of(samples: int):  # type: ignore[no-untyped-def]
+        tests = [SimpleNamespace(samples=200)]
+        windows = SimpleNamespace(layout=SimpleNamespace(width=samples))
+        return SimpleNamespace(windows=windows, measured=SimpleNamespace(tests=tests, repeated=False))
+
+    said = {100: "nothing_missing", 200: longer}
+    monkeypatch.setattr(verdict, "judged", lambda one: SimpleNamespace(word=said[one.windows.layout.width]))
+    analysis, found = verdict.agreed(of(100), of)
+    assert (analysis.windows.layout.width, found.word) == (width, word)
