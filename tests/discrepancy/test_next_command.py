@@ -39,6 +39,7 @@ def test_before_any_test_the_campaign_runs_as_it_is(call: Call) -> None:
     assert again.code == 2 and "'next_1' exists already" in again.err
 
 
+@pytest.mark.study
 def test_the_proposed_tests_settle_the_verdict(call: Call, leak: Path) -> None:
     first = sorted(leak.glob("sine_0p5hz_mid_r*.mcap"))
     answer = call("next", *first, *FEW, "--effort", "quick", "--as", "more", "--json", "n.json")

@@ -76,7 +76,7 @@ def plain_means(features: Features, residuals: Array) -> Array:
     params=[
         {},
         pytest.param({"leakage": {}}, marks=pytest.mark.study),
-        {"pressure_gain": {"error1": 0.2, "error2": 0.2}},
+        pytest.param({"pressure_gain": {"error1": 0.2, "error2": 0.2}}, marks=pytest.mark.study),
     ],
 )
 def seen(leak: Path, request: pytest.FixtureRequest) -> tuple[Views, Candidate]:
