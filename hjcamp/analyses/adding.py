@@ -39,10 +39,11 @@ def add(data: Data, names: Sequence[str], name: str, model: str = "published", r
 
 
 def _add_pump_joint(data: Data, names: list[str], name: str, model: str, report: Report) -> Added:
+    from hjcamp.configuration.saved_model import check_new_name, write_model
     from hjcamp.discrepancy.add import add as fit_added
     from hjcamp.discrepancy.add import answer, check_effects
     from hjcamp.discrepancy.crew import Crew, available
-    from hjcamp.discrepancy.saved import check_new_name, saved_model, write_model
+    from hjcamp.discrepancy.saved import saved_model
     from hjcamp.discrepancy.views import Views
 
     library = library_of_data(data)
@@ -57,20 +58,20 @@ def _add_pump_joint(data: Data, names: list[str], name: str, model: str, report:
     finally:
         crew.close()
     content = answer(found, name, names, str(path))
-    check_new_name(name)
     origin = provenance_of(found, evidence, _command(data, names, name, model), content)
     write_model(path, found.candidate, comment_of(model, found), origin)
     return Added(found, content, path)
 
 
 def _add_plant(data: Data, names: list[str], name: str, model: str, report: Report) -> Added:
+    from hjcamp.configuration.saved_model import check_new_name, write_model
     from hjcamp.errors import unknown
     from hjcamp.prediction.addition import added, answer, provenance
-    from hjcamp.prediction.model_file import check_new, load_model, write_model
+    from hjcamp.prediction.model_file import load_model
 
     library = library_of_data(data)
     measured = data.measured
-    path = check_new(name)
+    path = check_new_name(name)
     start = load_model(model, measured.plant, library)
     for one in names:
         if one not in library:
@@ -83,7 +84,7 @@ def _add_plant(data: Data, names: list[str], name: str, model: str, report: Repo
     found = added(measured, library, start, names, report)
     comment = [f"{model} with {', '.join(names)}, fitted to {len(measured.tests)} tests of plant {measured.plant.name}"]
     origin = provenance(found, _command(data, names, name, model))
-    write_model(path, measured.plant, found.model.fitted.candidate, comment, origin)
+    write_model(path, found.model.fitted.candidate, comment, origin, measured.plant.name)
     return Added(found, answer(found, name, str(path)), path)
 
 
@@ -108,7 +109,7 @@ def provenance_of(found: PumpAddition, evidence: Evidence, command: str, content
     """Return where the model comes from: command, version, time, fit, intervals, logs by hash."""
     from hjcamp import __version__
     from hjcamp.campaign.provenance import git_label, utc_now
-    from hjcamp.discrepancy.saved import log_hashes
+    from hjcamp.configuration.saved_model import log_hashes
 
     intervals = {key: [float(f"{end:.5g}") for end in row["ci95"]] for key, row in found.calibration.items()}
     for effect, rows in found.effects.items():
@@ -126,5 +127,5 @@ def provenance_of(found: PumpAddition, evidence: Evidence, command: str, content
         },
         "helps": found.helps,
         "ci95": intervals,
-        "logs_sha256": log_hashes(evidence),
+        "logs_sha256": log_hashes(test.log.path for test in evidence.tests),
     }

@@ -53,17 +53,18 @@ def identify_pump_joint(
 
 def fit_plant(data: Data, name: str, report: Report = silent) -> Fitted:
     """Fit the base parameters of any plant to these tests and save them as ``conf/model/NAME.yaml``."""
+    from hjcamp.configuration.saved_model import check_new_name, log_hashes, write_model
     from hjcamp.prediction.analysis import calibrated
     from hjcamp.prediction.answer import calibration
-    from hjcamp.prediction.model_file import check_new, hashes_of, write_model
 
-    path = check_new(name)
+    path = check_new_name(name)
     measured = data.measured
     report("compiling, once for this plant", 0.05)
     analysis = calibrated(measured, {}, report=report, unknowns=False)
     comment = [f"base parameters of plant {measured.plant.name}, fitted to {len(measured.tests)} tests"]
-    origin = {"command": f"hjcamp calibrate {joined(data.paths)} --as {name}", "logs_sha256": hashes_of(measured)}
-    write_model(path, measured.plant, analysis.base.fitted.candidate, comment, origin)
+    hashes = log_hashes(test.log.path for test in measured.tests)
+    origin = {"command": f"hjcamp calibrate {joined(data.paths)} --as {name}", "logs_sha256": hashes}
+    write_model(path, analysis.base.fitted.candidate, comment, origin, measured.plant.name)
     return Fitted(analysis, calibration(analysis), path)
 
 

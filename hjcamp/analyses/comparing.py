@@ -49,8 +49,8 @@ def compare_plant(data: Data, names: Sequence[str], report: Report = silent) -> 
 def calibrated_on(model: str, evidence: Evidence) -> bool:
     """Return whether the base parameters of a saved model were fitted on any of these very logs."""
     from hjcamp.configuration.composer import Composer
-    from hjcamp.discrepancy.saved import log_hashes
+    from hjcamp.configuration.saved_model import log_hashes
 
     origin = Composer().model(model).get("provenance") or {}
     fitted = origin.get("logs_sha256") if isinstance(origin, dict) else None
-    return isinstance(fitted, dict) and bool(set(fitted.values()) & set(log_hashes(evidence).values()))
+    return isinstance(fitted, dict) and bool(set(fitted.values()) & set(log_hashes(test.log.path for test in evidence.tests).values()))

@@ -60,31 +60,38 @@ class Data:
     def measured(self) -> Measured:
         """The tests of another plant; what is doubtful is said on stderr."""
         from hjcamp.prediction.measured import measured_tests
-        from hjcamp.records.plausible import refuse_implausible
 
-        for log in self.logs:
-            for one in refuse_implausible(log, str(log.path)):
-                print(f"{log.path}: {one.line}", file=sys.stderr)
-        return measured_tests(self.logs)
+        doubtful = _doubtful(self.logs)
+        found = measured_tests(self.logs)
+        print(doubtful, end="", file=sys.stderr)
+        return found
 
 
 def evidence_of(paths: Sequence[Path], logs: Sequence[TestLog] | None = None) -> Evidence:
     """Return the evidence of the logs at ``paths``; refuse what cannot be, and say on stderr what is doubtful."""
     from hjcamp.discrepancy.evidence import prepare
     from hjcamp.records.find import read_logs, refuse_unanalysed
-    from hjcamp.records.plausible import refuse_implausible
 
     logs = read_logs(list(paths)) if logs is None else logs
     refuse_unanalysed(logs, "the diagnosis")
+    doubtful = _doubtful(logs)
+    evidence = prepare(logs)
+    print(doubtful, end="", file=sys.stderr)
+    return evidence
+
+
+def _doubtful(logs: Sequence[TestLog]) -> str:
+    """Return a line for each field that is doubtful in some log; refuse what cannot be."""
+    from hjcamp.records.plausible import refuse_implausible
+
     doubtful: dict[str, list[str]] = {}
     for log in logs:
         for one in refuse_implausible(log, str(log.path)):
             doubtful.setdefault(one.field, []).append(f"{log.path}: {one.line}")
-    evidence = prepare(logs)
-    for lines in doubtful.values():
-        more = f" (and so in {len(lines) - 1} more logs)" if len(lines) > 1 else ""
-        print(f"{lines[0]}{more}", file=sys.stderr)
-    return evidence
+    more = {
+        field: f" (and so in {len(lines) - 1} more logs)" if len(lines) > 1 else "" for field, lines in doubtful.items()
+    }
+    return "".join(f"{lines[0]}{more[field]}\n" for field, lines in doubtful.items())
 
 
 def joined(paths: Sequence[Path]) -> str:
@@ -97,7 +104,7 @@ def joined(paths: Sequence[Path]) -> str:
 def free_model_name(stem: str) -> str:
     """Return a name that no model has yet: ``stem``, else ``stem_2`` and so on."""
     from hjcamp.configuration.composer import Composer
-    from hjcamp.discrepancy.saved import FOLDER
+    from hjcamp.configuration.saved_model import FOLDER
 
     taken = set(Composer().options("model")) | {path.stem for path in FOLDER.glob("*.yaml")}
     number, name = 1, stem

@@ -84,11 +84,11 @@ def write_answer(path: Path | None, answer: dict[str, Any]) -> None:
         stream.write(text.encode())
 
 
-def keep_answer(folder: Path, answer: dict[str, Any]) -> None:
+def keep_answer(folder: Path, answer: dict[str, Any], name: str = "answer.json") -> None:
     """Write the answer beside its page, where `hjcamp effects new NAME --from` finds it, whole or not at all."""
     from hjcamp.storage import whole_file
 
-    with whole_file(folder / "answer.json") as stream:
+    with whole_file(folder / name) as stream:
         stream.write((json.dumps(answer, indent=2, allow_nan=False) + "\n").encode())
 
 

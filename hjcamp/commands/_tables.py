@@ -31,7 +31,7 @@ def diagnose_tables(
     """Say what the model misses, judged by tables alone; the folder of the answer keeps every finished fit."""
     from hjcamp.analyses.diagnosing import check_seed, considered
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, progress_of, write_answer
+    from hjcamp.commands._session import check_answer_file, keep_answer, progress_of, write_answer
 
     began = time.perf_counter()
     check_answer_file(json)
@@ -72,7 +72,7 @@ def diagnose_tables(
         )
         content = answer(found, effort, seed, f"{command} --effort {effort} --seed {seed}", time.perf_counter() - began)
         write_answer(json, content)
-        write_answer_file(folder / NAME, content)
+        keep_answer(folder, content, NAME)
         if not content["lacking"]:
             draw(content, folder / PICTURE)
         write_whole(folder / "page.md", page(content))
@@ -86,15 +86,6 @@ def folder_of(
     label = "_".join(Path(name).stem if name.endswith(".csv") else name for name in tables)
     mark = f"_{zlib.crc32(repr(chosen).encode()):08x}" if any(chosen) else ""
     return Path("runs") / f"tables_{label}_{effort}_{seed}{mark}"
-
-
-def write_answer_file(path: Path, content: Mapping[str, Any]) -> None:
-    """Write the answer as JSON, whole or not at all."""
-    import json
-
-    from hjcamp.storage import write_whole
-
-    write_whole(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
 
 
 def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
@@ -150,14 +141,11 @@ def compare_tables(words: Sequence[str], names: Sequence[str], json: Path | None
 
 def add_table(path: Path, name: str, json: Path | None) -> None:
     """Save the model of a table's diagnosis under a name."""
-    import yaml
-
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.provenance import git_label, utc_now
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.configuration.check import check_model
-    from hjcamp.discrepancy.saved import check_new_name
-    from hjcamp.storage import write_whole
+    from hjcamp.configuration.saved_model import check_new_name, rounded, write_content
     from hjcamp.tabulated.answer import read_answer
 
     check_answer_file(json)
@@ -165,31 +153,21 @@ def add_table(path: Path, name: str, json: Path | None) -> None:
     if found["verdict"] == "cannot_tell":
         raise UsageError(f"{path}: its verdict is cannot_tell; there is no model to save")
     model = list(found["models"].values())[-1]
-    settings = _rounded(model["settings"])
+    settings = rounded(model["settings"])
     origin = {
         "command": found["command"], "git": git_label(), "made_at": utc_now(), "verdict": found["verdict"],
         "tables": found["tables"], "held_out": found["held_out"], "table_sha256": found["table_sha256"],
-        "mean_abs_log_ratio": _rounded({
+        "mean_abs_log_ratio": rounded({
             key: list(found[key].values())[-1]["mean_abs_log_ratio"] for key in ("error", "error_held_out") if found[key]
         }),
     }  # fmt: skip
-    content = {"name": name, **settings, "provenance": origin}
-    check_model(content, f"model '{name}'")
+    check_model({"name": name, **settings, "provenance": origin}, f"model '{name}'")
     tables = ", ".join(found["tables"])
     head = [
         f"Fitted to the means of tables {tables} by `{found['command']}`; SI units.",
         "Base parameters, effects, and factors of the loop.",
     ]
-    text = "".join(f"# {line}\n" for line in head) + yaml.safe_dump(content, sort_keys=False, width=110)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(file, text)
+    content = write_content(file, settings, head, origin)
     write_answer(json, {"schema": "hjcamp.table_model/1", "file": str(file), **content})
     make_console().print(f"{file}  = {' + '.join(['published', 'calibration', *model['names']])}", markup=False)
     make_console().print(f"next    hjcamp run campaign=controllers model={name}", markup=False)
-
-
-def _rounded(value: Any) -> Any:
-    """Return nested numbers with seven digits."""
-    if isinstance(value, dict):
-        return {key: _rounded(one) for key, one in value.items()}
-    return float(f"{value:.7g}") if isinstance(value, float) else value

@@ -40,8 +40,8 @@ def add(
     from hjcamp.commands._any_plant import add_any
     from hjcamp.commands._session import check_answer_file, progress_of, write_answer
     from hjcamp.commands._tables import add_table
+    from hjcamp.configuration.saved_model import check_new_name
     from hjcamp.discrepancy.add import Addition
-    from hjcamp.discrepancy.saved import check_new_name
     from hjcamp.effects import load_effects
     from hjcamp.storage import named_file
     from hjcamp.tabulated.answer import is_answer

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from hjcamp.configuration.saved_model import log_hashes
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.analysis import Analysis, calibrated
@@ -13,7 +14,6 @@ from hjcamp.prediction.answer import calibration, channel_rows, floor_size, remo
 from hjcamp.prediction.floor import not_above
 from hjcamp.prediction.intervals import intervals
 from hjcamp.prediction.measured import Measured
-from hjcamp.prediction.model_file import hashes_of
 from hjcamp.prediction.screening import Projection, probes_of
 from hjcamp.prediction.selection import Scored
 
@@ -84,5 +84,5 @@ def provenance(found: Addition, command: str) -> dict[str, Any]:
         "command": command,
         "error_before": float(found.analysis.base.left_out / least),
         "error_after": float(found.model.left_out / least),
-        "logs_sha256": hashes_of(found.analysis.measured),
+        "logs_sha256": log_hashes(test.log.path for test in found.analysis.measured.tests),
     }

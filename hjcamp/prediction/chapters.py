@@ -44,10 +44,10 @@ def left_out(windows: Windows, fitted: Fitted, chapters: NDArray[np.int64]) -> A
     pull = np.einsum("wgp,wg->wp", white, left)
     whole, known = fitted.information, np.array([one.slope * one.surprise(fitted.candidate) for one in fitted.free])
     features = fitted.features.copy()
+    if not fitted.free:
+        return features
     # where the fit has not ended, each fit without a chapter has as far to go
     ahead = np.linalg.lstsq(whole, pull.sum(axis=0) + known, rcond=1e-10)[0]
-    if not white.shape[2]:
-        return features
     for chapter in np.unique(chapters):
         out = chapters == chapter
         step = ahead - np.linalg.lstsq(whole - each[out].sum(axis=0), pull[~out].sum(axis=0) + known, rcond=1e-10)[0]

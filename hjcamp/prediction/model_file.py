@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from hjcamp.configuration.saved_model import FOLDER
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.plant import Plant
-from hjcamp.prediction.measured import Measured
 from hjcamp.prediction.windows import DELAY
-from hjcamp.storage import named_file, whole_file
+from hjcamp.storage import named_file
 from hjcamp.yaml_file import read_yaml
 
-FOLDER = Path("conf") / "model"
 DECLARED = "published"
 
 
@@ -75,43 +73,4 @@ def _effects(
         if not isinstance(values or {}, Mapping):
             raise UsageError(f"{path}: effects.{name} is a mapping of parameters to values in SI units")
         found[str(name)] = library[name].checked(values or {}, f"{path}: effects")
-    return found
-
-
-def check_new(name: str) -> Path:
-    """Return the file of a new model; refuse a name that is none, or taken."""
-    [path] = named_file(name, "model", FOLDER)
-    if path.exists() or name == DECLARED:
-        raise UsageError(f"model '{name}' exists already; choose another name after --as")
-    return path
-
-
-def write_model(
-    path: Path, plant: type[Plant], candidate: Candidate, comment: Sequence[str], provenance: Mapping[str, Any]
-) -> None:
-    """Write a model whole or not at all."""
-    import yaml
-
-    content = {
-        "name": path.stem,
-        "plant": plant.name,
-        "parameters": {name: float(f"{value:.7g}") for name, value in candidate.base.items()},
-        "effects": {
-            name: {key: float(f"{value:.7g}") for key, value in given.items()}
-            for name, given in candidate.effects.items()
-        },
-        "provenance": dict(provenance),
-    }
-    head = "".join(f"# {line}\n" for line in comment)
-    with whole_file(path) as stream:
-        stream.write((head + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=110)).encode())
-
-
-def hashes_of(measured: Measured) -> dict[str, str]:
-    """Return the SHA-256 of every log file by its path."""
-    found = {}
-    for test in measured.tests:
-        if test.log.path is not None:
-            with test.log.path.open("rb") as stream:
-                found[test.log.path.as_posix()] = hashlib.file_digest(stream, "sha256").hexdigest()
     return found

@@ -93,19 +93,6 @@ class EntrainedAir(Instance):
 
 
 class FrictionDrift(Instance):
-    r"""Static and Coulomb friction change during a test, by warming or wear, at a rate that fades.
-
-    .. math:: F \leftarrow F\,\bigl(1 + d\,\tau\,(1 - e^{-q/\tau})\bigr), \quad q = t + s / v_0
-
-    with t = 0 at the start of the command, where the base friction applies, and s the travel since then; the next test
-    starts anew. A pace v_0 far above the speeds of the test: it goes with time; far below: with the travel alone. A long
-    settling time: a steady drift.
-    Seen as: the same motion needs another force late in a test than early in it.
-    Not for: change from test to test (scatter), or with rest (see static_friction_ageing).
-    Source: a body that warms by its own friction, first order (Incropera & DeWitt (2002), section 5.1);
-    Armstrong-Helouvry (1991), Control of Machines with Friction, chapter 4.
-    """
-
     of = "friction_drift"
     at = {"seal": {}}  # noqa: RUF012
     drift = Parameter("1/s", 0.05, (-1.0, 2.0), text="share of friction gained in each second at first", off=0.0)

@@ -1,0 +1,66 @@
+"""New models in ``conf/model``: a name that is free, and a file with a comment, written whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from hjcamp.configuration.composer import Composer
+from hjcamp.errors import UsageError
+from hjcamp.model.candidate import Candidate
+from hjcamp.storage import named_file, whole_file
+
+FOLDER = Path("conf") / "model"
+
+
+def check_new_name(name: str, folder: Path = FOLDER) -> Path:
+    """Return the file of a new model; refuse a name that is no name or that exists, here or among ours."""
+    [path] = named_file(name, "model", folder)
+    if path.exists() or name in Composer().options("model"):
+        raise UsageError(f"model '{name}' exists already; choose another name after --as")
+    return path
+
+
+def write_model(
+    path: Path, candidate: Candidate, comment: Sequence[str], provenance: Mapping[str, Any], plant: str = ""
+) -> None:
+    """Write a model: parameters and effects in SI, then its provenance; ``plant`` is empty for the pump joint."""
+    content = {
+        **({"plant": plant} if plant else {}),
+        "parameters": candidate.base,
+        "effects": candidate.effects,
+    }
+    write_content(path, rounded(content), comment, provenance)
+
+
+def write_content(
+    path: Path, content: Mapping[str, Any], comment: Sequence[str], provenance: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Write what a model holds with its name and provenance, and return all of it; refuse a name that was taken meanwhile."""
+    import yaml
+
+    check_new_name(path.stem, path.parent)
+    whole = {"name": path.stem, **content, "provenance": dict(provenance)}
+    head = "".join(f"# {line}\n" for line in comment)
+    with whole_file(path) as stream:
+        stream.write((head + yaml.safe_dump(whole, sort_keys=False, allow_unicode=True, width=110)).encode())
+    return whole
+
+
+def rounded(value: Any) -> Any:
+    """Return nested numbers with seven digits."""
+    if isinstance(value, Mapping):
+        return {key: rounded(one) for key, one in value.items()}
+    return float(f"{value:.7g}") if isinstance(value, float) else value
+
+
+def log_hashes(paths: Iterable[Path | None]) -> dict[str, str]:
+    """Return the SHA-256 of every log file by its path; logs that are in no file have none."""
+    found = {}
+    for path in paths:
+        if path is not None:
+            with path.open("rb") as stream:
+                found[path.as_posix()] = hashlib.file_digest(stream, "sha256").hexdigest()
+    return found
