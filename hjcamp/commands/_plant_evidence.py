@@ -61,15 +61,16 @@ def missing_of(words: Words) -> Missing:
     curve = curve_of(analysis, first, name)
     law: tuple[Branch, ...] = ()
     after: tuple[Branch, ...] = ()
-    if verdict.effects:
-        curves = law_curves(analysis, verdict.model, verdict.effects, known)
+    added = verdict.model.beyond(analysis.base)
+    if added:
+        curves = law_curves(analysis, verdict.model, known)
         law = tuple(_law_branch(words, one) for one in curves)
         rest = _after(words, known)
         after = (_branch(curve_of(analysis, rest, name)),) if rest is not None else ()
     against = ", against the motion" if known.quantity == "friction" else ""
     return Missing(
         known.signal.replace("_", " "), curve["x_unit"], f"{known.quantity} at {known.place}{against}".replace("_", " "),
-        curve["y_unit"], (_branch(curve, BOTH),), law, after, " and ".join(verdict.effects),
+        curve["y_unit"], (_branch(curve, BOTH),), law, after, " and ".join(added),
     )  # fmt: skip
 
 
@@ -83,7 +84,8 @@ def _law_branch(words: Words, curve: Any) -> Branch:
     """Return a law with the band of its amplitude: an interval of that scales the whole curve."""
     from hjcamp.report.evidence_figures import BACKWARD, BOTH, FORWARD, Branch
 
-    low, high = amplitude_band(words.content["candidates"], words.verdict.effects, words.analysis.search.library)
+    added = words.verdict.model.beyond(words.analysis.base)
+    low, high = amplitude_band(words.content["candidates"], added, words.analysis.search.library)
     way = {1.0: FORWARD, -1.0: BACKWARD}.get(curve.sign, BOTH)
     ends = np.sort(np.stack([low * curve.y, high * curve.y]), axis=0)
     return Branch(way, curve.x, curve.y, ends[0], ends[1])

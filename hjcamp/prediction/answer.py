@@ -121,14 +121,13 @@ def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
     """Return every named effect that was fitted, those of the model first, then by how well they did in the last look."""
     search, base = analysis.search, analysis.base
     rows, seen = [], set()
-    added = [name for name in verdict.model.names if name not in base.names]
-    for name in added:
+    for name in verdict.model.beyond(base):
         seen.add(name)
         without = next(step.before for step in search.steps if name not in step.before.names)
         rows.append(_candidate(analysis, name, verdict.model, without, named=name in verdict.effects))
     for step in search.steps:
         for one in step.named:
-            [name] = [each for each in one.names if each not in step.before.names]
+            [name] = one.beyond(step.before)
             if name not in seen:
                 seen.add(name)
                 rows.append(_candidate(analysis, name, one, step.before, named=name in verdict.effects))

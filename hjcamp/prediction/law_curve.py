@@ -31,14 +31,14 @@ class LawCurve:
     y: Array
 
 
-def law_curves(analysis: Analysis, model: Scored, names: Sequence[str], unknown: Unknown) -> list[LawCurve]:
-    r"""Return what effects of a model say over the driver of an unknown, each direction of motion on its own.
+def law_curves(analysis: Analysis, model: Scored, unknown: Unknown) -> list[LawCurve]:
+    r"""Return what the effects of a model beyond the base say over the driver of an unknown, each direction of motion on its own.
 
     At moments of the tests the amount of the unknown's quantity is looked for that changes the plant's rates (a sensor's
     reading) as the effects do: :math:`a = \Delta_e \cdot \Delta_u / \Delta_u \cdot \Delta_u`. Empty where an effect has a
     memory, so that it has no value at a moment, or acts elsewhere.
     """
-    effects = [analysis.search.library[name] for name in names]
+    effects = [analysis.search.library[name] for name in model.beyond(analysis.base)]
     if not effects or any(effect.states for effect in effects):
         return []
     driver, amount, sign = _moments(analysis, model, effects, unknown)

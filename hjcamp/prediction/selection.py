@@ -57,6 +57,10 @@ class Scored:
     left_out: float
     place: tuple[Array, Array]
 
+    def beyond(self, other: Scored) -> tuple[str, ...]:
+        """Return the names of effects that another model lacks."""
+        return tuple(name for name in self.names if name not in other.names)
+
 
 @dataclass(frozen=True)
 class Step:

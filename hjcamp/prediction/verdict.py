@@ -19,9 +19,9 @@ NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "on
 class Verdict:
     """The verdict with the model behind it.
 
-    ``effects`` are what to add, or the group that cannot be told apart; ``confidence_set`` every set of names that the
-    tests do not rule out; ``law_left`` the share that the named laws leave of what the freest law takes;
-    ``unknown`` the unknown that takes it.
+    ``effects`` are what to add, or the group that cannot be told apart, of which ``model`` has one set;
+    ``confidence_set`` every set of names that the tests do not rule out; ``law_left`` the share that the named laws leave of
+    what the freest law takes; ``unknown`` the unknown that takes it.
     """
 
     word: str
@@ -66,7 +66,7 @@ def judged(analysis: Analysis) -> Verdict:
     if lacking:
         return Verdict(CANNOT_TELL, (), base, 1.0, ((),), 0.0, None, lacking)
     model = search.run(base)
-    added = tuple(name for name in model.names if name not in base.names)
+    added = model.beyond(base)
     last = next((step for step in reversed(search.steps) if step.before is model), None) or search.look(model)
     first = search.steps[0]
     unknown = _left(analysis, model, last)
@@ -92,7 +92,7 @@ def judged(analysis: Analysis) -> Verdict:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, alone, ())
     if unknown is not None and law_left > 1.0 - MOST_OF_IT and not _needed(analysis, unknown, added):
         return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, ())
-    sets = tuple(tuple(name for name in one.names if name not in base.names) for one in models)
+    sets = tuple(one.beyond(base) for one in models)
     if len(sets) > 1:
         group = tuple(dict.fromkeys(name for one in sets for name in one))
         return Verdict(ONE_OF, group, model, p_value, sets, max(law_left, 0.0), unknown, ())
@@ -138,7 +138,7 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...]) -
             name for name in added if any(name in one.names for one in step.named) and name not in step.before.names
         ]
         for one in step.named:
-            [other] = [name for name in one.names if name not in step.before.names]
+            [other] = one.beyond(step.before)
             for name in here:
                 if other in model.names or search.beats(_of(step, name), one):
                     continue

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -11,6 +13,8 @@ from typer.testing import CliRunner
 
 from hjcamp.cli import app
 from hjcamp.errors import UsageError
+from hjcamp.prediction.analysis import Analysis
+from hjcamp.prediction.verdict import ONE_OF, Verdict, judged
 
 SAMPLES = Path(__file__).parents[2] / "docs" / "own_plant"
 run = CliRunner().invoke
@@ -67,6 +71,20 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     assert done.exit_code == 0, done.output
     declared, added = json.loads((stage / "c.json").read_text(encoding="utf-8"))["models"]
     assert added["error"]["position_m"]["rms"] < 0.2 * declared["error"]["position_m"]["rms"]
+
+
+def test_a_group_has_its_page_though_the_model_has_one_of_it(stage: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def group(analysis: Analysis, at: Any) -> tuple[Analysis, Verdict]:
+        found = judged(analysis)
+        sets = (found.effects, ("constant_force",))
+        return analysis, replace(found, word=ONE_OF, effects=("spring", "constant_force"), confidence_set=sets)
+
+    monkeypatch.setattr("hjcamp.prediction.verdict.agreed", group)
+    done = run(app, ["diagnose", "logs/train.mcap", "--only", "spring,constant_force", "--json", "a.json"])
+    assert done.exit_code == 0, done.exception
+    answer = json.loads((stage / "a.json").read_text(encoding="utf-8"))
+    assert (answer["verdict"], answer["effects"]) == ("one_of", ["spring", "constant_force"])
+    assert "missing: with spring" in (stage / "diagnose" / "index.html").read_text(encoding="utf-8")
 
 
 def test_calibrate_saves_the_base_of_any_plant(stage: Path) -> None:

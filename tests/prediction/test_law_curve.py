@@ -43,10 +43,10 @@ def curves(name: str, values: dict[str, float], unknown: str) -> list[Any]:
     )
     windows = SimpleNamespace(layout=layout, readings=lambda candidate: (None, STATES))
     analysis: Any = SimpleNamespace(
-        windows=windows, measured=SimpleNamespace(plant=plant), search=SimpleNamespace(library=library)
+        windows=windows, measured=SimpleNamespace(plant=plant), search=SimpleNamespace(library=library), base=None
     )
-    model: Any = SimpleNamespace(fitted=SimpleNamespace(candidate=candidate))
-    return law_curves(analysis, model, [name], known)
+    model: Any = SimpleNamespace(fitted=SimpleNamespace(candidate=candidate), beyond=lambda base: (name,))
+    return law_curves(analysis, model, known)
 
 
 def test_a_spring_is_the_force_that_it_is_both_ways(axis: Path) -> None:
