@@ -9,7 +9,8 @@ WARM := $(VENV)/.warm
 EFFORT ?= quick
 TESTABLE := $(VENV)/.testable
 
-# Python compiles a file when it is first imported, not all that are never used
+# Python compiles a file when it is first imported, not all that are never used; what it compiled is there for the next process
+unexport PYTHONDONTWRITEBYTECODE
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
 .PHONY: help setup demo test studies lint catalogue bench benchmark any_plant next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
@@ -42,6 +43,7 @@ setup: $(WARM)
 $(INSTALLED): pyproject.toml constraints.txt
 	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 with its venv module is needed; none was found" >&2; exit 1; }
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(PIP) --upgrade pip  # those that come with Python read the index half as fast
 	$(PIP) --editable .
 	@touch $@
 
