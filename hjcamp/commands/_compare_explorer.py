@@ -31,8 +31,8 @@ def _replays(found: Comparison) -> list[Replay]:
 
 def tests_of(found: Comparison) -> Iterator[ModelledTest]:
     """Yield every test with what was measured and what each model says, in the units of the fields."""
-    from hjcamp.discrepancy.evidence import STRIDE
     from hjcamp.discrepancy.replay import CHANNELS
+    from hjcamp.discrepancy.signals import STRIDE
     from hjcamp.records.model_log import ModelledTest
     from hjcamp.report.exploration import NOT_CHANNELS, names_of
 

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.evidence import PERIOD, Evidence
+from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.replay import ChannelError, Replay, replay
 from hjcamp.discrepancy.scale import Scale, scale_of, windows_of
+from hjcamp.discrepancy.signals import PERIOD
 from hjcamp.discrepancy.views import Views
 from hjcamp.discrepancy.where import Place, where
 from hjcamp.errors import HjcampError

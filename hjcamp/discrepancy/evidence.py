@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,18 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.hardware import Hardware, hardware_of
-from hjcamp.discrepancy.passes import gives_way
+from hjcamp.discrepancy.signals import (
+    PERIOD,
+    SLIDING_MARGIN,
+    STRIDE,
+    breakaways,
+    misfit_of,
+    slider_motion,
+    smooth,
+    yielding,
+)  # fmt: skip
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]
 DEGREE = math.pi / 180
-STRIDE = 4
-PERIOD = STRIDE * 1e-3
 WINDOW = 0.3
-REST_SPEED = 0.6e-3
 SLIDING_SPEED = 4e-3
-SLIDING_MARGIN = 5
 STEADY = 0.3
 LEAST_HOME = 0.5
 MOST_HOME = 3.0
@@ -63,64 +67,6 @@ class TestEvidence:
         return len(self.time)
 
 
-def _smooth(values: Array, half: int) -> Array:
-    """Return the centred moving mean over 2 half + 1 samples; the ends repeat their value."""
-    padded = np.concatenate([np.full(half, values[0]), values, np.full(half, values[-1])])
-    total = np.cumsum(np.concatenate([[0.0], padded]))
-    width = 2 * half + 1
-    return (total[width:] - total[:-width]) / width
-
-
-def slider_motion(arm: Array, pulley_radius: float, stride: int = 1) -> tuple[Array, Array, Array]:
-    """Return the sliders' travel, velocity and acceleration, SI, of every ``stride``-th sample of the counted arm angle at
-    1 kHz (n,), rad.
-
-    A parabola over 41 samples (Savitzky & Golay 1964, doi:10.1021/ac60214a047); velocity is 0 where the count rests.
-    """
-    kernels = np.array(_parabola_kernels())[:, ::-1]
-    half = kernels.shape[1] // 2
-    padded = np.pad(arm * pulley_radius, half, mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, kernels.shape[1])[::stride]
-    travel, velocity, acceleration = kernels @ windows.T
-    now = np.arange(0, len(arm), stride)
-    ahead, behind, here = arm[np.minimum(now + 15, len(arm) - 1)], arm[np.maximum(now - 15, 0)], arm[now]
-    resting = (np.abs(ahead - here) < 1e-9) & (np.abs(here - behind) < 1e-9) | (np.abs(velocity) < REST_SPEED)
-    return travel, np.where(resting, 0.0, velocity), acceleration
-
-
-def misfit_of(arm: Array, travel: Array, values: Mapping[str, float]) -> Array:
-    """Return the distance (n,) of the counted arm angle from the smooth travel, in counts."""
-    return (arm - travel / values["pulley_radius"]) / values["encoder_count"]
-
-
-def breakaways(arm: Array, count: float) -> NDArray[np.int64]:
-    """Return the coarse samples (events,) at which the counted arm angle (rad, 1 kHz) changes after 120 ms of rest.
-
-    A flicker of the count is not a breakaway: the arm must be six counts further on 60 ms later.
-    """
-    changes = np.flatnonzero(np.diff(arm)) + 1
-    rests = np.diff(np.concatenate([[0], changes])) >= 120
-    found = [k for k in changes[rests] if 60 < k < len(arm) - 60 and abs(arm[k + 60] - arm[k - 1]) > 5.5 * count]
-    return np.array(found, dtype=np.int64) // STRIDE
-
-
-def yielding(velocity: Array, push: Array) -> NDArray[np.bool_]:
-    """Return where the arm moves while its contact only gives way (n,): slowly, up to the peak of the push from which it falls.
-
-    ``velocity`` (n,) in m/s and ``push`` (n,) in any unit, positive in the same direction; coarse samples.
-    """
-    return np.asarray(gives_way(velocity, push, PERIOD, SLIDING_MARGIN))
-
-
-@functools.cache
-def _parabola_kernels() -> tuple[Array, Array, Array]:
-    # scipy.signal.savgol_coeffs, without the half second that its import takes
-    steps = np.arange(-20, 21, dtype=np.float64)[::-1] ** np.arange(3)[:, None]
-    wanted = np.diag([1.0, 1.0 / 1e-3, 2.0 / 1e-3**2])
-    rows = [np.asarray(np.linalg.lstsq(steps, one)[0], dtype=np.float64) for one in wanted]
-    return rows[0], rows[1], rows[2]
-
-
 def prepare_test(log: TestLog) -> TestEvidence:
     """Return the command phase of one log on the coarse clock."""
     columns = log.command_phase
@@ -139,10 +85,10 @@ def prepare_test(log: TestLog) -> TestEvidence:
         name=name,
         condition=log.condition_key,
         time=columns["time_s"][pick],
-        arm=_smooth(arm, half)[pick],
-        pressure1=_smooth(columns["pressure1_mpa"], half)[pick] * 1e6,
-        pressure2=_smooth(columns["pressure2_mpa"], half)[pick] * 1e6,
-        pump=_smooth(pump, half)[pick],
+        arm=smooth(arm, half)[pick],
+        pressure1=smooth(columns["pressure1_mpa"], half)[pick] * 1e6,
+        pressure2=smooth(columns["pressure2_mpa"], half)[pick] * 1e6,
+        pump=smooth(pump, half)[pick],
         command=columns["command_deg"] * DEGREE if "command_deg" in columns else None,
         dither=_loudest(np.abs(columns.get("dither_v", np.zeros(len(arm))))),
         velocity=velocity,

@@ -7,13 +7,11 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from hjcamp.discrepancy.signals import PERIOD, SLIDING_MARGIN, gives_way
+
 # The push of the 16 ms before the arm moves; a difference beyond a tenth of the static friction counts little more.
 LOOK_BACK = 4
 SURPRISE = 0.1
-# Up to 240 ms after the arm first moves its contact may only give way; as it begins to slide the push falls within 48 ms.
-ONSET, FALLS_WITHIN, FALLS_TO = 60, 12, 0.85
-# Until then it is slow, and no seal gives way over a millimetre; a place that holds a moving arm is none of that.
-CREEPS, MOST_TRAVEL = 0.6, 1e-3
 
 
 @njit(cache=True, nogil=True)
@@ -74,40 +72,11 @@ def block_means(residuals: Any, starts: Any, width: int, members: Any, valid: An
     return out
 
 
-@njit(cache=True, nogil=True)
-def gives_way(velocity: Any, push: Any, period: float, margin: int) -> Any:
-    """Return where an arm creeps up to the peak of a push that then falls (n,): see `evidence.yielding`."""
-    n = len(velocity)
-    found = np.zeros(n, dtype=np.bool_)
-    begin = 0
-    while begin < n:
-        sign, end = np.sign(velocity[begin]), begin + 1
-        while end < n and np.sign(velocity[end]) == sign:
-            end += 1
-        if sign != 0.0:
-            peak = begin
-            for k in range(begin + 1, min(begin + ONSET, end)):
-                if push[k] * sign > push[peak] * sign:
-                    peak = k
-            travel, slow, fast, least = 0.0, 0.0, 0.0, push[peak] * sign
-            for k in range(begin, peak + 1):
-                travel += period * abs(velocity[k])
-            for k in range(begin, max(peak - margin, begin + 1)):
-                slow = max(slow, abs(velocity[k]))
-            for k in range(peak, min(peak + FALLS_WITHIN, end)):
-                fast, least = max(fast, abs(velocity[k])), min(least, push[k] * sign)
-            creeps = slow < CREEPS * fast and travel < MOST_TRAVEL
-            if creeps and push[peak] * sign > 0.0 and least < FALLS_TO * push[peak] * sign:
-                found[begin : peak + margin + 1] = True
-        begin = end
-    return found
-
-
 def compile_passes() -> None:
     """Compile every pass for what a diagnosis gives it, or load it."""
     readings, out, edges = np.zeros((5, 4)), np.zeros((5, 7)), np.array([0, 5])
     joint_errors(readings, readings[:, :3].copy(), out)
     line_errors(readings, readings[:, :3].copy(), edges, out, 2)
     force_errors(readings, 1.0, np.zeros(5, dtype=np.bool_), np.zeros(5), edges[:0], out, 4)
-    gives_way(np.zeros(5), np.zeros(5), 1.0, 1)
+    gives_way(np.zeros(5), np.zeros(5), PERIOD, SLIDING_MARGIN)
     block_means(out, edges[:1], 5, np.ones((1, 7)), np.ones((1, 7), dtype=np.bool_))

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.evidence import PERIOD, Evidence
+from hjcamp.discrepancy.evidence import Evidence
+from hjcamp.discrepancy.signals import PERIOD
 
 Array = NDArray[np.float64]
 MOVING = 3e-3

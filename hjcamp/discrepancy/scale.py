@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.evidence import PERIOD, WINDOW, Evidence
+from hjcamp.discrepancy.evidence import WINDOW, Evidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.heldout import Fold
 from hjcamp.discrepancy.replay import CHANNELS, SCALES, ChannelError, Series, channel_error, floor_of, replay
+from hjcamp.discrepancy.signals import PERIOD
 from hjcamp.discrepancy.views import Views
 from hjcamp.errors import HjcampError
 from hjcamp.model.candidate import Candidate

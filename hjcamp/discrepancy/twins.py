@@ -7,19 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.evidence import (
-    PERIOD,
-    STRIDE,
-    Evidence,
-    TestEvidence,
-    _smooth,
-    breakaways,
-    misfit_of,
-    slider_motion,
-)
+from hjcamp.discrepancy.evidence import Evidence, TestEvidence
 from hjcamp.discrepancy.features import Features
 from hjcamp.discrepancy.fit import Fit
 from hjcamp.discrepancy.repetition import RepetitionScatter
+from hjcamp.discrepancy.signals import PERIOD, STRIDE, breakaways, misfit_of, slider_motion, smooth
 from hjcamp.discrepancy.unknowns import base_unknowns
 from hjcamp.discrepancy.views import CHANNELS, Views
 from hjcamp.model.candidate import Candidate
@@ -137,9 +129,9 @@ def make_twin(views: Views, candidate: Candidate, scatter: RepetitionScatter, se
         tests.append(
             replace(
                 test,
-                arm=_smooth(arm, half)[pick],
-                pressure1=_smooth(noisy[0], half)[pick],
-                pressure2=_smooth(noisy[1], half)[pick],
+                arm=smooth(arm, half)[pick],
+                pressure1=smooth(noisy[0], half)[pick],
+                pressure2=smooth(noisy[1], half)[pick],
                 velocity=velocity,
                 track=travel,
                 acceleration=acceleration,

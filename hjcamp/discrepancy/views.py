@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.discrepancy.crew import Crew
-from hjcamp.discrepancy.evidence import PERIOD, Evidence
+from hjcamp.discrepancy.evidence import Evidence
 from hjcamp.discrepancy.following import follow
 from hjcamp.discrepancy.hardware import composition, simulator
 from hjcamp.discrepancy.kernel_choice import chosen_for
 from hjcamp.discrepancy.own_starts import OwnStarts
 from hjcamp.discrepancy.passes import force_errors, joint_errors, line_errors
 from hjcamp.discrepancy.recent import Recent
+from hjcamp.discrepancy.signals import PERIOD
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.course import Course, inputs_along
 from hjcamp.model.simulator import Simulator

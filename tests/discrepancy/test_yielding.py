@@ -4,8 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from hjcamp.discrepancy.evidence import PERIOD, SLIDING_MARGIN, yielding
-from hjcamp.discrepancy.passes import CREEPS, FALLS_TO, FALLS_WITHIN, MOST_TRAVEL, ONSET
+from hjcamp.discrepancy.signals import (
+    CREEPS,
+    FALLS_TO,
+    FALLS_WITHIN,
+    MOST_TRAVEL,
+    ONSET,
+    PERIOD,
+    SLIDING_MARGIN,
+    yielding,
+)
 
 REST, CREEP, SLIDE = 50, 40, 100
 
