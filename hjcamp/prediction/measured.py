@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,14 +13,13 @@ from hjcamp.errors import UsageError
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.parameter import finite_number
 from hjcamp.model.plant import ALWAYS, Plant
+from hjcamp.prediction.noise import noise_of
 from hjcamp.records.find import refuse_mixed_plants
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
 
 Array = NDArray[np.float64]
 RATE_TOLERANCE = 1e-3
-# A counting sensor's readings are whole counts but for rounding.
-WHOLE = 1e-3
 FEWEST_SAMPLES = 64
 
 
@@ -94,25 +92,6 @@ class Measured:
     def only(self, keep: Sequence[int]) -> Measured:
         """Return the tests at these positions alone."""
         return Measured(self.plant, self.period, self.sensors, self.columns, tuple(self.tests[place] for place in keep))
-
-
-def noise_of(values: Array) -> float:
-    r"""Return the standard deviation of a sensor's noise, by its readings (n,).
-
-    Of a counting sensor :math:`c / \sqrt{12}` with its count c; else the median of the absolute third differences over
-    :math:`0.6745 \sqrt{20}`, which smooth motion hardly raises (Gasser, Sroka & Jennen-Steinmetz 1986,
-    doi:10.1093/biomet/73.3.625). Never below a millionth of the readings' spread.
-    """
-    least = 1e-6 * float(np.std(values)) + 1e-300
-    steps = np.abs(np.diff(values))
-    moved = steps[steps > 1e-9 * (np.ptp(values) + 1e-300)]
-    count = float(np.min(moved)) if len(moved) else 0.0
-    if count > 0.0:
-        counts = moved / count
-        if len(moved) > 10 and np.mean(np.abs(counts - np.round(counts)) < WHOLE * np.maximum(counts, 1.0)) > 0.99:
-            return max(count / math.sqrt(12.0), least)
-    thirds = np.abs(np.diff(values, 3))
-    return max(float(np.median(thirds)) / (0.6745 * math.sqrt(20.0)), least)
 
 
 def measured_tests(logs: Sequence[TestLog]) -> Measured:

@@ -25,6 +25,8 @@ FACTOR = 8.0
 MOST_SHAPES = 2
 # Of its usual size: an effect so small is absent, and one so stiff costs time for nothing.
 NEGLIGIBLE = 0.03
+# A response is scaled down to the error at hand where it is more than this often as large: it would not be linear.
+LARGE, UNSTABLE, SCALINGS = 2.0, 10.0, 4
 # An unknown's knots are probed at this share of the usual size of what they add to.
 SMALL = 0.05
 
@@ -108,20 +110,19 @@ def _probe(
     windows: Windows, start: Candidate, base: Array, effect: type[Effect], setting: Mapping[str, float]
 ) -> Iterator[Probe]:
     """Yield the probe at one setting of the shapes; none where the model diverges."""
-    amplitudes = amplitudes_of(effect)[:1]
-    sided = all(effect.parameters[name].bounds[0] >= (effect.parameters[name].off or 0.0) for name in amplitudes)
-    values = {**effect.defaults(), **setting}
-    columns, sizes = [], []
-    for name in amplitudes:
-        size = values[name] - (effect.parameters[name].off or 0.0)
-        if size == 0.0:
-            size = 0.1 * _reach(effect.parameters[name])
-        own = {**values, name: (effect.parameters[name].off or 0.0) + size}
-        columns.append(windows.features(start.with_effect(effect.name, own)) - base)
-        sizes.append(size)
-    responses = np.stack(columns, axis=2)
-    if np.all(np.isfinite(responses)):
-        yield Probe(effect.name, values, amplitudes, np.array(sizes), sided, responses)
+    name = amplitudes_of(effect)[0]
+    item = effect.parameters[name]
+    off, values = item.off or 0.0, {**effect.defaults(), **setting}
+    size = values[name] - off or 0.1 * _reach(item)
+    for _ in range(SCALINGS):
+        response = windows.features(start.with_effect(effect.name, {**values, name: off + size})) - base
+        larger = float(np.linalg.norm(response) / np.linalg.norm(base))
+        if larger <= LARGE:
+            break
+        size /= larger if math.isfinite(larger) else UNSTABLE
+    if np.all(np.isfinite(response)):
+        sided = item.bounds[0] >= off
+        yield Probe(effect.name, values, (name,), np.array([size]), sided, response[:, :, None])
 
 
 def refined(windows: Windows, projection: Projection, effect: type[Effect], first: Promise, base: Array) -> Promise:

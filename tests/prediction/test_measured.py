@@ -11,17 +11,8 @@ from carriage import COUNT, measured_log
 
 from hjcamp.errors import UsageError
 from hjcamp.plants import find_plant
-from hjcamp.prediction.measured import measured_tests, noise_of
+from hjcamp.prediction.measured import measured_tests
 from hjcamp.prediction.starts import estimated, rate_of, slope
-
-
-def test_noise_of_a_counter_and_of_an_analog_sensor() -> None:
-    time = np.linspace(0.0, 10.0, 5000)
-    counted = np.round(np.sin(time) / 0.01) * 0.01
-    assert noise_of(counted) == pytest.approx(0.01 / np.sqrt(12.0), rel=1e-6)
-    analog = np.sin(time) + np.random.default_rng(1).normal(0.0, 0.02, len(time))
-    assert noise_of(analog) == pytest.approx(0.02, rel=0.1)
-    assert noise_of(np.sin(time)) < 1e-5
 
 
 def test_a_slope_is_exact_for_a_parabola() -> None:
