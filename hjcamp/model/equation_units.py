@@ -133,5 +133,17 @@ class Units:
         return self.written(evaluated(rule, {**self.scope, **scope}).dims)
 
     def written(self, dims: Any) -> str:
-        """Return a dimension as people write it."""
-        return self._written.get(dims) or text(dims)
+        """Return a dimension as people write it: in the plant's own units where one or two of them make it."""
+        return self._written.get(dims) or self._ratio(dims) or text(dims)
+
+    def _ratio(self, dims: Any) -> str:
+        """Return a dimension as a unit of the plant by another one's power, ``N/m^3``, or as one over it; else nothing."""
+        pure = dimension("1")
+        simple = {one: unit for one, unit in self._written.items() if unit.isalpha()}
+        for power in (1, 2, 3):
+            for below, unit in simple.items():
+                under = unit if power == 1 else f"{unit}^{power}"
+                above = simple.get(dims * below**power, "1" if dims * below**power == pure else "")
+                if above:
+                    return f"{above}/{under}"
+        return ""
