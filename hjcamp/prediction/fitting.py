@@ -55,6 +55,11 @@ class Free:
             return candidate.with_effect(self.effect, {**candidate.effects[self.effect], self.name: value})
         return candidate.with_base({self.name: value})
 
+    def within(self, candidate: Candidate) -> Candidate:
+        """Return the candidate with this value moved onto the nearer bound where it lies beyond one."""
+        value = candidate.effects[self.effect][self.name] if self.effect else candidate.base[self.name]
+        return candidate if self.low <= value <= self.high else self.into(candidate, self.of(candidate))
+
     def surprise(self, candidate: Candidate) -> float:
         """Return how many standard deviations it is from where it was known to be."""
         if not math.isfinite(self.spread):
@@ -110,12 +115,14 @@ def fit(
     near: Fitted | None = None,
     exact: bool = True,
 ) -> Fitted:
-    """Return the fit from ``start``; it never is worse than the start. Window starts stay as they are.
+    """Return the fit from ``start`` within its bounds; it never is worse than that. Window starts stay as they are.
 
     Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6) and are computed afresh
     where a step gains nothing. ``near`` lends its slopes; ``exact`` asks for fresh ones at the end.
     """
     candidate, damping = start, 1e-3
+    for one in free:
+        candidate = one.within(candidate)
     features = windows.features(candidate)
     current = _whole(features, candidate, free)
     slopes, fresh = _lent(windows, candidate, free, features, near)
