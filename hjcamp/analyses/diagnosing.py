@@ -39,8 +39,12 @@ class Asked:
     ask: str | None = None
 
     def check(self) -> None:
-        """Refuse a seed that ``seed=`` of a run would not take, and less than one process."""
+        """Refuse an unknown effort, a seed that ``seed=`` of a run would not take, and less than one process."""
+        from hjcamp.discrepancy.effort import EFFORTS
+
         check_seed(self.seed)
+        if self.effort not in EFFORTS:
+            raise unknown("effort", self.effort, EFFORTS)
         if self.workers is not None and self.workers < 1:
             raise UsageError(f"--workers {self.workers}: give a whole number, 1 or more")
 
@@ -93,14 +97,11 @@ def diagnose_pump_joint(
     from hjcamp.discrepancy.answer import Judging, answer, asked_candidates
     from hjcamp.discrepancy.crew import Crew, available
     from hjcamp.discrepancy.diagnose import diagnose
-    from hjcamp.discrepancy.effort import EFFORTS
     from hjcamp.discrepancy.saved import saved_model
     from hjcamp.effects import load_effects
 
     began = time.perf_counter()
     asked.check()
-    if asked.effort not in EFFORTS:
-        raise unknown("effort", asked.effort, EFFORTS)
     start = saved_model(asked.model)
     library = considered(load_effects(), asked.only, asked.without, start.effects)
     check_asked(asked.ask, library)
@@ -163,10 +164,8 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     chosen = considered(library, asked.only, asked.without, start.effects)
     check_asked(asked.ask, chosen)
     report("compiling, once for this plant and its effects", 0.02)
-    analysis = calibrated(measured, chosen, start, report, asked.seed)
-    analysis, verdict = agreed(
-        analysis, lambda width: calibrated(measured, chosen, start, report, asked.seed, width=width)
-    )
+    at = partial(calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort)
+    analysis, verdict = agreed(at(), lambda width: at(width=width))
     analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
     content = answer(analysis, verdict, 0.0)
     wanted = own_and_asked(chosen, asked.ask)

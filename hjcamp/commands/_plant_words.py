@@ -258,7 +258,9 @@ def _head(console: Console, analysis: Analysis) -> None:
     count = f"{len(measured.tests)} test{'s' if len(measured.tests) > 1 else ''}, {len(measured.conditions)} condition"
     console.print(
         f"plant {measured.plant.name}: {count}{'s' if len(measured.conditions) > 1 else ''}, "
-        f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s, each begun from its own start",
+        f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s"
+        + (f" of {sum(layout.whole)}, evenly spread" if layout.every > 1 else "")
+        + ", each begun from its own start",
         markup=False,
     )  # fmt: skip
 

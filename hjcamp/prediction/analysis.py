@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -29,6 +30,8 @@ WINDOWS = 96
 # Four windows in the time after which a reading has little in common with itself.
 OF_CORRELATION = 0.25
 MOST_DELAY = 2.0
+# Samples that are looked at: time and memory do not grow with the length of the logs.
+MOST_SAMPLES = {"quick": 12_000, "standard": 32_000, "thorough": 10_000_000}
 
 
 def width_of(measured: Measured) -> int:
@@ -88,12 +91,17 @@ def calibrated(
     seed: int = 1,
     width: int | None = None,
     unknowns: bool = True,
+    effort: str = "standard",
 ) -> Analysis:
-    """Return the analysis of tests with a model's base parameters, and its effects', calibrated on them."""
+    """Return the analysis of tests with a model's base parameters, and its effects', calibrated on them.
+
+    Of logs longer than the ``effort`` allows, windows are looked at that are evenly spread over them.
+    """
     plant = measured.plant
-    layout = Layout(measured, width or width_of(measured))
-    if not len(layout.of_test):
-        raise UsageError(f"the tests are shorter than one window of {layout.width} samples")
+    full = Layout(measured, width or width_of(measured))
+    if not len(full.of_test):
+        raise UsageError(f"the tests are shorter than one window of {full.width} samples")
+    layout = Layout(measured, full.width, math.ceil(len(full.of_test) * full.width / MOST_SAMPLES[effort]))
     states, _ = estimated(measured)
     joined = layout.joined(states)
     declared = list(plant.states.values())
@@ -111,9 +119,11 @@ def calibrated(
             base[DELAY + name] = 0.0
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
     kernels = Kernels(plant, dict(library))
-    unseen = bool((~np.isfinite(joined)).all(axis=0).any())
-    windows = Windows(layout, kernels, _first(layout, joined, declared), sizes, lowest, unseen)
-    _hidden(windows, candidate, joined)
+    unseen = np.asarray((~np.isfinite(joined)).all(axis=0))
+    starts = _first(full, full.joined(states), declared)
+    if unseen.any():
+        starts = _hidden(Windows(full, kernels, starts, sizes, lowest), candidate, unseen)
+    windows = Windows(layout, kernels, starts[layout.looked_at], sizes, lowest, bool(unseen.any()))
     report("calibrating", 0.1)
     ranges = ranges_of(plant, candidate.base, _filled(joined, windows, candidate), layout.inputs, layout.time)
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
@@ -155,11 +165,8 @@ def _first(layout: Layout, joined: Array, declared: Sequence[object]) -> Array:
     return starts
 
 
-def _hidden(windows: Windows, candidate: Candidate, joined: Array) -> None:
-    """Let a state that nothing measures begin each window where the window before left it."""
-    unseen = ~np.isfinite(joined).any(axis=0)
-    if not unseen.any():
-        return
+def _hidden(windows: Windows, candidate: Candidate, unseen: NDArray[np.bool_]) -> Array:
+    """Return the starts (windows, states) with what nothing measures where the window before left it."""
     layout = windows.layout
     for _ in range(2):
         passed = windows.readings(candidate)[1]
@@ -167,7 +174,7 @@ def _hidden(windows: Windows, candidate: Candidate, joined: Array) -> None:
             if layout.of_test[w] == layout.of_test[w - 1]:
                 last = passed[w * layout.width - 1, unseen]
                 windows.starts[w, unseen] = np.where(np.isfinite(last), last, windows.starts[w, unseen])
-    windows.starts = np.maximum(windows.starts, windows.lowest)
+    return np.maximum(windows.starts, windows.lowest)
 
 
 def _filled(joined: Array, windows: Windows, candidate: Candidate) -> Array:

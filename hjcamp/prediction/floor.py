@@ -88,7 +88,9 @@ def _of_neighbours(layout: Layout, features: Array) -> Array | None:
     if count < 4 * NEIGHBOURS or count * NEIGHBOURS < FEWEST_PAIRS:
         return None
     apart = np.abs(np.arange(count)[:, None] - np.arange(count)[None, :]) > 1
-    squares = np.where(apart, ((motion[:, None, :] - motion[None, :, :]) ** 2).mean(axis=2), np.inf)
+    size = np.sum(motion**2, axis=1)
+    between = np.maximum(size[:, None] + size[None, :] - 2.0 * motion @ motion.T, 0.0) / motion.shape[1]
+    squares = np.where(apart, between, np.inf)
     order = np.argsort(squares, axis=1)[:, :NEIGHBOURS]
     distance = np.take_along_axis(squares, order, axis=1).mean(axis=0)
     halves = []

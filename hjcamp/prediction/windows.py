@@ -30,15 +30,26 @@ DELAY = "delay."
 
 @dataclass(frozen=True)
 class Layout:
-    """Tests cut into windows of ``width`` samples; what is left at the end of a test belongs to none."""
+    """Tests cut into windows of ``width`` samples, of which one in ``every`` is looked at; the rest of a test belongs to none."""
 
     measured: Measured
     width: int
+    every: int = 1
+
+    @cached_property
+    def whole(self) -> list[int]:
+        """Number of windows that each test has."""
+        return [test.samples // self.width for test in self.measured.tests]
 
     @cached_property
     def counts(self) -> list[int]:
-        """Number of windows of each test."""
-        return [test.samples // self.width for test in self.measured.tests]
+        """Number of windows of each test that are looked at."""
+        return [-(-count // self.every) for count in self.whole]
+
+    @cached_property
+    def looked_at(self) -> NDArray[np.bool_]:
+        """Whether each window of all tests is looked at (all windows,)."""
+        return np.concatenate([np.arange(count) % self.every == 0 for count in self.whole])
 
     @cached_property
     def of_test(self) -> NDArray[np.int64]:
@@ -55,8 +66,12 @@ class Layout:
         return marks
 
     def joined(self, columns: Sequence[Array]) -> Array:
-        """Return one array of each test (samples, ...), cut to whole windows and joined (n, ...)."""
-        return np.concatenate([one[: count * self.width] for one, count in zip(columns, self.counts, strict=True)])
+        """Return one array of each test (samples, ...), cut to the windows that are looked at and joined (n, ...)."""
+        parts = []
+        for one, count in zip(columns, self.whole, strict=True):
+            cut = one[: count * self.width].reshape(count, self.width, *one.shape[1:])[:: self.every]
+            parts.append(cut.reshape(-1, *one.shape[1:]))
+        return np.concatenate(parts)
 
     @cached_property
     def readings(self) -> Array:

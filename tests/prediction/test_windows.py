@@ -9,7 +9,7 @@ import pytest
 from carriage import COULOMB, MASS, PERIOD, VISCOUS, measured_log
 
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.analysis import Analysis, calibrated, what_lacks, width_of
+from hjcamp.prediction.analysis import MOST_SAMPLES, Analysis, calibrated, what_lacks, width_of
 from hjcamp.prediction.fitting import Free
 from hjcamp.prediction.intervals import intervals
 from hjcamp.prediction.measured import measured_tests
@@ -62,3 +62,16 @@ def test_a_free_parameter_stays_within_its_bounds() -> None:
     assert one.into(model, 9.0).base["mass"] == 20.0 and one.into(model, -3.0).base["mass"] == 5.0
     log = Free("", "mass", 10.0, 5.0, 20.0, log=True)
     assert log.into(model, np.log(7.0)).base["mass"] == pytest.approx(7.0)
+
+
+def test_of_a_long_log_windows_are_looked_at_that_are_spread_over_it(axis: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    measured = measured_tests([measured_log()])
+    whole, some = Layout(measured, 50), Layout(measured, 50, 3)
+    assert len(some.of_test) == some.counts[0] == -(-whole.counts[0] // 3) == np.count_nonzero(some.looked_at)
+    for all_of, chosen in ((whole.readings, some.readings), (whole.inputs, some.inputs), (whole.time, some.time)):
+        shape = (-1, 50, *all_of.shape[1:])
+        assert np.array_equal(all_of.reshape(shape)[::3], chosen.reshape(shape))
+    monkeypatch.setitem(MOST_SAMPLES, "quick", len(whole.time) // 4)
+    found = calibrated(measured, {}, unknowns=False, effort="quick")
+    assert found.windows.layout.every == 4 or found.windows.layout.every == 5
+    assert found.base.fitted.candidate.base["mass"] == pytest.approx(MASS, rel=0.01)
