@@ -47,7 +47,7 @@ MEANINGS = {
     "speed": "without sign", "push": "force before friction", "direction": "0 held, +1 and -1 moving",
     "travel": "position along it", "load": "what presses on it", "mass": "what moves", "breakaway": "static friction of its own",
     "force": "outside force", "position": "of the mass", "acceleration": "of the mass", "loss": "flow lost",
-    "loss_below": "flow lost by the store below",
+    "loss_below": "flow lost by the store below", "loss_beyond": "flow lost by the other store", "level_beyond": "of the other store",
     "capacity": "inflow for one unit of level", "stiffness": "1 / capacity", "level": "what it holds", "inflow": "net, before losses",
     "flow": "what passes", "upstream": "level there", "downstream": "level there", "reading": "what it shows",
     "true": "true value", "command": "what is delivered", "demand": "what is asked", "supply": "what it draws on",
@@ -86,6 +86,10 @@ EXAMPLES = {
     "path": Example(
         "A path is partly blocked.", "q \\leftarrow q\\,(1 - b)", "flow", "flow, blocked", "flow * (1.0 - blocked)", "blocked",
         "1", "share of the flow that is held back", "Flow that is left",
+    ),
+    "partition": Example(
+        "A piston leaks.", "q \\mathrel{+}= G\\,(p_1 - p_2)", "loss", "level, level_beyond, leak", "leak * (level - level_beyond)",
+        "leak", "loss/level", "flow for each unit of difference", "What the first store loses",
     ),
     "sensor": Example(
         "A sensor has a wrong scale.", "y_m = (1 + g)\\,y", "reading", "true, gain_error", "gain_error * true", "gain_error", "1",

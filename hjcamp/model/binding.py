@@ -116,6 +116,8 @@ def _lacking(port: Port, lacks: set[str]) -> str:
     """Return what a place does not offer, and how its element is told."""
     names = sorted(lacks)
     said = f"needs {', '.join(names)}, which {port.kind} '{port.name}' does not offer"
+    if port.kind not in ELEMENTS:
+        return said
     element = ELEMENTS[port.kind]
     given = {element.hints.get(name, name) for name in names}
     if given <= set(element.arguments):

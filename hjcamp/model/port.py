@@ -57,6 +57,12 @@ KINDS: dict[str, Kind] = {
             {"loss": "inflow", "loss_below": "inflow"},
         ),
         Kind("path", "what a flow passes", ("flow",), ("upstream", "downstream")),
+        Kind(
+            "partition",
+            "what parts two stores of one quantity that no path joins: a piston, a wall",
+            ("loss", "loss_beyond"),
+            ("level", "level_beyond"),
+        ),
         Kind("sensor", "what is measured", ("reading",), ("true",)),
         Kind("actuator", "what a command drives", ("command",), ("demand", "supply")),
         Kind("transmission", "what turns one motion into another", ("output",), ("input", "torque")),

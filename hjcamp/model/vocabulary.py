@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -118,6 +119,24 @@ def _find_next_stores(ports: dict[str, Port]) -> None:
         above, below = (stores.get(path.names.get(side, "")) for side in ("upstream", "downstream"))
         if above and below and "loss" in below.names:
             ports[above.name] = above.but({"loss_below": below.names["loss"]})
+
+
+def _find_partitions(plant: type[Plant], ports: dict[str, Port]) -> None:
+    """Add a place between every two stores of one unit that no path joins."""
+    needed = {"level", "loss", "inflow"}
+    stores = [port for port in ports.values() if port.kind == "store" and not port.lacks(needed)]
+    paths = [port.names for port in ports.values() if port.kind == "path"]
+    joined = [{names.get("upstream"), names.get("downstream")} for names in paths]
+    for one, other in itertools.combinations(stores, 2):
+        levels = [port.names["level"] for port in (one, other)]
+        units = {plant.states[level].unit if level in plant.states else level for level in levels}
+        name = f"{one.name}_and_{other.name}"
+        if len(units) == 1 and set(levels) not in joined and name not in ports:
+            ports[name] = Port(
+                "partition", name=name, subsystem=one.subsystem,
+                level=levels[0], level_beyond=levels[1], loss=one.names["loss"], loss_beyond=other.names["loss"],
+                like={"loss": one.names["inflow"], "loss_beyond": other.names["inflow"]},
+            )  # fmt: skip
 
 
 def _check_contacts(plant: type[Plant], ports: Mapping[str, Port], statements: Sequence[Statement]) -> None:
@@ -285,6 +304,7 @@ class _Reader:
         readings = self.readings or tuple(item.sensor for item in self.plant.measured.values())
         limits = tuple(self.rename.limits)
         _find_next_stores(self.ports)
+        _find_partitions(self.plant, self.ports)
         _check_contacts(self.plant, self.ports, statements)
         return Vocabulary(self.plant, tuple(statements), readings, limits, self.ports)
 

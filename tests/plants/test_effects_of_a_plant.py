@@ -11,7 +11,7 @@ from hjcamp import cli
 from hjcamp.effects._generic_template import EXAMPLES, MEANINGS
 from hjcamp.model.port import KINDS
 
-SAMPLE_PLANT = {"path": "tanks", "store": "tanks", "transmission": "rotor"}
+SAMPLE_PLANT = {"path": "tanks", "store": "tanks", "transmission": "rotor", "partition": "two_pumps"}
 
 
 def answer(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:

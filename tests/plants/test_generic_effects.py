@@ -30,7 +30,8 @@ FITS = {
 @pytest.mark.parametrize("name", GENERIC)
 def test_on_every_plant_that_it_fits(folder: Path, name: str) -> None:
     tried = 0
-    for plant in map(find_plant, PLANTS):
+    # of those the two pumps alone have stores that no path joins
+    for plant in map(find_plant, ("two_pumps",) if FILES[name].acts_on == "partition" else PLANTS):
         if name in library_of(plant).unfit:
             continue
         for effect in bind(FILES[name], plant):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.effects import find_effect
+from hjcamp.effects import find_effect, load_effects
 from hjcamp.model.place_checks import PlainModel
 from hjcamp.plants import find_plant
 
@@ -225,6 +225,15 @@ def test_what_leaks_past_a_path_goes_with_the_difference() -> None:
     made = model("tanks", "cross_leakage", conductance=0.01)
     assert made.signals({"upper": 4.0, "lower": 1.0})["between"] == pytest.approx(0.05 * 2.0 + 0.03)
     assert made.signals({"upper": 1.0, "lower": 4.0})["between"] == pytest.approx(0.05 - 0.03)
+
+
+def test_what_leaks_from_one_store_to_another_is_lost_to_neither() -> None:
+    place = {"pressure1": 3e5, "pressure2": 1e5}
+    made, plain = model("two_pumps", "internal_leakage", conductance=2e-12), PlainModel(find_plant("two_pumps"))
+    lost = [(made.signals(place)[f"{line}_loss"] - plain.signals(place)[f"{line}_loss"]) for line in ("line1", "line2")]
+    assert lost == pytest.approx([2e-12 * 2e5, -2e-12 * 2e5])
+    # a path that joins two tanks is their way already
+    assert "internal_leakage" not in load_effects(plant=find_plant("tanks"))
 
 
 def test_air_halves_the_stiffness_where_it_gives_as_much_as_the_store() -> None:

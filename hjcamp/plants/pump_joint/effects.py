@@ -292,6 +292,7 @@ COVERS = {
     "overflow": "a closed line has no brim",
     "spill_over": "a closed line has no brim",
     "flow_exponent": "no flow crosses between the lines but cross_leakage, which is laminar",
+    "internal_leakage": "cross_leakage, from one line to the other",
     "backlash": "pump_backlash, which knows which flank the pressures press on",
     "pendulum_weight": "gravity_load, in the payload's own mass and radius",
     "sensor_drift": "a test lasts seconds, and the sensors are read at rest before each",
