@@ -22,7 +22,7 @@ with all fields of a plant. An example of MAP.yaml:
   plant: axis              # pump_joint where it is absent
   period_s: 0.001          # or sampling_hz; not needed where time_s is mapped
   topic: /motor/state      # MCAP alone
-  separator: ";"           # CSV alone: also decimal_comma, skip_lines, comment
+  skip_lines: 2            # CSV alone: also comment; separator and decimal_comma are read off the file
   fields:
     time_s: {column: t, unit: ms}
     position_m: {column: x, unit: mm, scale: 1, offset: 0, sign: -1}

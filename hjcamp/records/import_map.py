@@ -59,8 +59,8 @@ class ImportMap:
     where: str
     files: dict[str, dict[str, str]] = field(default_factory=dict)
     topic: str = ""
-    separator: str = ","
-    decimal_comma: bool = False
+    separator: str | None = None
+    decimal_comma: bool | None = None
     skip_lines: int = 0
     comment: str | None = None
 
@@ -116,8 +116,8 @@ def read_import_map(path: Path) -> ImportMap:
         where=where,
         files=_files(content.get("files"), where),
         topic=topic,
-        separator=_separator(content.get("separator", ","), where),
-        decimal_comma=content.get("decimal_comma") is True,
+        separator=_separator(content["separator"], where) if "separator" in content else None,
+        decimal_comma=content["decimal_comma"] is True if "decimal_comma" in content else None,
         skip_lines=_lines(content.get("skip_lines", 0), where),
         comment=str(content["comment"]) if content.get("comment") else None,
     )

@@ -48,7 +48,7 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
     the messages on ``topic``: ``q``, ``pose.x``; JSON or protobuf), anything else is a table of text::
 
         plant: axis             # pump_joint where it is absent; its fields: hjcamp plants axis
-        separator: ";"          # also: decimal_comma, skip_lines (before the header), comment
+        skip_lines: 2           # before the header; also: comment, and separator, decimal_comma where the file misleads
         period_s: 0.001         # or sampling_hz; neither is needed where time_s is mapped
         fields:
           time_s: {column: t, unit: ms}

@@ -16,6 +16,7 @@ import numpy as np
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.records.import_map import ImportMap
+from hjcamp.records.text_table import dialect_of
 
 if TYPE_CHECKING:
     import polars
@@ -61,19 +62,25 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
         if b"\0" in stream.read(LOOKED_AT):
             listed = ", ".join(READERS)
             raise UsageError(f"{source}: this is no table of text in UTF-8; those, {listed} can be read")
+    found = dialect_of(source, rules.skip_lines, rules.comment)
+    separator = rules.separator or found.separator
+    comma = rules.decimal_comma if rules.decimal_comma is not None else found.decimal_comma and separator != ","
     try:
         table = polars.read_csv(
             source,
-            separator=rules.separator,
-            decimal_comma=rules.decimal_comma,
+            separator=separator,
+            decimal_comma=comma,
             skip_lines=rules.skip_lines,
-            comment_prefix=rules.comment,
+            comment_prefix=found.comment,
             encoding="utf8-lossy",
             infer_schema=False,
         )
     except polars.exceptions.PolarsError as error:
-        raise UsageError(f"{source}: cannot be read as a table: {_first_line(error)}") from error
-    return Table(_numbers(source, table, names, rules.decimal_comma))
+        raise UsageError(
+            f"{source}: cannot be read as a table with {separator!r} between its columns: {_first_line(error)}; the map may say "
+            "separator, decimal_comma, skip_lines (before the header) and comment"
+        ) from error
+    return Table(_numbers(source, table, names, comma))
 
 
 def _read_parquet(source: Path, names: list[str], rules: ImportMap) -> Table:
