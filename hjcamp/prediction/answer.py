@@ -12,6 +12,7 @@ from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
+from hjcamp.prediction.levels import FITTED, LEVEL
 from hjcamp.prediction.selection import Scored, critical, error_ratio
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
@@ -157,7 +158,7 @@ def _candidate(analysis: Analysis, name: str, model: Scored, before: Scored, nam
         "effect": name,
         "posterior": weight,
         "t": float(np.clip(t, -1e3, 1e3)),
-        "t_needed": critical(count),
+        "t_needed": critical(count, LEVEL / FITTED),
         "heldout_error_ratio": error_ratio(model, before),
         "parameters": {one.name: _row(one, effect.parameters[one.name].unit) for one in found},
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,10 +22,12 @@ class Floor:
     """Second moments (d, d) of what cannot be explained, in units of the sensors' noise, and where they come from.
 
     ``source`` is "repetitions", "near_replicates", or "sensor" where neither is there: then it is a lower bound only.
+    ``usual`` is what most windows of repetitions differ by (`usual_size`), not a number where there are none.
     """
 
     source: str
     moments: Array
+    usual: float = math.nan
 
     def of_sensors(self, layout: Layout) -> Array:
         """Return its rms in each sensor's unit (sensors,), SI."""
@@ -55,7 +58,8 @@ def floor_of(layout: Layout, features: Array) -> Floor:
     d = features.shape[1]
     repeated = _of_repetitions(layout, features)
     if repeated is not None:
-        return Floor("repetitions", repeated + np.eye(d))
+        moments = repeated.T @ repeated / len(repeated) + np.eye(d)
+        return Floor("repetitions", moments, usual_size(repeated, moments))
     near = _of_neighbours(layout, features)
     if near is not None:
         return Floor("near_replicates", near + np.eye(d))
@@ -63,18 +67,24 @@ def floor_of(layout: Layout, features: Array) -> Floor:
 
 
 def _of_repetitions(layout: Layout, features: Array) -> Array | None:
-    r"""Return the pooled :math:`\frac{1}{N - C} \sum (f - \bar f)(f - \bar f)^T` over repetitions of a window (pure error)."""
-    total, freedom = np.zeros((features.shape[1],) * 2), 0
+    r"""Return by what n repetitions of a window differ, :math:`\sqrt{n / (n - 1)} (f - \bar f)` (windows, d): the pure error."""
+    found = []
     for tests in layout.measured.conditions.values():
         if len(tests) < 2:
             continue
         rows = [np.flatnonzero(layout.of_test == test) for test in tests]
         shortest = min(len(one) for one in rows)
         block = np.stack([features[one[:shortest]] for one in rows])
-        left = (block - block.mean(axis=0)).reshape(-1, features.shape[1])
-        total += left.T @ left
-        freedom += shortest * (len(tests) - 1)
-    return total / freedom if freedom >= FEWEST_REPEATED else None
+        apart = (block - block.mean(axis=0)) * math.sqrt(len(tests) / (len(tests) - 1))
+        found.append(apart.reshape(-1, features.shape[1]))
+    every = np.concatenate(found) if found else np.zeros((0, features.shape[1]))
+    return every if len(every) >= FEWEST_REPEATED else None
+
+
+def usual_size(features: Array, moments: Array) -> float:
+    """Return the median over windows of how large features (windows, d) are, in units of moments (d, d): 1 is as large."""
+    squares = np.einsum("wi,ij,wj->w", features, np.linalg.inv(moments), features)
+    return math.sqrt(float(np.median(squares)) / len(moments))
 
 
 def _of_neighbours(layout: Layout, features: Array) -> Array | None:

@@ -178,15 +178,15 @@ class Search:
         tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts]
         return min(tried, key=lambda one: one.loss)
 
-    def matters(self, model: Scored, before: Scored) -> bool:
+    def matters(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
         """Whether a model takes a share of the error that matters, and does so chapter by chapter."""
-        return self.beats(model, before) and error_ratio(model, before) <= 1.0 - MATTERS
+        return self.beats(model, before, level) and error_ratio(model, before) <= 1.0 - MATTERS
 
-    def beats(self, model: Scored, other: Scored) -> bool:
-        """Whether a model is better on chapters that it does not know, at the level of all claims."""
+    def beats(self, model: Scored, other: Scored, level: float = LEVEL) -> bool:
+        """Whether a model is better on chapters that it does not know, at a level."""
         if not math.isfinite(model.left_out) or not math.isfinite(other.left_out):
             return math.isfinite(model.left_out)
-        return self.t(model, other) > critical(len(np.unique(self.chapters)))
+        return self.t(model, other) > critical(len(np.unique(self.chapters)), level)
 
     def t(self, model: Scored, other: Scored) -> float:
         """Return Student's t of a model's advantage over another, over the chapters."""
@@ -210,7 +210,8 @@ class Search:
             if step.p_value > LEVEL or not step.named:
                 break
             best = step.named[0]
-            if not self.matters(best, model):
+            # the best of so many is compared: each at its share of the level (Bonferroni)
+            if not self.matters(best, model, LEVEL / len(step.named)):
                 break
             model = self.thinned(self.resettled(best))
         return model
@@ -231,11 +232,11 @@ def error_ratio(model: Scored, before: Scored) -> float:
     return model.left_out / before.left_out
 
 
-def critical(chapters: int) -> float:
-    """Return the one-sided critical value of Student's t at the level of all claims."""
+def critical(chapters: int, level: float = LEVEL) -> float:
+    """Return the one-sided critical value of Student's t over chapters at a level."""
     from scipy.special import stdtrit
 
-    return float(stdtrit(chapters - 1, 1.0 - LEVEL)) if chapters > 1 else math.inf
+    return float(stdtrit(chapters - 1, 1.0 - level)) if chapters > 1 else math.inf
 
 
 def _added(candidate: Candidate, before: Candidate) -> str:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hjcamp.prediction.analysis import SHORTEST, Analysis, what_lacks
+from hjcamp.prediction.floor import usual_size
 from hjcamp.prediction.levels import LEVEL, MOST_OF_IT
 from hjcamp.prediction.selection import Scored, Step
 
@@ -100,8 +101,12 @@ def judged(analysis: Analysis) -> Verdict:
 
 
 def _far_above_floor(analysis: Analysis, model: Scored) -> bool:
-    """Whether most of what a model leaves is shared by repetitions: a thing is missing, whatever it depends on."""
-    return analysis.floor.source == "repetitions" and _least(analysis) < (1.0 - MOST_OF_IT) * model.left_out
+    """Whether repetitions share most of what a model leaves, in most windows: a thing is missing, whatever it depends on.
+
+    What a model misses in few windows alone, about reversals for one, is no such thing.
+    """
+    floor = analysis.floor
+    return floor.usual < (1.0 - MOST_OF_IT) * usual_size(model.features, floor.moments)
 
 
 def _least(analysis: Analysis) -> float:
@@ -114,7 +119,8 @@ def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:
     """Return the best unknown that still takes a share that matters beside the model."""
     if last.p_value > LEVEL:
         return None
-    found = [one for one in last.unknown if analysis.search.matters(one, model)]
+    level = LEVEL / max(len(last.unknown), 1)
+    found = [one for one in last.unknown if analysis.search.matters(one, model, level)]
     return min(found, key=lambda one: one.left_out) if found else None
 
 
