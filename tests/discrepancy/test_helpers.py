@@ -135,6 +135,7 @@ def test_nothing_is_left_behind() -> None:
     assert list(found.each(_where, 1.0, range(2)))[1][1] == os.getpid()
 
 
+@pytest.mark.study
 def test_a_diagnosis_is_the_same_with_processes(leak: Path) -> None:
     library = load_effects([])
     effects = (library["leakage"], library["pressure_offset"], library["stribeck_friction"])

@@ -12,11 +12,12 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from truth.case import write_case
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("contact", "hidden", "verdict"),
     [
         ("bristles", [], "nothing_missing"),
-        pytest.param("smooth", ["leakage"], "effect", marks=pytest.mark.study),
+        ("smooth", ["leakage"], "effect"),
     ],
 )
 def test_another_contact_gives_the_right_answer(

@@ -132,6 +132,7 @@ def test_an_effect_that_never_ends_where_units_are_looked_at(
     assert "effect slow, method 'load_force' did not end within 0.5 s" in capsys.readouterr().err
 
 
+@pytest.mark.study
 def test_an_effect_that_never_ends_at_certain_values(empty_folder: Path) -> None:
     (empty_folder / "effects").mkdir()
     # The pressure of the preload: a value that nothing tries beforehand.

@@ -37,7 +37,10 @@ def test_every_trajectory_ends_and_is_followed(compose: Any, device: VirtualDevi
             (*PUMP1, "trajectory=sine_2hz_open_loop", "procedure.initial={pressure1_mpa: 0.32, pressure2_mpa: 0.14}"),
             marks=pytest.mark.study,
         ),
-        (*PUMP1, "trajectory=hold", "trajectory.angle_deg=360", "trajectory.duration=0.6", "controller.scale=1.0"),
+        pytest.param(
+            (*PUMP1, "trajectory=hold", "trajectory.angle_deg=360", "trajectory.duration=0.6", "controller.scale=1.0"),
+            marks=pytest.mark.study,
+        ),
         ("joint=blocked", "trajectory=triangle", "trajectory.amplitude_deg=80", "controller.scale=1.0"),
     ],
     ids=["open loop", "step of the pump", "blocked joint"],

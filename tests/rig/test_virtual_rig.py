@@ -19,7 +19,10 @@ from hjcamp.errors import RigStopped
 SEED = 42
 CONDITIONS = (
     ("trajectory=ramp_pos",),
-    ("trajectory=cycloid_neg", "controller=ffwd_pid", "payload=brass_8p5g", "orientation=vertical"),
+    pytest.param(
+        ("trajectory=cycloid_neg", "controller=ffwd_pid", "payload=brass_8p5g", "orientation=vertical"),
+        marks=pytest.mark.study,
+    ),
 )
 
 
