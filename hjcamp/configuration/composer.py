@@ -186,8 +186,8 @@ class Composer:
             raise UsageError(f"{shown(line)}: a group takes one choice; {hint}. Allowed: {allowed}")
 
     def _load(self, overrides: Sequence[Override]) -> Loaded:
-        """Compose without Hydra's own configuration, which takes half the time; the base with it, so that it is checked."""
-        if not overrides:
+        """Compose without Hydra's own configuration, which takes half the time; where a user has files, the base with it: a check."""
+        if not overrides and self._users_files():
             self._loader.load_configuration(MAIN, [], RunMode.RUN)
         repository = _WithoutHydra(self._loader.repository)
         found = create_defaults_list(repository, MAIN, list(overrides), prepend_hydra=False, skip_missing=False)
@@ -255,6 +255,11 @@ class Composer:
             if not parent:
                 found += [f"{name}=" for name in self.groups()]
         return sorted(name for name in set(found) if name.startswith(word))
+
+    def _users_files(self) -> bool:
+        """Return whether there is a folder of configuration beside our own."""
+        folders = [Path(place.partition("://")[2]) for place in self.places()]
+        return any(folder.is_dir() and not folder.resolve().is_relative_to(packaged_root()) for folder in folders)
 
     def places(self) -> list[str]:
         """Return where configuration is looked for, first wins."""
