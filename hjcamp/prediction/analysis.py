@@ -24,7 +24,8 @@ from hjcamp.prediction.windows import DELAY, Layout, Windows
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
-SHORTEST = 24
+# Samples of a window: four of its eight features are left where a log is so short that it would have too few windows.
+SHORTEST, SHORTEST_OF_ALL = 24, 16
 # So many windows at least: the moments of eight features are known to a tenth from about a hundred.
 WINDOWS = 96
 # Four windows in the time after which a reading has little in common with itself.
@@ -38,8 +39,9 @@ def width_of(measured: Measured) -> int:
     """Return the samples of a window: a quarter of the readings' correlation time, fewer where tests are short."""
     lengths = [test.samples for test in measured.tests]
     times = [_correlation(test.readings[:, k]) for test in measured.tests for k in range(len(measured.sensors))]
-    most = max(SHORTEST, min(sum(lengths) // WINDOWS, min(lengths)))
-    return int(np.clip(OF_CORRELATION * np.median(times), SHORTEST, most))
+    least = int(np.clip(sum(lengths) // (3 * FEWEST), SHORTEST_OF_ALL, SHORTEST))
+    most = max(least, min(sum(lengths) // WINDOWS, min(lengths)))
+    return int(np.clip(OF_CORRELATION * np.median(times), least, most))
 
 
 def _correlation(values: Array) -> int:

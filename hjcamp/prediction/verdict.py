@@ -48,7 +48,7 @@ def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis,
         other = judged(longer)
         if other.word not in (NOTHING, CANNOT_TELL):
             return longer, other
-    half = max(width // 2, SHORTEST)
+    half = min(max(width // 2, SHORTEST), width)
     if verdict.word != EFFECT or analysis.measured.repeated or half == width:
         return analysis, verdict
     other = judged(at(half))

@@ -75,3 +75,12 @@ def test_of_a_long_log_windows_are_looked_at_that_are_spread_over_it(axis: Path,
     found = calibrated(measured, {}, unknowns=False, effort="quick")
     assert found.windows.layout.every == 4 or found.windows.layout.every == 5
     assert found.base.fitted.candidate.base["mass"] == pytest.approx(MASS, rel=0.01)
+
+
+def test_of_a_short_log_windows_are_shorter_before_it_is_refused(axis: Path) -> None:
+    for samples, width in ((400, 16), (500, 20), (5000, 24)):
+        measured = measured_tests([measured_log(seconds=samples * PERIOD)])
+        assert measured.tests[0].samples == pytest.approx(samples, abs=1)
+        found = width_of(measured)
+        assert found >= width if samples > 500 else found == width
+        assert not what_lacks(measured, Layout(measured, found))
