@@ -13,7 +13,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chapters import FEWEST, chapters_of
-from hjcamp.prediction.fitting import Free, settled
+from hjcamp.prediction.fitting import TURNS_OF_BASE, Free, settled
 from hjcamp.prediction.floor import Floor, floor_of
 from hjcamp.prediction.kernels import Kernels
 from hjcamp.prediction.measured import Measured
@@ -131,7 +131,7 @@ def calibrated(
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
     search = Search(windows, library, found, chapters_of(layout), free, seed, report)
     windows.move_starts(candidate)
-    fitted = settled(windows, candidate, search.free_of(candidate))
+    fitted = settled(windows, candidate, search.free_of(candidate), turns=TURNS_OF_BASE)
     if not np.isfinite(fitted.loss):
         raise UsageError(
             f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "

@@ -84,3 +84,10 @@ def test_of_a_short_log_windows_are_shorter_before_it_is_refused(axis: Path) -> 
         found = width_of(measured)
         assert found >= width if samples > 500 else found == width
         assert not what_lacks(measured, Layout(measured, found))
+
+
+def test_declared_values_may_be_far_off(axis: Path) -> None:
+    far = Candidate({"mass": 15.0, "coulomb": 2.0, "viscous": 30.0, "delay.voltage": 0.0}, {})
+    found = calibrated(measured_tests([measured_log()]), {}, far, unknowns=False).base.fitted.candidate.base
+    for name, true in (("mass", MASS), ("coulomb", COULOMB), ("viscous", VISCOUS)):
+        assert found[name] == pytest.approx(true, rel=0.02), name
