@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.place_checks import PlainModel
 from hjcamp.model.vocabulary import read_vocabulary
@@ -34,9 +35,10 @@ class LawCurve:
 def law_curves(analysis: Analysis, model: Scored, unknown: Unknown) -> list[LawCurve]:
     r"""Return what the effects of a model beyond the base say over the driver of an unknown, each direction of motion on its own.
 
-    At moments of the tests the amount of the unknown's quantity is looked for that changes the plant's rates (a sensor's
-    reading) as the effects do: :math:`a = \Delta_e \cdot \Delta_u / \Delta_u \cdot \Delta_u`. Empty where an effect has a
-    memory, so that it has no value at a moment, or acts elsewhere.
+    At moments of the tests the amount of the unknown's quantity is looked for that changes the rates (a sensor's reading) of
+    the calibrated plant as the effects do, with the base as it is beside them:
+    :math:`a = \Delta_e \cdot \Delta_u / \Delta_u \cdot \Delta_u`. Empty where an effect has a memory, so that it has no value
+    at a moment, or acts elsewhere.
     """
     effects = [analysis.search.library[name] for name in model.beyond(analysis.base)]
     if not effects or any(effect.states for effect in effects):
@@ -68,7 +70,7 @@ def _moments(
     layout, plant = analysis.windows.layout, analysis.measured.plant
     candidate = model.fitted.candidate
     passed = analysis.windows.readings(candidate)[1]
-    base = {name: value for name, value in candidate.base.items() if not name.startswith(DELAY)}
+    before, base = _parameters(analysis.base.fitted.candidate), _parameters(candidate)
     own = {
         f"{effect.name}.{name}": value for effect in effects for name, value in candidate.effects[effect.name].items()
     }
@@ -83,10 +85,9 @@ def _moments(
         rows = np.flatnonzero(np.repeat(windows, layout.width) & np.isfinite(passed).all(axis=1))
         some = np.unique(np.linspace(0, max(len(rows) - 1, 0), LOOKED_AT // len(layout.groups) + 2).astype(int))
         rows = rows[some[some < len(rows)]]
-        known = {**base, **given}
         models = [
-            PlainModel(plant, (), known), PlainModel(plant, tuple(effects), {**known, **own}),
-            PlainModel(plant, (unknown.effect,), {**known, **flat}),
+            PlainModel(plant, (), {**before, **given}), PlainModel(plant, tuple(effects), {**base, **given, **own}),
+            PlainModel(plant, (unknown.effect,), {**before, **given, **flat}),
         ]  # fmt: skip
         for row in rows:
             place = {name: float(passed[row, k]) for k, name in enumerate(plant.states)}
@@ -97,6 +98,10 @@ def _moments(
                     place[port.names["direction"]] = float(np.sign(place.get(port.names["velocity"], 0.0)))
             found.append(_moment(models, place, unknown, float(np.sign(place.get(moving, 0.0)))))
     return tuple(np.array(column) for column in zip(*found, strict=True)) if found else (np.zeros(0),) * 3  # type: ignore[return-value]
+
+
+def _parameters(candidate: Candidate) -> dict[str, float]:
+    return {name: value for name, value in candidate.base.items() if not name.startswith(DELAY)}
 
 
 def _moment(

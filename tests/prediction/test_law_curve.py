@@ -21,8 +21,8 @@ TIME = np.arange(SAMPLES) * 2e-3
 STATES = np.column_stack([0.1 * np.sin(8.0 * TIME), 0.8 * np.cos(8.0 * TIME)])
 
 
-def curves(name: str, values: dict[str, float], unknown: str) -> list[Any]:
-    """Return the curves of an effect on the template's carriage, swinging through 0.1 m."""
+def curves(name: str, values: dict[str, float], unknown: str, calibrated: dict[str, float] | None = None) -> list[Any]:
+    """Return the curves of an effect on the template's carriage, swinging through 0.1 m, beside a base that is as declared."""
     plant = find_plant("axis")
     library = load_effects(plant=plant)
     ranges = {
@@ -42,8 +42,9 @@ def curves(name: str, values: dict[str, float], unknown: str) -> list[Any]:
         groups=[({}, np.ones(SAMPLES // WIDTH, dtype=bool))],
     )
     windows = SimpleNamespace(layout=layout, readings=lambda candidate: (None, STATES))
+    base: Any = SimpleNamespace(fitted=SimpleNamespace(candidate=Candidate(dict(calibrated or candidate.base), {})))
     analysis: Any = SimpleNamespace(
-        windows=windows, measured=SimpleNamespace(plant=plant), search=SimpleNamespace(library=library), base=None
+        windows=windows, measured=SimpleNamespace(plant=plant), search=SimpleNamespace(library=library), base=base
     )
     model: Any = SimpleNamespace(fitted=SimpleNamespace(candidate=candidate), beyond=lambda base: (name,))
     return law_curves(analysis, model, known)
@@ -57,6 +58,18 @@ def test_a_spring_is_the_force_that_it_is_both_ways(axis: Path) -> None:
         assert seen.sum() > 10
         # a bin holds places up to half its width away
         assert np.allclose(one.y[seen], -STIFFNESS * (one.x[seen] - REST), atol=STIFFNESS * 0.5 * 0.2 / 14)
+
+
+def test_what_the_base_had_taken_for_it_is_part_of_what_was_missing(axis: Path) -> None:
+    # calibrated without the spring the base had 2 N more of Coulomb friction
+    coulomb = find_plant("axis").parameters["coulomb"].default
+    base = {"mass": 80.0, "coulomb": coulomb + 2.0, "delay.voltage": 0.002}
+    law = {"stiffness": STIFFNESS, "rest_position": REST}
+    found = curves("spring", law, "unknown_force_over_position", base)
+    for one in found:
+        seen = np.isfinite(one.y)
+        wanted = 2.0 * one.sign - STIFFNESS * (one.x[seen] - REST)
+        assert np.allclose(one.y[seen], wanted, atol=STIFFNESS * 0.5 * 0.2 / 14)
 
 
 def test_friction_by_direction_is_a_force_of_either_sign(axis: Path) -> None:
