@@ -63,7 +63,7 @@ def missing_of(words: Words) -> Missing:
     after: tuple[Branch, ...] = ()
     added = verdict.model.beyond(analysis.base)
     if added:
-        curves = law_curves(analysis, verdict.model, known)
+        curves = law_curves(analysis, verdict.model, known, first.fitted.candidate)
         law = tuple(_law_branch(words, one) for one in curves)
         rest = _after(words, known)
         after = (_branch(curve_of(analysis, rest, name)),) if rest is not None else ()

@@ -32,18 +32,18 @@ class LawCurve:
     y: Array
 
 
-def law_curves(analysis: Analysis, model: Scored, unknown: Unknown) -> list[LawCurve]:
+def law_curves(analysis: Analysis, model: Scored, unknown: Unknown, beside: Candidate) -> list[LawCurve]:
     r"""Return what the effects of a model beyond the base say over the driver of an unknown, each direction of motion on its own.
 
     At moments of the tests the amount of the unknown's quantity is looked for that changes the rates (a sensor's reading) of
-    the calibrated plant as the effects do, with the base as it is beside them:
+    the plant as the effects do, with the base as it is with them instead of as it is ``beside`` the unknown:
     :math:`a = \Delta_e \cdot \Delta_u / \Delta_u \cdot \Delta_u`. Empty where an effect has a memory, so that it has no value
     at a moment, or acts elsewhere.
     """
     effects = [analysis.search.library[name] for name in model.beyond(analysis.base)]
     if not effects or any(effect.states for effect in effects):
         return []
-    driver, amount, sign = _moments(analysis, model, effects, unknown)
+    driver, amount, sign = _moments(analysis, model, effects, unknown, beside)
     inside = np.isfinite(driver) & np.isfinite(amount)
     if not inside.any() or not np.any(amount[inside] != 0.0):
         return []
@@ -64,13 +64,13 @@ def law_curves(analysis: Analysis, model: Scored, unknown: Unknown) -> list[LawC
 
 
 def _moments(
-    analysis: Analysis, model: Scored, effects: Sequence[type[Effect]], unknown: Unknown
+    analysis: Analysis, model: Scored, effects: Sequence[type[Effect]], unknown: Unknown, beside: Candidate
 ) -> tuple[Array, Array, Array]:
     """Return driver, amount and sign of motion at some moments of the tests."""
     layout, plant = analysis.windows.layout, analysis.measured.plant
     candidate = model.fitted.candidate
     passed = analysis.windows.readings(candidate)[1]
-    before, base = _parameters(analysis.base.fitted.candidate), _parameters(candidate)
+    before, base = _parameters(beside), _parameters(candidate)
     own = {
         f"{effect.name}.{name}": value for effect in effects for name, value in candidate.effects[effect.name].items()
     }

@@ -21,7 +21,7 @@ TIME = np.arange(SAMPLES) * 2e-3
 STATES = np.column_stack([0.1 * np.sin(8.0 * TIME), 0.8 * np.cos(8.0 * TIME)])
 
 
-def curves(name: str, values: dict[str, float], unknown: str, calibrated: dict[str, float] | None = None) -> list[Any]:
+def curves(name: str, values: dict[str, float], unknown: str, beside: dict[str, float] | None = None) -> list[Any]:
     """Return the curves of an effect on the template's carriage, swinging through 0.1 m, beside a base that is as declared."""
     plant = find_plant("axis")
     library = load_effects(plant=plant)
@@ -42,12 +42,11 @@ def curves(name: str, values: dict[str, float], unknown: str, calibrated: dict[s
         groups=[({}, np.ones(SAMPLES // WIDTH, dtype=bool))],
     )
     windows = SimpleNamespace(layout=layout, readings=lambda candidate: (None, STATES))
-    base: Any = SimpleNamespace(fitted=SimpleNamespace(candidate=Candidate(dict(calibrated or candidate.base), {})))
     analysis: Any = SimpleNamespace(
-        windows=windows, measured=SimpleNamespace(plant=plant), search=SimpleNamespace(library=library), base=base
+        windows=windows, measured=SimpleNamespace(plant=plant), search=SimpleNamespace(library=library), base=None
     )
     model: Any = SimpleNamespace(fitted=SimpleNamespace(candidate=candidate), beyond=lambda base: (name,))
-    return law_curves(analysis, model, known)
+    return law_curves(analysis, model, known, Candidate(dict(beside or candidate.base), {}))
 
 
 def test_a_spring_is_the_force_that_it_is_both_ways(axis: Path) -> None:
@@ -61,7 +60,7 @@ def test_a_spring_is_the_force_that_it_is_both_ways(axis: Path) -> None:
 
 
 def test_what_the_base_had_taken_for_it_is_part_of_what_was_missing(axis: Path) -> None:
-    # calibrated without the spring the base had 2 N more of Coulomb friction
+    # beside the unknown the base had 2 N more of Coulomb friction
     coulomb = find_plant("axis").parameters["coulomb"].default
     base = {"mass": 80.0, "coulomb": coulomb + 2.0, "delay.voltage": 0.002}
     law = {"stiffness": STIFFNESS, "rest_position": REST}
