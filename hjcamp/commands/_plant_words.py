@@ -59,7 +59,8 @@ class Words:
         """The verdict in one line."""
         names = ", ".join(self.verdict.effects)
         drivers = self.content["drivers"]
-        said = names or (f"depends on {drivers[0].replace('_', ' ')}" if drivers else "")
+        place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
+        said = names or (f"depends on {local}{' of ' if place else ''}{place.replace('_', ' ')}" if drivers else "")
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
 
     def sentences(self) -> list[str]:
@@ -80,6 +81,11 @@ class Words:
                 f"A {first['quantity']} at {first['port']} that depends on its {first['driver'].rpartition('_')[2]}, of a form that "
                 "no effect of the library has, predicts better. Its curve is on the page."
             )
+        if verdict.word == "outside_library" and not self.content["unknowns"]:
+            found.append(
+                "Repetitions share most of what the model leaves, in most windows, but no effect of the library and no free law "
+                "takes it."
+            )
         if verdict.word == "nothing_missing":
             found.append(
                 "No effect and no unknown takes a share of the error that matters (10 %) on chapters left out."
@@ -94,7 +100,12 @@ class Words:
                 f"Error on chapters left out, over the floor: {error['baseline']:.2f} calibrated"
                 + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects else ".")
             )
-            if verdict.p_value <= 0.05 or verdict.effects:
+            if verdict.word == "nothing_missing" and verdict.p_value <= 0.05:
+                found.append(
+                    f"What is left is more than chance (p = {plain(verdict.p_value, 2)}): something is there that is small, or that "
+                    "the library does not describe."
+                )
+            elif verdict.p_value <= 0.05 or verdict.effects:
                 found.append(f"Chance: p = {plain(verdict.p_value, 2)} (residuals moved in time, whole library).")
         found += self.telling()
         return found
