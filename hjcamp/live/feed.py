@@ -15,6 +15,7 @@ import numpy as np
 
 from hjcamp.backends.recording import Look, Samples
 from hjcamp.live.messages import block_of, packed
+from hjcamp.model.field_unit import unit_of_field
 
 #: Messages that wait for the page at most; about ten seconds of a rig. The oldest is dropped for the newest.
 ROOM = 256
@@ -83,7 +84,7 @@ class Feed:
         counts[kind] += 1
         self._run[kind] += 1
         if error is not None:
-            counts["error"] = error
+            counts["error"] = [error[1], unit_of_field(error[0], test).shown]
         told = {
             "kind": "outcome",
             "condition": condition,

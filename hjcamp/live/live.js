@@ -53,8 +53,7 @@
       const row = make("tr", body, test && test.condition === name ? { class: "inhand" } : {});
       make("td", row, {}, name.replaceAll("__", " / "));
       make("td", row, one.failed ? { class: "far" } : {}, `${one.done}/${one.total}${one.failed ? `, ${one.failed} failed` : ""}`);
-      const channel = one.error && test && test.channels.find((known) => known.name === one.error[0]);
-      make("td", row, {}, one.error ? `${number(one.error[1])} ${channel ? channel.unit : ""}` : "");
+      make("td", row, {}, one.error ? `${number(one.error[0])} ${one.error[1]}` : "");
     }
   }
 
@@ -141,22 +140,22 @@
       const ends = [told.low, told.high].map((end) => (end == null ? "" : String(+end.toPrecision(6))));
       const allowed = told.low != null && told.low === -told.high ? `±${ends[1]}` : told.low == null ? `≤ ${ends[1]}` : told.high == null ? `≥ ${ends[0]}` : `${ends[0]} to ${ends[1]}`;
       box.children[0].title = `allowed: ${allowed} ${told.unit}`;
-      box.children[1].textContent = none ? `${allowed} ${told.unit}` : `${number(Math.abs(one.value) < 1e-9 * full ? 0 : one.value)} of ${allowed} ${told.unit}, least margin ${number(one.margin)}`;
+      box.children[1].textContent = none ? `${allowed} ${told.unit}` : `${number(Math.abs(one.value) < 1e-9 * full ? 0 : one.value)} of ${allowed} ${told.unit}, closest ${number(one.margin)}`;
     });
   }
 
   const on = {
     run: (news) => { run = news; ended = ended || news.ended; showRun(); },
     test: (news) => {
+      if (!news.id) return;
       const same = test && JSON.stringify([test.channels, test.watches]) === JSON.stringify([news.channels, news.watches]);
       test = news; rows = []; first = -1;
-      if (!news.id) return;
       byId("test").textContent = news.id.replaceAll("__", " / ").replace("/rep_", ", repetition ");
       if (!same) { build(); byId("limits").replaceChildren(); }
       showConditions();
     },
     rows: (news) => {
-      if (!test || !test.id) return;
+      if (!test) return;
       rows.push(...news.rows);
       first = news.first;
       const phase = byId("phase");
