@@ -19,7 +19,7 @@ DOCS, SITE = ROOT / "docs", ROOT / "site"
 SOURCE, HTML = SITE / "source", SITE / "html"
 COPIED = ("*.md", "*.svg", "*.png", "*.json", "*.ipynb", "*.csv", "*.yaml", "*.py")
 MENTIONED = re.compile(r"`(docs/[\w./-]+\.(?:md|ipynb))`")
-DECISION = re.compile(r"(?<![\w/(])docs/decisions/(\d{4})(?:-[\w-]+\.md)?")
+DECISION = re.compile(r"(?<![\w/`])(?<!\]\()(`?)docs/decisions/(\d{4})(?:-[\w-]+\.md)?\1(?![\w/*-])")
 PARTS = {
     "Begin": ("tour", "own_plant", "rig", "sweeps", "tables", "next", "ci"),
     "What was found": ("fidelity", "thesis_gap", "published_inconsistencies", "identification", "further_plants", "pump_cost"),
@@ -66,8 +66,8 @@ def linked(text: str, page: Path) -> str:
         return f"[{found[1]}]({up}{place})" if (SOURCE / place).is_file() else found[0]
 
     def decision(found: re.Match[str]) -> str:
-        name = names.get(found[1])
-        return f"[decision {found[1]}]({up}decisions/{name})" if name else found[0]
+        name = names.get(found[2])
+        return f"[decision {found[2]}]({up}decisions/{name})" if name else found[0]
 
     pieces = re.split(r"(^```.*?^```[^\n]*$)", text, flags=re.MULTILINE | re.DOTALL)
     for place in range(0, len(pieces), 2):
