@@ -46,6 +46,8 @@ def make_run(
     if run_dir is None and keys.run_dir:
         run_dir = Path(str(keys.run_dir))
     say_before_moving(plan, console)
+    # a page that cannot be had is said before anything is written
+    current_feed()
     with cluster_for(keys.cluster, plan, "cluster=") as cluster:
         folder, goes_on = folder_for(plan, asked, lines, run_dir)
         if goes_on:

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.errors import UsageError
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -33,5 +35,7 @@ def resume(
     from hjcamp.commands._live import live as live_of
     from hjcamp.live.process import LiveAsk
 
+    if port and not live:
+        raise UsageError(f"--port {port} is for the page of --live; give both")
     with live_of(LiveAsk(port, browser) if live else None):
         finish_run(open_folder(run), make_console(), workers, StopRule(fail_fast, keep_going), cluster)

@@ -6,7 +6,7 @@ import contextlib
 import threading
 import time
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextvars import ContextVar
 from pathlib import Path
 from typing import IO, Any
@@ -131,17 +131,18 @@ class Feed:
                         left = left[self._stream.write(left) :]
 
 
-_current: ContextVar[Feed | None] = ContextVar("live page", default=None)
+_current: ContextVar[Callable[[], Feed] | None] = ContextVar("live page", default=None)
 
 
 def current_feed() -> Feed | None:
-    """Return the page of the run in hand, None where nobody asked for one."""
-    return _current.get()
+    """Return the page of the call in hand, opened by the first who asks; None where nobody wants one."""
+    opened = _current.get()
+    return None if opened is None else opened()
 
 
 @contextlib.contextmanager
-def feeding(feed: Feed) -> Iterator[None]:
-    """While open, runs tell ``feed`` what they do."""
+def feeding(feed: Callable[[], Feed]) -> Iterator[None]:
+    """While open, runs tell what they do to what ``feed`` returns."""
     token = _current.set(feed)
     try:
         yield

@@ -28,25 +28,33 @@ class LiveAsk:
 
 @contextlib.contextmanager
 def live_page(asked: LiveAsk, say: Callable[[str], None]) -> Iterator[None]:
-    """While open, every run in this process has a page; ``say`` hears its address.
+    """While open, every run in this process has a page, from its first run on; ``say`` hears its address.
 
-    Raises ``UsageError`` for a port that cannot be had, before anything is run.
+    That first run raises ``UsageError`` for a port that cannot be had, before anything is written.
     """
-    process, address = _started(asked.port)
-    say(f"live    {address}")
-    if asked.browser:
-        _show(address, say)
-    assert process.stdin is not None
-    feed = Feed(process.stdin)
+    opened: list[tuple[subprocess.Popen[bytes], Feed]] = []
+
+    def feed() -> Feed:
+        if not opened:
+            process, address = _started(asked.port)
+            assert process.stdin is not None
+            opened.append((process, Feed(process.stdin)))
+            say(f"live    {address}")
+            if asked.browser:
+                _show(address, say)
+        return opened[0][1]
+
     try:
         with feeding(feed):
             yield
     except BaseException as error:
-        feed.say("stopped", str(error) or "interrupted")
+        for _, page in opened:
+            page.say("stopped", str(error) or "interrupted")
         raise
     finally:
-        feed.close()
-        _let_go(process)
+        for process, page in opened:
+            page.close()
+            _let_go(process)
 
 
 def _started(port: int) -> tuple[subprocess.Popen[bytes], str]:

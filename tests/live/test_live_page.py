@@ -49,10 +49,11 @@ def events(address: str) -> Iterator[Iterator[dict[str, Any]]]:
 def test_browsers_see_the_test_in_hand_and_the_end() -> None:
     said: list[str] = []
     with live_page(LiveAsk(0, browser=False), said.append):
+        assert not said  # no page before there is a run
+        feed = current_feed()
+        assert feed is not None and feed is current_feed()
         address = said[0].split()[-1]
         assert address.startswith("http://127.0.0.1:")
-        feed = current_feed()
-        assert feed is not None
         feed.run("valves", Path("runs/x"), {"up": VALVES}, {"up": 2}, {"up": 1})
         with events(address) as closed:
             next(closed)  # this browser is closed here
@@ -125,6 +126,7 @@ def test_what_is_asked_of_the_page() -> None:
     assert take_live(["--live", "a=b", "--no-browser"]) == (["a=b"], LiveAsk(0, browser=False))
     assert take_live(["-m", "--live", "8123", "a=b"]) == (["-m", "a=b"], LiveAsk(8123))
     assert take_live(["--live=8123"]) == ([], LiveAsk(8123))
+    assert run(["resume", "nowhere", "--port", "8123"]) == 2
     for words in (["--live", "70000"], ["--live=x"], ["--live", "eighty"], ["--no-browser"]):
         with pytest.raises(UsageError):
             take_live(words)
