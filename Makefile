@@ -87,6 +87,7 @@ docs: $(DOCUMENTED) catalogue
 bench: $(WARM)
 	$(BIN)/python benchmarks/bench.py
 	$(BIN)/python benchmarks/loop_timing.py
+	$(BIN)/python benchmarks/live_timing.py
 
 benchmark: $(WARM)
 	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 100000 --page docs/benchmark.md
