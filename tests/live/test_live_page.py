@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import hjcamp
 from hjcamp.backends.recording import Recording, Samples
 from hjcamp.backends.rig_journal import SCALES, Journal
 from hjcamp.campaign.ends import condition_line, followed_error
@@ -122,6 +123,9 @@ def test_a_port_that_is_taken_is_one_message(tmp_path: Path, monkeypatch: pytest
 
 
 def test_what_is_asked_of_the_page() -> None:
+    for port in (0, -1, 70000, "8123"):
+        with pytest.raises(UsageError, match="a port from 1 to 65535 is needed"):
+            hjcamp.run("trajectory=ramp_pos", live=port)  # type: ignore[arg-type]
     assert take_live(["a=b"]) == (["a=b"], None)
     assert take_live(["--live", "a=b", "--no-browser"]) == (["a=b"], LiveAsk(0, browser=False))
     assert take_live(["-m", "--live", "8123", "a=b"]) == (["-m", "a=b"], LiveAsk(8123))
