@@ -82,7 +82,7 @@ $(DOCUMENTED): $(INSTALLED)
 
 # README, docs/ and the catalogue as one site; fails where a link leads nowhere
 docs: $(DOCUMENTED) catalogue
-	$(BIN)/python docs/site/build.py site/catalogue
+	$(BIN)/python docs/site/make_site.py site/catalogue
 
 bench: $(WARM)
 	$(BIN)/python benchmarks/bench.py

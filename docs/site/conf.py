@@ -1,4 +1,4 @@
-"""Sphinx settings of the documentation site; docs/site/build.py calls it."""
+"""Sphinx settings of the documentation site; docs/site/make_site.py calls it."""
 
 project = "hjcamp"
 html_title = "hjcamp"

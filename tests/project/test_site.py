@@ -16,15 +16,15 @@ ROOT = Path(__file__).parents[2]
 def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
     """Return the script, with its sources staged in an empty folder."""
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "site"))
-    import build
+    import make_site
 
-    monkeypatch.setattr(build, "SOURCE", tmp_path / "source")
+    monkeypatch.setattr(make_site, "SOURCE", tmp_path / "source")
     catalogue = tmp_path / "catalogue"
     catalogue.mkdir()
     catalogue.joinpath("index.html").write_text('<body><h1>All</h1><a href="leakage.html">leakage</a></body>')
-    build.stage(catalogue)
-    yield build
-    for name in ("build", "links"):
+    make_site.stage(catalogue)
+    yield make_site
+    for name in ("make_site", "follow_links"):
         sys.modules.pop(name, None)
 
 

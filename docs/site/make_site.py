@@ -1,4 +1,4 @@
-"""Build the documentation site: python docs/site/build.py [CATALOGUE]
+"""Build the documentation site: python docs/site/make_site.py [CATALOGUE]
 
 README, the pages of docs/ and the changelog become one site in site/html, with the pages of `hjcamp effects --pages CATALOGUE`
 (site/catalogue) beside them. File names in backticks become links. Exit code 1 where a link leads nowhere.
@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from links import problems
+from follow_links import problems
 
 ROOT = Path(__file__).parents[2]
 DOCS, SITE = ROOT / "docs", ROOT / "site"
