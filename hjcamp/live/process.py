@@ -47,6 +47,8 @@ def live_page(asked: LiveAsk, say: Callable[[str], None]) -> Iterator[None]:
     try:
         with feeding(feed):
             yield
+        if not opened:
+            say("live    no run was made in this process (a sweep on another launcher has none here): no page was opened")
     except BaseException as error:
         for _, page in opened:
             page.say("stopped", str(error) or "interrupted")

@@ -131,6 +131,10 @@ def test_what_is_asked_of_the_page() -> None:
     assert take_live(["-m", "--live", "8123", "a=b"]) == (["-m", "a=b"], LiveAsk(8123))
     assert take_live(["--live=8123"]) == ([], LiveAsk(8123))
     assert run(["resume", "nowhere", "--port", "8123"]) == 2
+    said: list[str] = []
+    with live_page(LiveAsk(), said.append):
+        pass
+    assert "no page was opened" in said[0]
     for words in (["--live", "70000"], ["--live=x"], ["--live", "eighty"], ["--no-browser"]):
         with pytest.raises(UsageError):
             take_live(words)
