@@ -8,12 +8,13 @@ WARM := $(VENV)/.warm
 # of make thesis_gap
 EFFORT ?= quick
 TESTABLE := $(VENV)/.testable
+DOCUMENTED := $(VENV)/.documented
 
 # Python compiles a file when it is first imported, not all that are never used; what it compiled is there for the next process
 unexport PYTHONDONTWRITEBYTECODE
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help setup demo test studies lint catalogue bench benchmark any_plant next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
+.PHONY: help setup demo test studies lint catalogue docs bench benchmark any_plant next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
@@ -22,6 +23,7 @@ help:
 	@echo "make studies the tests that take longest; make test leaves them out"
 	@echo "make lint    lint, types, layers"
 	@echo "make catalogue  a page for each effect and each plant, in site/catalogue"
+	@echo "make docs    README, docs/ and the catalogue as a site, in site/html; links are checked"
 	@echo "make bench   speed of the model against the same model in SciPy, and of the whole chain"
 	@echo "make benchmark  226 hidden effects on the truth plant (an hour and a half; goes on where it stopped); docs/benchmark.md"
 	@echo "make any_plant  hidden effects on an axis, tanks, a servo and two joints, imported and diagnosed; docs/any_plant.md"
@@ -76,9 +78,18 @@ studies: $(TESTABLE)
 catalogue: $(INSTALLED)
 	$(BIN)/hjcamp effects --pages site/catalogue
 
+$(DOCUMENTED): $(INSTALLED)
+	$(PIP) --editable '.[docs]'
+	@touch $@
+
+# README, docs/ and the catalogue as one site; fails where a link leads nowhere
+docs: $(DOCUMENTED) catalogue
+	$(BIN)/python docs/site/make_site.py site/catalogue
+
 bench: $(WARM)
 	$(BIN)/python benchmarks/bench.py
 	$(BIN)/python benchmarks/loop_timing.py
+	$(BIN)/python benchmarks/live_timing.py
 
 benchmark: $(WARM)
 	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 100000 --page docs/benchmark.md

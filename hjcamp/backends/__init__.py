@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import unknown
+from hjcamp.model.watch import Watch, plausible_watches
 
 BACKENDS = ("simulation", "nidaqmx")
 
@@ -30,6 +31,17 @@ def before_moving(config: Mapping[str, Any]) -> list[str]:
     """Return the same at the start of a run; raises ``UsageError`` where nothing must move."""
     say = getattr(_backend(config), "before_moving", None)
     return [] if say is None else list(say(config))
+
+
+def watches(config: Mapping[str, Any]) -> list[Watch]:
+    """Return the limits that a test stays within, as quantities of its log: those of its rig, else what its plant finds plausible."""
+    if not config.get("plant") and config["rig"].get("limits"):
+        from hjcamp.backends.rig_margins import rig_watches
+
+        return rig_watches(config)
+    from hjcamp.plants import DEFAULT, find_plant
+
+    return plausible_watches(find_plant(str((config.get("plant") or {}).get("name") or DEFAULT), "plant"))
 
 
 def look_again(config: Mapping[str, Any], left: Any) -> str:

@@ -25,15 +25,33 @@ class Writer(Protocol):
 
 
 @dataclass(frozen=True)
+class Samples:
+    """Samples that were just put into a log: number ``start`` and those after it; ``first`` begins the command phase, -1 before.
+
+    ``missed`` is how many of all samples so far the loop did not see.
+    """
+
+    columns: Mapping[str, np.ndarray]
+    start: int
+    first: int
+    missed: int
+
+
+Look = Callable[[Samples], None]
+
+
+@dataclass(frozen=True)
 class Recording:
     """The final name of a log, and what opens a writer for a log of some name with some fields.
 
     ``notes`` is what the backend knows of itself before the test begins (devices, host); it goes into every writer.
+    ``look`` is shown what goes into the log, by the thread that writes it, never by a control loop.
     """
 
     path: Path
     open_writer: Callable[[Path, Sequence[str]], Writer]
     notes: dict[str, str] = field(default_factory=dict)
+    look: Look | None = None
 
 
 _current: ContextVar[Recording | None] = ContextVar("recording", default=None)
@@ -41,13 +59,16 @@ _current: ContextVar[Recording | None] = ContextVar("recording", default=None)
 
 @contextmanager
 def recording(
-    path: Path, open_writer: Callable[[Path, Sequence[str]], Writer], notes: dict[str, str] | None = None
+    path: Path,
+    open_writer: Callable[[Path, Sequence[str]], Writer],
+    notes: dict[str, str] | None = None,
+    look: Look | None = None,
 ) -> Iterator[None]:
     """While open, a test is written to ``path`` + ``.part`` as it runs; that file goes when the context ends well.
 
     The backend adds to ``notes``; ``open_writer`` is called after that.
     """
-    token = _current.set(Recording(path, open_writer, {} if notes is None else notes))
+    token = _current.set(Recording(path, open_writer, {} if notes is None else notes, look))
     try:
         yield
         part_of(path).unlink(missing_ok=True)

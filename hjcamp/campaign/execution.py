@@ -42,7 +42,8 @@ class Job:
 class Outcome:
     """What became of a test: ``state`` done or failed; ``stops`` is an exit code where the run cannot go on.
 
-    ``left`` is there where the backend may be looked at again after a fault; ``facts`` is what it said of itself.
+    ``left`` is there where the backend may be looked at again after a fault; ``facts`` is what it said of itself; ``error``
+    is the channel with a reference and its RMS error.
     """
 
     test: str
@@ -54,6 +55,7 @@ class Outcome:
     stops: int | None = None
     left: Any = None
     facts: dict[str, str] = field(default_factory=dict)
+    error: tuple[str, float] | None = None
 
 
 def make_jobs(plan: Plan, tests: list[PlannedTest], folder: Path) -> list[Job]:
@@ -121,6 +123,8 @@ def execute(job: Job) -> Outcome:
     from hjcamp import backends
     from hjcamp.backends.recording import recording
     from hjcamp.backends.rig_fault import RigFault
+    from hjcamp.campaign.ends import followed_error
+    from hjcamp.live.feed import current_feed
     from hjcamp.records.log import TestLog
     from hjcamp.records.write import LogWriter, write_log
 
@@ -129,21 +133,23 @@ def execute(job: Job) -> Outcome:
     facts: dict[str, str] = {}
     private = private_place(job.path)
 
-    def outcome(state: str, message: str = "", detail: str = "", stops: int | None = None, left: Any = None) -> Outcome:
+    def outcome(state: str, message: str = "", **further: Any) -> Outcome:
         message = message.replace(str(private), str(job.path))
         seconds = round(time.perf_counter() - start, 4)
-        return Outcome(job.test.id, job.test.condition, state, seconds, message, detail, stops, left, facts)
+        return Outcome(job.test.id, job.test.condition, state, seconds, message, facts=facts, **further)
 
     def open_writer(path: Path, names: Sequence[str]) -> LogWriter:
         return LogWriter(path, names, {**job.metadata, **facts}, attachments, replace=True)
 
     try:
-        with recording(job.path, open_writer, facts):
+        feed = current_feed()
+        look = feed.look(job.test.id, job.test.condition) if feed is not None else None
+        with recording(job.path, open_writer, facts, look):
             columns, extra = backends.run_test(job.config, job.test.seed)
             job.path.parent.mkdir(parents=True, exist_ok=True)
             write_log(private, TestLog(columns, {**job.metadata, **extra}, attachments))
             put_in_place(private, job.path)
-        return outcome("done", extra.get("warning", ""))
+        return outcome("done", extra.get("warning", ""), error=followed_error(columns, job.config))
     except Interrupted as error:
         return outcome("failed", str(error), stops=error.exit_code)
     except RigFault as error:

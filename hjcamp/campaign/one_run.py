@@ -16,6 +16,7 @@ from hjcamp.campaign.planning import check_plan
 from hjcamp.campaign.provenance import code_identity
 from hjcamp.campaign.runner import RunResult, run_plan
 from hjcamp.configuration.run_keys import read_run_keys
+from hjcamp.live.feed import current_feed
 from hjcamp.records.plan import Plan
 
 if TYPE_CHECKING:
@@ -45,12 +46,14 @@ def make_run(
     if run_dir is None and keys.run_dir:
         run_dir = Path(str(keys.run_dir))
     say_before_moving(plan, console)
+    # a page that cannot be had is said before anything is written
+    current_feed()
     with cluster_for(keys.cluster, plan, "cluster=") as cluster:
         folder, goes_on = folder_for(plan, asked, lines, run_dir)
         if goes_on:
             console.print(f"goes on in {folder.path}", style="dim")
         result = run_plan(folder, console, keys.workers, rule, cluster=cluster)
-    return Made(folder.path, result, conclude(folder, result, console))
+    return _concluded(folder, result, console)
 
 
 def finish_run(
@@ -68,4 +71,12 @@ def finish_run(
         console.print("the program has changed since this run began; old and new tests may differ", style="yellow")
     with cluster_for(cluster_address, folder.plan, "--cluster ") as cluster:
         result = run_plan(folder, console, workers, rule, cluster=cluster)
-    return Made(folder.path, result, conclude(folder, result, console))
+    return _concluded(folder, result, console)
+
+
+def _concluded(folder: RunFolder, result: RunResult, console: Console) -> Made:
+    report = conclude(folder, result, console)
+    feed = current_feed()
+    if feed is not None:
+        feed.say("complete", f"report: {report.page}" if report is not None else "")
+    return Made(folder.path, result, report)

@@ -94,6 +94,7 @@ def _run(
     cluster: Any,
 ) -> Outcome | None:
     from hjcamp.campaign.compiling import kernels_of
+    from hjcamp.campaign.ends import Ends
     from hjcamp.campaign.progress import progress_bar
     from hjcamp.model.kernel_cache import cache_folder
 
@@ -103,6 +104,7 @@ def _run(
     jobs = make_jobs(folder.plan, waiting, folder.path)
     left = {test.condition for test in waiting}
     here = [one.config for one in folder.plan.conditions if one.name in left and cluster is None]
+    ends = Ends(folder, waiting, console)
     with progress_bar(console, len(folder.plan.tests), result.kept, kernels_of(here)) as advance:
         for outcome in _outcomes(jobs, workers, cluster, stop=lambda: signals.asked or bool(stoppers)):
             if outcome.state == "done":
@@ -120,6 +122,7 @@ def _run(
                 if stopper is not None:
                     stoppers.append(stopper)
             folder.note_rig(outcome.facts)
+            ends(outcome)
             advance(outcome.test)
     return stoppers[0] if stoppers else None
 

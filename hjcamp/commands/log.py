@@ -1,4 +1,4 @@
-"""Look at, check, recover and export test logs: hjcamp log info, verify, recover, export."""
+"""Look at, check, recover, export and view test logs: hjcamp log info, verify, recover, export, view."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def register(app: typer.Typer) -> None:
     """Add the commands."""
     group = typer.Typer(
         name="log",
-        help="Look at, check, recover and export test logs.",
+        help="Look at, check, recover, export and view test logs.",
         no_args_is_help=True,
         pretty_exceptions_enable=False,
     )
@@ -25,6 +25,7 @@ def register(app: typer.Typer) -> None:
     group.command("verify")(verify)
     group.command("recover")(recover)
     group.command("export")(export)
+    group.command("view")(view)
     app.add_typer(group)
 
 
@@ -124,3 +125,33 @@ def export(
     write_answer(json, {"schema": "hjcamp.export/1", "files": [str(path) for path in written]})
     for path in written:
         print(path)
+
+
+def view(
+    paths: Paths,
+    viewer: Annotated[str, typer.Option("--with", help="foxglove, plotjuggler or rerun.")] = "rerun",
+    into: Annotated[Path, typer.Option(help="The folder of layouts and recordings.")] = Path("view"),
+    begin: Annotated[bool, typer.Option("--open/--no-open", help="Begin the viewer where it is installed.")] = True,
+    json: AnswerFile = None,
+) -> None:
+    """Show logs in a viewer with a layout of their plant: curves by panel, phases as states or events."""
+    import shlex
+
+    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands._view import begin_viewer, prepare_view
+    from hjcamp.records.find import find_logs
+
+    check_answer_file(json)
+    made = prepare_view(list(find_logs(paths)), viewer, into)
+    files = [str(path) for path in made.files]
+    answer = {"schema": "hjcamp.view/1", "viewer": viewer, "files": files, "command": list(made.command)}
+    write_answer(json, {**answer, "installed": made.installed})
+    for path in files:
+        print(path)
+    if made.advice:
+        print(made.advice)
+    if made.installed and begin:
+        begin_viewer(made)
+    else:
+        missing = "" if made.installed else f"{viewer} is not installed here; where it is: "
+        print(f"{missing}{shlex.join(made.command)}")

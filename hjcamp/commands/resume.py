@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.errors import UsageError
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -21,11 +23,19 @@ def resume(
         bool, typer.Option("--keep-going", help="After a fault look at the rig again; go on where that passes.")
     ] = False,
     cluster: Annotated[str | None, typer.Option(help="A dask scheduler, tcp://HOST:PORT, or 'local'.")] = None,
+    live: Annotated[bool, typer.Option("--live", help="Open a page that follows the run, on this computer alone.")] = False,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="The port of the page; 0: one that is free.")] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Show the page to a browser.")] = True,
 ) -> None:
     """Go on with a run that was stopped: makes the tests that are missing, keeps those that are whole."""
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.folder import open_folder
     from hjcamp.campaign.going_on import StopRule
     from hjcamp.campaign.one_run import finish_run
+    from hjcamp.commands._live import live as live_of
+    from hjcamp.live.process import LiveAsk
 
-    finish_run(open_folder(run), make_console(), workers, StopRule(fail_fast, keep_going), cluster)
+    if port and not live:
+        raise UsageError(f"--port {port} is for the page of --live; give both")
+    with live_of(LiveAsk(port, browser) if live else None):
+        finish_run(open_folder(run), make_console(), workers, StopRule(fail_fast, keep_going), cluster)

@@ -1,7 +1,7 @@
 """Run a campaign: every condition, every repetition, then tables and report. All of Hydra's command line.
 
 hjcamp run campaign=NAME [GROUP=CHOICE ...] [PARAMETER=VALUE ...] [-m] [--cfg job] [--config-dir DIR]
-           [--keep-going | --fail-fast]
+           [--keep-going | --fail-fast] [--live [PORT]] [--no-browser]
 """
 
 from __future__ import annotations
@@ -38,7 +38,11 @@ def run(
     """Run a campaign: every condition, every repetition, then tables and report. All of Hydra's command line."""
     if arguments and arguments[0] in ("--help", "-h"):
         arguments = ["--help"]
-    call_hydra([SWITCHES.get(word, word) for word in arguments or []])
+    from hjcamp.commands._live import live, take_live
+
+    left, asked = take_live(arguments or [])
+    with live(asked):
+        call_hydra([SWITCHES.get(word, word) for word in left])
 
 
 def call_hydra(arguments: list[str]) -> None:

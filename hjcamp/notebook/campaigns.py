@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, shown
 from hjcamp.notebook.data import Data, load
 from hjcamp.notebook.result import Picture, Result, frame_of, quiet
 
@@ -149,15 +150,18 @@ def simulate(*overrides: str, **keys: Any) -> Run:
     return _made(overrides, keys, only_simulation=True)
 
 
-def run(*overrides: str, **keys: Any) -> Run:
+def run(*overrides: str, live: bool | int = False, **keys: Any) -> Run:
     """Run a campaign or one condition on any backend, a rig too, and return the run; `hjcamp run`.
+
+    ``live``: open a page that follows it, on this port or, with True, on one that is free.
 
     >>> hjcamp.run("campaign=robustness_vertical", repetitions=0)
     Traceback (most recent call last):
         ...
     hjcamp.errors.UsageError: repetitions is 0; a whole number from 1 to ... is needed
     """
-    return _made(overrides, keys, only_simulation=False)
+    with _followed(live):
+        return _made(overrides, keys, only_simulation=False)
 
 
 def plan(*overrides: str, **keys: Any) -> Plan:
@@ -171,8 +175,8 @@ def plan(*overrides: str, **keys: Any) -> Plan:
     return Plan(made, made.as_json())
 
 
-def resume(path: str | Path) -> Run:
-    """Go on with a run that was stopped and return it; `hjcamp resume`.
+def resume(path: str | Path, live: bool | int = False) -> Run:
+    """Go on with a run that was stopped and return it, with a page as `run` opens it; `hjcamp resume`.
 
     >>> hjcamp.resume("logs")
     Traceback (most recent call last):
@@ -182,7 +186,9 @@ def resume(path: str | Path) -> Run:
     from hjcamp.campaign.folder import open_folder
     from hjcamp.campaign.one_run import finish_run
 
-    return _of(finish_run(open_folder(Path(path)), quiet()))
+    folder = open_folder(Path(path))
+    with _followed(live):
+        return _of(finish_run(folder, quiet()))
 
 
 def report(path: str | Path, against: str | None = "published") -> Run:
@@ -240,6 +246,16 @@ def _made(overrides: Sequence[str], keys: Mapping[str, Any], only_simulation: bo
     if only_simulation and others:
         raise UsageError(f"backend={', '.join(sorted(others))} is no simulation; hjcamp.run(...) takes every backend")
     return _of(make_run(planned, asked, [free(line) for line in lines], quiet()))
+
+
+def _followed(live: bool | int) -> AbstractContextManager[None]:
+    from hjcamp.live.process import HIGHEST_PORT, LiveAsk, live_page
+
+    if live is False:
+        return nullcontext()
+    if not isinstance(live, int) or not 0 < live <= HIGHEST_PORT:
+        raise UsageError(f"live is {shown(live)}; True, False or a port from 1 to {HIGHEST_PORT} is needed")
+    return live_page(LiveAsk(0 if live is True else live), print)
 
 
 def _of(made: Any) -> Run:

@@ -7,22 +7,19 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError
 from hjcamp.model.field_unit import unit_of_field
+from hjcamp.records.viewer_layouts import Panels, write_layouts
 from hjcamp.records.write import start_time_ns
 from hjcamp.storage import whole_file
 
 Array = NDArray[np.float64]
 Channels = Mapping[str, Array]
 MEASURED = "/test/measured"
-FOXGLOVE, PLOTJUGGLER = "foxglove_layout.json", "plotjuggler_layout.xml"
-COLOURS = ("#1b1f24", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00")
 
 
 @dataclass(frozen=True)
@@ -61,11 +58,7 @@ def write_modelled(folder: Path, tests: Iterable[ModelledTest]) -> list[Path]:
             names[topic] += [one for one in channels if one not in names[topic]]
     if not written:
         raise HjcampError(f"{folder}: there is no test to write")
-    for name, content in ((FOXGLOVE, foxglove_layout(names)), (PLOTJUGGLER, plotjuggler_layout(names))):
-        with whole_file(folder / name) as stream:
-            stream.write(content.encode())
-        written.append(folder / name)
-    return written
+    return written + write_layouts(folder, _panels(names), "models")
 
 
 def topics_of(test: ModelledTest) -> dict[str, Channels]:
@@ -105,68 +98,14 @@ def _schema(columns: Channels) -> bytes:
     return json.dumps({"type": "object", "properties": properties}).encode()
 
 
-def _panels(names: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
+def _panels(names: Mapping[str, Sequence[str]]) -> Panels:
     """Return what each panel shows: a channel of all topics together, its residuals below."""
     modelled = [name for topic, known in names.items() if topic != MEASURED for name in known]
-    panels: dict[str, list[str]] = {}
+    panels: Panels = {}
     for channel in dict.fromkeys(modelled):
         having = [topic for topic, known in names.items() if channel in known]
-        panels[channel] = [topic for topic in having if not topic.startswith("/residual/")]
-        panels[f"residual of {channel}"] = [topic for topic in having if topic.startswith("/residual/")]
+        for title, residual in ((channel, False), (f"residual of {channel}", True)):
+            panels[title] = [
+                (topic, channel, topic.strip("/")) for topic in having if topic.startswith("/residual/") == residual
+            ]
     return panels
-
-
-def foxglove_layout(names: Mapping[str, Sequence[str]]) -> str:
-    """Return a layout of Foxglove: a plot for each modelled channel and for its residuals, one below the other."""
-    configurations: dict[str, Any] = {}
-    for title, topics in _panels(names).items():
-        channel = title.removeprefix("residual of ")
-        paths = [
-            {"value": f"{topic}.{channel}", "enabled": True, "timestampMethod": "receiveTime", "label": topic.strip("/"),
-             "color": COLOURS[place % len(COLOURS)]}
-            for place, topic in enumerate(topics)
-        ]  # fmt: skip
-        configurations[f"Plot!{len(configurations)}"] = {
-            "paths": paths, "title": title, "showLegend": True, "isSynced": True, "xAxisVal": "timestamp",
-            "showXAxisLabels": True, "showYAxisLabels": True, "legendDisplay": "floating", "foxglovePanelTitle": title,
-        }  # fmt: skip
-    content = {
-        "configById": configurations, "globalVariables": {}, "userNodes": {}, "playbackConfig": {"speed": 1},
-        "layout": _stacked(list(configurations)),
-    }  # fmt: skip
-    return json.dumps(content, indent=2) + "\n"
-
-
-def _stacked(panels: Sequence[str]) -> Any:
-    if len(panels) < 2:
-        return panels[0] if panels else ""
-    half = len(panels) // 2
-    share = round(100.0 * half / len(panels), 1)
-    return {
-        "direction": "column",
-        "first": _stacked(panels[:half]),
-        "second": _stacked(panels[half:]),
-        "splitPercentage": share,
-    }
-
-
-def plotjuggler_layout(names: Mapping[str, Sequence[str]]) -> str:
-    """Return a layout of PlotJuggler: a tab with a plot for each modelled channel and for its residuals."""
-    areas = []
-    panels = _panels(names)
-    for title, topics in panels.items():
-        channel = title.removeprefix("residual of ")
-        curves = "".join(
-            f"<curve name={quoteattr(f'{topic}/{channel}')} color={quoteattr(COLOURS[place % len(COLOURS)])}/>"
-            for place, topic in enumerate(topics)
-        )
-        areas.append(
-            f'<DockArea name={quoteattr(title)}><plot mode="TimeSeries" style="Lines"><limitY/>{curves}</plot></DockArea>'
-        )
-    sizes = ";".join([f"{1.0 / max(len(panels), 1):.4f}"] * len(panels))
-    return (
-        "<?xml version='1.0' encoding='UTF-8'?>\n"
-        '<root><tabbed_widget name="Main Window" parent="main_window"><Tab tab_name="models" containers="1"><Container>'
-        f'<DockSplitter orientation="-" count="{len(panels)}" sizes="{sizes}">{"".join(areas)}</DockSplitter>'
-        '</Container></Tab><currentTabIndex index="0"/></tabbed_widget></root>\n'
-    )

@@ -67,7 +67,7 @@ def test_kernels_are_cached_where_they_are_kept_and_the_page_is_uploaded() -> No
     uploads = [
         step["with"]["path"] for _, step in steps() if step.get("uses", "").startswith("actions/upload-artifact@")
     ]
-    assert sum("run/report.html" in one for one in uploads) == len(workflows()) and "site/catalogue" in uploads
+    assert sum("run/report.html" in one for one in uploads) == len(workflows()) and "site/html" in uploads
 
 
 def test_what_the_steps_call_is_there() -> None:
@@ -78,6 +78,8 @@ def test_what_the_steps_call_is_there() -> None:
             # Options and arguments are read as in a call; nothing is done.
             command = load(command_files()[words[1]])
             assert command.make_context(words[1], words[2:]) is not None
+        elif words[0] == "python":
+            assert (ROOT / words[-1]).exists() or (ROOT / words[1]).is_file(), words
         elif words[0] not in THERE:
             file = ROOT / words[0]
             assert file.is_file() and os.access(file, os.X_OK), words
