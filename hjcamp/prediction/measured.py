@@ -13,7 +13,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.parameter import finite_number
 from hjcamp.model.plant import ALWAYS, Plant
-from hjcamp.prediction.noise import noise_of
+from hjcamp.prediction.noise import noise_of, step_of
 from hjcamp.records.find import refuse_mixed_plants
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
@@ -88,6 +88,17 @@ class Measured:
         declared = [self.plant.measured[one.field].noise for one in self.sensors]
         median = np.median(np.array(found), axis=0)
         return np.array([read if said is None else said for read, said in zip(median, declared, strict=True)])
+
+    @cached_property
+    def steps(self) -> dict[str, float]:
+        """The step of each sensor that counts, SI, by the name of its place: as declared, else as most tests have it."""
+        found = {}
+        for k, one in enumerate(self.sensors):
+            item = self.plant.measured[one.field]
+            read = float(np.median([step_of(test.readings[:, k]) for test in self.tests]))
+            if step := item.counts or read:
+                found[item.sensor] = step
+        return found
 
     def only(self, keep: Sequence[int]) -> Measured:
         """Return the tests at these positions alone."""

@@ -147,11 +147,25 @@ class Search:
             self.report(f"fitting {_added(start.candidate, fitted.candidate)}", done / len(starts))
             models.append(self.fitted(start.candidate, start))
         models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.left_out)
-        named = tuple(one for one in models if _added(one.fitted.candidate, fitted.candidate) in self.library)
-        others_fitted = tuple(one for one in models if one not in named)
+        added = [_added(one.fitted.candidate, fitted.candidate) for one in models]
+        named = tuple(
+            one for one, name in zip(models, added, strict=True) if name in self.library and self.is_read(one, name)
+        )
+        others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
         step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted)
         self.steps.append(step)
         return step
+
+    def is_read(self, model: Scored, name: str) -> bool:
+        """Whether an effect adds a step at least to the reading of a sensor that counts: its zero is known no better."""
+        effect = self.library[name]
+        steps = [self.windows.layout.measured.steps.get(slot, 0.0) for slot in effect.terms]
+        generic = getattr(effect, "made_of", (None,))[0]
+        constant = generic is not None and [item.unit for item in generic.parameters.values()] == ["reading"]
+        if not constant or not all(steps):
+            return True
+        [offset] = model.fitted.candidate.effects[name].values()
+        return abs(offset) >= min(steps)
 
     def begun(self, projection: Projection, name: str, promises: Sequence[Promise]) -> Fitted:
         """Return the best fit after few rounds: from where a named effect promises most, and from its usual values.
