@@ -148,9 +148,11 @@ class Search:
             models.append(self.fitted(start.candidate, start))
         models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.left_out)
         added = [_added(one.fitted.candidate, fitted.candidate) for one in models]
-        named = tuple(
-            one for one, name in zip(models, added, strict=True) if name in self.library and self.is_read(one, name)
-        )
+        in_library = [(one, name) for one, name in zip(models, added, strict=True) if name in self.library]
+        unread = [one for one, name in in_library if not self.is_read(one, name)]
+        read = [one for one, name in in_library if self.is_read(one, name)]
+        # what the unknown zero of a counter explains as well is no effect
+        named = tuple(one for one in read if all(self.beats(one, each) for each in unread))
         others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
         step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted)
         self.steps.append(step)
