@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,8 +112,8 @@ def calibrated(
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
     kernels = Kernels(plant, dict(library))
     unseen = bool((~np.isfinite(joined)).all(axis=0).any())
-    windows = Windows(layout, kernels, _first(layout, joined, declared), sizes, lowest, unseen)
-    _hidden(windows, candidate, joined)
+    windows = Windows(layout, kernels, first_starts(layout, joined), sizes, lowest, unseen)
+    begin_hidden(windows, candidate, joined)
     report("calibrating", 0.1)
     ranges = ranges_of(plant, candidate.base, _filled(joined, windows, candidate), layout.inputs, layout.time)
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
@@ -145,17 +145,16 @@ def _usual(values: Array, typical: float) -> float:
     return float(np.sqrt(np.mean(known**2))) or abs(typical) if len(known) else abs(typical)
 
 
-def _first(layout: Layout, joined: Array, declared: Sequence[object]) -> Array:
+def first_starts(layout: Layout, joined: Array) -> Array:
     """Return the starts (windows, states): what is measured, else a state's usual size where it has a lowest value, else 0."""
     starts = joined[:: layout.width].copy()
-    for k, item in enumerate(declared):
-        typical, low = getattr(item, "typical", 0.0), getattr(item, "low", -np.inf)
-        guess = typical if np.isfinite(low) else 0.0
+    for k, item in enumerate(layout.measured.plant.states.values()):
+        guess = item.typical if np.isfinite(item.low) else 0.0
         starts[:, k] = np.where(np.isfinite(starts[:, k]), starts[:, k], guess)
     return starts
 
 
-def _hidden(windows: Windows, candidate: Candidate, joined: Array) -> None:
+def begin_hidden(windows: Windows, candidate: Candidate, joined: Array) -> None:
     """Let a state that nothing measures begin each window where the window before left it."""
     unseen = ~np.isfinite(joined).any(axis=0)
     if not unseen.any():

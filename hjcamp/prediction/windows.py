@@ -168,9 +168,10 @@ class Windows:
             after = np.sum(self.layout.coefficients(self.errors(candidate)).reshape(len(left), -1) ** 2, axis=1)
             better = after < before
             self.starts = np.where(better[:, None], tried, kept)
-        self._renew(candidate)
+        self.renew(candidate)
 
-    def _renew(self, candidate: Candidate) -> None:
+    def renew(self, candidate: Candidate) -> None:
+        """Renew what a change of each window's start explains."""
         slopes = self._sensitivities(candidate)
         rank = slopes.shape[2]
         self._spans = np.zeros_like(slopes)
