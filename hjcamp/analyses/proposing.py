@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -45,11 +45,17 @@ def propose_for_plant(
     ``kept`` may be the answer of a diagnosis: where it was made from the same logs and model, the search is not made again.
     """
     from hjcamp.prediction.analysis import calibrated
-    from hjcamp.prediction.next.rivals import check_names
+    from hjcamp.prediction.next.rivals import NONE, check_names
 
-    chosen, start = chosen_and_start(data, asked)
-    check_names(chosen, rivals)
     before = _kept(kept, made_from(data, asked))
+    if before is not None:
+        made = before["made_from"]
+        considered = replace(asked, only=made.get("only"), without=made.get("without"))
+        chosen, start = chosen_and_start(data, considered)
+        before = before if all(name in chosen or name == NONE for name in rivals) else None
+    if before is None:
+        chosen, start = chosen_and_start(data, asked)
+    check_names(chosen, rivals)
     if before is None and not rivals:
         done = diagnose_plant(data, asked, lambda text, share: report(text, DIAGNOSED * share))
         return propose_after(done, rivals, tests, asked.seed, report)
@@ -95,7 +101,5 @@ def _kept(path: Path | None, wanted: Mapping[str, Any]) -> dict[str, Any] | None
     if not isinstance(content, dict) or not wanted["logs_sha256"]:
         return None
     made = content.get("made_from")
-    same = isinstance(made, dict) and all(
-        made.get(key) == wanted[key] for key in ("logs_sha256", "model", "only", "without")
-    )
+    same = isinstance(made, dict) and all(made.get(key) == wanted[key] for key in ("logs_sha256", "model"))
     return content if same and content.get("schema") == "hjcamp.diagnosis/2" and "window_samples" in content else None

@@ -118,6 +118,7 @@ def next_any(
     from hjcamp.commands._next_plant_campaign import written_campaign
     from hjcamp.commands._session import folder_for, progress_of, write_answer
     from hjcamp.discrepancy.next_campaign import new_campaign
+    from hjcamp.report.next_figure import draw_predictions
     from hjcamp.storage import whole_file
 
     began = time.perf_counter()
@@ -132,9 +133,9 @@ def next_any(
         picture = campaign = None
         if done.proposal.tests:
             picture = folder_for("next", data.paths, json) / "predictions.png"
-            drawn = said.picture(done)
+            png = draw_predictions(*said.drawn(done))
             with whole_file(picture) as stream:
-                stream.write(drawn)
+                stream.write(png)
         if done.proposal.chosen:
             campaign = written_campaign(done, data, name)
         write_answer(json, said.answer(done, campaign, picture, time.perf_counter() - began))

@@ -96,6 +96,19 @@ def names_of(proposal: Proposal) -> str:
     return ", ".join(names[:-1]) + f" and {names[-1]}" if len(names) > 1 else names[0]
 
 
+def title(done: PlantProposed) -> str:
+    """Return the answer in one line."""
+    proposal = done.proposal
+    if len(proposal.question.rivals) < 2:
+        return "NOTHING TO SEPARATE"
+    if not proposal.chosen:
+        return "NO TEST TELLS"
+    one = proposal.tests[0]
+    size = f"{proposal.chosen} test{'s' if proposal.chosen > 1 else ''} of {one.seconds:.3g} s"
+    again = f", {one.repetitions} repetitions each" if one.repetitions > 1 else ""
+    return f"PROPOSED   {size}{again}, the best of {proposal.tried} tried in simulation"
+
+
 def sentences(done: PlantProposed) -> list[str]:
     """Return what is proposed, or that nothing is, in sentences."""
     proposal, said = done.proposal, telling(done)
@@ -160,19 +173,12 @@ def tell(console: Console, done: PlantProposed, picture: Path | None, campaign: 
         console.print(f"diagnosis of the same logs taken from {done.reused}", style="dim", markup=False)
     if len(proposal.question.rivals) > 1:
         console.print(f"To be told apart: {names_of(proposal)}.", markup=False)
+    console.print(title(done), style="bold" if proposal.chosen else "yellow", markup=False, highlight=False)
     if proposal.chosen:
-        one = proposal.tests[0]
-        size = f"{proposal.chosen} test{'s' if proposal.chosen > 1 else ''} of {one.seconds:.3g} s"
-        again = f", {one.repetitions} repetitions each" if one.repetitions > 1 else ""
-        console.print(
-            f"PROPOSED   {size}{again}, the best of {proposal.tried} tried in simulation", style="bold", markup=False
-        )
         table(console, HEAD, rows(proposal))
         names = [one.name for one in proposal.question.rivals]
         for (a, b), value in list(proposal.together.items())[:8]:
             console.print(f"together   {names[a]} / {names[b]} {_sigma(value)} standard deviations", markup=False)
-    else:
-        console.print("NO TEST TELLS" if len(proposal.question.rivals) > 1 else "NOTHING TO SEPARATE", style="yellow")
     print_wrapped(console, sentences(done), 8)
     for label, path in (("campaign", campaign), ("picture", picture)):
         if path is not None:
@@ -181,9 +187,9 @@ def tell(console: Console, done: PlantProposed, picture: Path | None, campaign: 
         console.print(f"{'        ' if number else 'next    '}{line}", markup=False)
 
 
-def picture(done: PlantProposed) -> bytes:
-    """Return the picture of what the rivals predict for the best tests (PNG)."""
-    from hjcamp.report.next_figure import Bar, Labels, draw_predictions
+def drawn(done: PlantProposed) -> tuple[Any, Any, Any]:
+    """Return what is drawn of the best tests: predictions of the rivals, bars of separations, labels."""
+    from hjcamp.report.next_figure import Bar, Labels
     from hjcamp.report.prediction_figures import readable
 
     proposal, sensors = done.proposal, done.analysis.measured.sensors
@@ -207,7 +213,7 @@ def picture(done: PlantProposed) -> bytes:
         Bar(f"{names[a]} / {names[b]}", value, [one.pairs[a, b] for one in proposal.tests[: proposal.chosen]])
         for (a, b), value in (proposal.together or proposal.tests[0].pairs).items()
     ]
-    return draw_predictions(shown, bars, labels)
+    return shown, bars, labels
 
 
 def _prediction(done: PlantProposed, one: Proposed) -> Any:

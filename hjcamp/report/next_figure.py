@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -50,14 +50,24 @@ class Bar(NamedTuple):
 
 def draw_predictions(tests: Sequence[Prediction], bars: Sequence[Bar], labels: Labels | None = None) -> bytes:
     """Return the picture as PNG: a column for each test (at most four), and bars of separations below."""
-    import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+
+    buffer = io.BytesIO()
+    FigureCanvasAgg(predictions_figure(tests, bars, labels, Figure)).print_png(buffer)
+    return buffer.getvalue()
+
+
+def predictions_figure(
+    tests: Sequence[Prediction], bars: Sequence[Bar], labels: Labels | None, kind: Callable[..., Any]
+) -> Any:
+    """Return the picture as a figure of matplotlib, made by ``kind``."""
+    import matplotlib
 
     shown, labels = list(tests)[:COLUMNS], labels or Labels()
     below = 1.0 + 0.24 * len(bars)
     with matplotlib.rc_context(SETTINGS):  # type: ignore[arg-type]
-        figure = Figure(figsize=(1.4 + 4.0 * max(len(shown), 2), HEIGHT + below), layout="constrained")
+        figure = kind(figsize=(1.4 + 4.0 * max(len(shown), 2), HEIGHT + below), layout="constrained")
         top, bottom = np.ravel(np.asarray(figure.subfigures(2, 1, height_ratios=[HEIGHT, below])))
         axes = top.subplots(len(labels.rows) + 1, len(shown), squeeze=False, sharex="col")
         alike = len({tuple(one.means) for one in shown}) == 1
@@ -69,9 +79,7 @@ def draw_predictions(tests: Sequence[Prediction], bars: Sequence[Bar], labels: L
             handles, names = axes[0, 0].get_legend_handles_labels()
             top.legend(handles, names, fontsize=8, frameon=False, ncols=len(names), loc="outside upper right")
         _bars(bottom.subplots(), bars, labels.bands)
-        buffer = io.BytesIO()
-        FigureCanvasAgg(figure).print_png(buffer)
-    return buffer.getvalue()
+    return figure
 
 
 def _column(axes: Any, one: Prediction, title: str, labelled: bool, labels: Labels) -> None:

@@ -9,7 +9,8 @@ with the whitener W of what A leaves of the measured tests. With e the white res
 
 .. math:: a = \sum_w \tfrac{d}{2} \log \frac{d + |e_w + z_w|^2}{d + |e_w|^2}
 
-as in `hjcamp.prediction.chapters.advantages`. The separation is the mean of a over its standard deviation, over shifts of e in time.
+as in `hjcamp.prediction.chapters.advantages`. The separation is the mean of a over its standard deviation,
+over shifts of e in time and both signs.
 Without other knowledge, the refit of B with H is the mean over all parameters of B that the tests allow (both are Gaussian).
 """
 
@@ -33,6 +34,8 @@ Array = NDArray[np.float64]
 SHIFTS = 32
 FIT_ROUNDS = 6
 LARGEST = 1e6
+# A scatter of the advantage below this is none, log units.
+LEAST = 1e-3
 
 
 @dataclass(frozen=True)
@@ -109,9 +112,10 @@ def deviate(left: Array, noise: Array, worse: float = 0.0) -> float:
     sums = []
     for place in places:
         own = noise[(place + np.arange(n)) % len(noise)]
-        sums.append(float(np.sum(_scores(own + left) - _scores(own))))
+        # with both signs: what a difference and the noise have in common by chance is no separation
+        sums += [float(np.sum(_scores(own + sign * left) - _scores(own))) for sign in (1.0, -1.0)]
     spread = float(np.std(sums, ddof=1))
-    return float(np.clip((np.mean(sums) + worse) / max(spread, 1e-12), 0.0, LARGEST))
+    return float(np.clip((np.mean(sums) + worse) / max(spread, LEAST), 0.0, LARGEST))
 
 
 def _scores(white: Array) -> Array:
