@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.next.beyond import Beyond, beyond, ranges
 from hjcamp.prediction.next.rivals import Question
-from hjcamp.prediction.next.separation import Contest, contest, refitted
+from hjcamp.prediction.next.separation import Contest, contests, refitted
 from hjcamp.prediction.next.truth import bench_of, held_by_loop
 from hjcamp.prediction.next.wanted import DEARER, Wanted, menu
 from hjcamp.prediction.windows import Windows
@@ -87,8 +87,8 @@ def propose(
         truths.append(tuple(bench.simulated(analysis, one) for one in own))
     outside = beyond(analysis, bench, [one[0] for one in truths], ranges(analysis))
     able = [k for k in range(len(wanted)) if all(each.share <= FARTHEST for each in outside[k])]
-    contests = _contests(question, truths, report)
-    singles = {k: _pairs(question, contests, [k]) for k in able}
+    fights = _contests(question, truths, report)
+    singles = {k: _pairs(question, fights, [k]) for k in able}
     costs = {k: _cost(wanted[k], outside[k]) for k in able}
     best = sorted(able, key=lambda k: -_score(singles[k]) / costs[k])[:REFITTED]
     usual = int(np.median([len(places) for places in layout.measured.conditions.values()]))
@@ -99,7 +99,7 @@ def propose(
         of = layout.measured.tests[wanted[k].of].name
         found.append(Proposed(wanted[k], of, usual, k, seconds, pairs, singles[k], tuple(outside[k])))
     found.sort(key=lambda one: -_score(one.pairs) / costs[one.place])
-    chosen, together = _chosen(analysis, question, truths, contests, found, tests)
+    chosen, together = _chosen(analysis, question, truths, fights, found, tests)
     rest = [one for one in found if one not in chosen]
     return Proposal(question, (*chosen, *rest), len(chosen), together, len(able), by_motion, tuple(truths))
 
@@ -111,8 +111,7 @@ def _contests(
     for done, (true, other) in enumerate(question.contests):
         one, two = question.rivals[true], question.rivals[other]
         report(f"setting {one.name} against {two.name}", 0.3 + 0.4 * done / len(question.contests))
-        drawn = list(zip(truths[true][1:], two.draws, strict=False))
-        found[true, other] = [contest(simulated, one, two, of) for simulated, of in drawn]
+        found[true, other] = contests(truths[true][1:], one, two)
     return found
 
 

@@ -66,6 +66,7 @@ def question_of(
     ``answer`` is that of the diagnosis, by the keys of ``hjcamp.diagnosis/2``; ``known`` are models that are fitted already.
     Raises ``UsageError`` for a name that the library has not.
     """
+    sets: list[tuple[str, ...]]
     if names:
         sets = [() if name == NONE else (name,) for name in check_names(analysis.search.library, names)]
     elif answer["verdict"] in (NOTHING, CANNOT_TELL):
@@ -87,7 +88,9 @@ def question_of(
 def sets_of(answer: Mapping[str, Any]) -> list[tuple[str, ...]]:
     """Return the sets of names that a diagnosis does not rule out; what it names and the best others where it is sure."""
     named = [tuple(one) for one in answer["confidence_set"]]
-    others = [(row["effect"],) for row in answer["candidates"] if row["effect"] not in answer["effects"]]
+    others: list[tuple[str, ...]] = [
+        (row["effect"],) for row in answer["candidates"] if row["effect"] not in answer["effects"]
+    ]
     if answer["verdict"] == ONE_OF:
         return named[:MOST]
     if answer["verdict"] == EFFECT:

@@ -11,7 +11,7 @@ with the whitener W of what A leaves of the measured tests. With e the white res
 
 as in `hjcamp.prediction.chapters.advantages`. The separation is the mean of a over its standard deviation,
 over shifts of e in time and both signs.
-Without other knowledge, the refit of B with H is the mean over all parameters of B that the tests allow (both are Gaussian).
+It is averaged over sets of A's parameters; those of B are averaged by the refit (for Gaussians minimum and mean are the same).
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.fitting import fit, slopes_of
 from hjcamp.prediction.likelihood import whitener
@@ -34,8 +33,8 @@ Array = NDArray[np.float64]
 SHIFTS = 32
 FIT_ROUNDS = 6
 LARGEST = 1e6
-# A scatter of the advantage below this is none, log units.
-LEAST = 1e-3
+# Advantages that scatter by less (log units) are no more certain for that: a difference below it is no evidence.
+LEAST = 0.7
 
 
 @dataclass(frozen=True)
@@ -67,19 +66,26 @@ class Contest:
         return deviate(left, self.noise, worse)
 
 
-def contest(simulated: Windows, truth: Rival, other: Rival, of: Candidate) -> Contest:
-    """Return the contest of a true rival, whose readings are simulated, with another one that has the parameters ``of``."""
+def contests(drawn: Sequence[Windows], truth: Rival, other: Rival) -> list[Contest]:
+    """Return the contests of a true rival, simulated with several sets of its parameters, with another one as it was fitted."""
     white = whitener(truth.model.features)
-    simulated.renew(of)
-    features = simulated.features(of)
-    free = other.model.fitted.free
-    slopes = (
-        slopes_of(simulated, of, free, features) if np.all(np.isfinite(features)) else np.zeros((*features.shape, 0))
-    )
-    white_slopes = np.einsum("wfp,fg->wgp", slopes, white)
-    held = other.model.fitted.information if slopes.shape[2] else np.zeros((0, 0))
-    noise = truth.model.features @ white
-    return Contest(features @ white, white_slopes, held, noise, simulated.layout.of_test)
+    free, found, slopes = other.model.fitted.free, [], None
+    for place, simulated in enumerate(drawn):
+        # windows that begin at the same states have the same slopes, whatever was read in them
+        same = place > 0 and np.array_equal(simulated.starts, drawn[place - 1].starts)
+        if same:
+            simulated.place = simulated.starts, drawn[place - 1].place[1]
+        else:
+            simulated.renew(other.candidate)
+        features = simulated.features(other.candidate)
+        if not same or slopes is None:
+            slopes = slopes_of(simulated, other.candidate, free, features)
+        white_slopes = np.einsum("wfp,fg->wgp", slopes, white)
+        noise = truth.model.features @ white
+        found.append(
+            Contest(features @ white, white_slopes, other.model.fitted.information, noise, simulated.layout.of_test)
+        )
+    return found
 
 
 def refitted(analysis: Analysis, simulated: Windows, truth: Rival, other: Rival, tests: Sequence[int]) -> float:
@@ -87,16 +93,18 @@ def refitted(analysis: Analysis, simulated: Windows, truth: Rival, other: Rival,
     windows, new = joined_with(analysis, other.model.place[0], simulated, tests)
     free = other.model.fitted.free
     windows.renew(other.candidate)
+    before = windows.features(other.candidate)[~new] @ whitener(truth.model.features)
     found = fit(windows, other.candidate, free, FIT_ROUNDS, exact=False)
     if not np.isfinite(found.loss):
         return LARGEST
-    windows.move_starts(found.candidate, rounds=1)
-    found = fit(windows, found.candidate, free, FIT_ROUNDS, near=found, exact=False)
+    if windows.unseen:
+        windows.move_starts(found.candidate, rounds=1)
+        found = fit(windows, found.candidate, free, FIT_ROUNDS, near=found, exact=False)
     white = whitener(truth.model.features)
     noise = truth.model.features @ white
-    # what the new tests cost B on those that are measured counts as well
-    before, after = other.model.fitted.features @ white, found.features[~new] @ white
-    worse = float(_scores(after).sum() - _scores(before).sum())
+    # what the new tests cost B on those that are measured counts as well; to those alone it was fitted before
+    after = found.features[~new] @ white
+    worse = max(float(_scores(after).sum() - _scores(before).sum()), 0.0)
     return deviate(found.features[new] @ white, noise, worse)
 
 

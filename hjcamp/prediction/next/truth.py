@@ -25,17 +25,39 @@ RIDGE = 1e-4
 ROOM = 0.5
 # A free run that misses the readings by more than this share of their spread is not what a test under these inputs does.
 FOLLOWS = 0.5
+# A displaced start is kept where this share of the displacement is there in the last quarter of a test.
+KEPT = 0.5
 
 
 def held_by_loop(analysis: Analysis) -> bool:
-    """Whether tests are motions: a loop outside the equations holds them, or the plant under its inputs alone drifts away."""
+    """Whether tests are motions: a loop outside the equations holds them.
+
+    So it is where the plant says it, where under its logged inputs alone it drifts away from its readings, and where a displaced
+    start is never forgotten: nothing in the equations brings such a plant back.
+    """
     if analysis.measured.plant.loop == "foreign":
         return True
-    layout = analysis.windows.layout
-    firsts = analysis.windows.starts[np.flatnonzero(layout.begins[:: layout.width] == 1)]
-    shown, _ = run(analysis.windows, analysis.base.fitted.candidate, layout.inputs, layout.begins == 1, firsts)
+    windows, layout = analysis.windows, analysis.windows.layout
+    firsts = windows.starts[np.flatnonzero(layout.begins[:: layout.width] == 1)]
+    model = analysis.base.fitted.candidate
+    shown, _ = run(windows, model, layout.inputs, layout.begins == 1, firsts)
     left, spread = np.std(shown - layout.readings, axis=0), np.std(layout.readings, axis=0)
-    return bool(not np.all(left <= FOLLOWS * spread))
+    if not np.all(left <= FOLLOWS * spread):
+        return True
+    last = _last_quarter(layout)
+    for k, size in enumerate(windows.sizes):
+        moved = firsts.copy()
+        moved[:, k] += size
+        apart = np.abs(run(windows, model, layout.inputs, layout.begins == 1, moved)[0] - shown)
+        if np.any(apart[last].mean(axis=0) > KEPT * np.maximum(apart.max(axis=0), 1e-300)):
+            return True
+    return False
+
+
+def _last_quarter(layout: Layout) -> NDArray[np.bool_]:
+    """Return which rows (n,) lie in the last quarter of their test."""
+    lengths = [count * layout.width for count in layout.counts]
+    return np.concatenate([np.arange(length) >= 0.75 * length for length in lengths])
 
 
 def run(
@@ -142,7 +164,7 @@ def needed(analysis: Analysis, windows: Windows, model: Candidate) -> Array:
 
 
 def _test(measured: Measured, wanted: Wanted) -> MeasuredTest:
-    time = np.arange(wanted.samples) * measured.period
+    time: Array = np.arange(wanted.samples, dtype=np.float64) * measured.period
     log = measured.tests[wanted.of].log
     return MeasuredTest(wanted.name, wanted.name, time, wanted.inputs, wanted.readings, wanted.given, log)
 

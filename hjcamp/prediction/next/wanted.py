@@ -152,10 +152,10 @@ def _moves(measured: Measured, place: int, samples: int) -> Iterator[Wanted]:
         corner = int(np.clip(2.0 * size / (rate * h), 1, max(samples // 8, 1)))
         padded = np.pad(path, corner // 2, mode="edge")
         smooth = np.convolve(padded, np.ones(corner) / corner, mode="valid")[:samples]
-        readings = np.column_stack([np.polyval(one, np.resize(smooth, samples)) for one in gears])
+        readings: Array = np.column_stack([one[0] * np.resize(smooth, samples) + one[1] for one in gears])
         return Wanted(name, text, place, inputs, readings, test.given, {"speed": size})
 
-    time = np.arange(samples) * h
+    time: Array = np.arange(samples, dtype=np.float64) * h
     unit = measured.sensors[lead]
 
     def shown(value: float) -> str:
