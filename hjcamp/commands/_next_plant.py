@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 SCHEMA = "hjcamp.next/2"
 COLUMNS = 3
+DRAWN = 4
 TITLE = 42
 HEAD = ("test", "apart by", "beyond the logs")
 
@@ -112,10 +113,11 @@ def title(done: PlantProposed) -> str:
 def sentences(done: PlantProposed) -> list[str]:
     """Return what is proposed, or that nothing is, in sentences."""
     proposal, said = done.proposal, telling(done)
-    found = []
+    found = [f"{one[:1].upper()}{one[1:]}." for one in done.diagnosis.get("lacking", ())]
     if len(proposal.question.rivals) < 2:
         return [
-            "Nothing is to be told apart: every effect of the library would stand out in these tests at its usual size."
+            *found,
+            "Nothing is to be told apart: every effect of the library would stand out in these tests at its usual size.",
         ]
     hidden = [one.name for one in proposal.question.rivals if not one.fitted]
     if hidden:
@@ -221,7 +223,7 @@ def _prediction(done: PlantProposed, one: Proposed) -> Any:
 
     proposal, scales = done.proposal, np.array([each.scale for each in done.analysis.measured.sensors])
     means, spreads, time = {}, {}, np.zeros(0)
-    for rival, drawn in zip(proposal.question.rivals, proposal.truths, strict=True):
+    for rival, drawn in list(zip(proposal.question.rivals, proposal.truths, strict=True))[:DRAWN]:
         layout = drawn[0].layout
         rows = np.repeat(layout.of_test, layout.width) == one.place
         values = np.stack([each.layout.readings[rows] * scales for each in drawn])

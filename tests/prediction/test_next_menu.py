@@ -10,7 +10,8 @@ import pytest
 from carriage import PERIOD, measured_log
 
 from hjcamp.prediction.measured import Measured, measured_tests
-from hjcamp.prediction.next.wanted import Wanted, menu
+from hjcamp.prediction.next.menu import menu
+from hjcamp.prediction.next.wanted import Wanted
 from hjcamp.records.log import TestLog
 
 SAMPLES = 3000
@@ -60,6 +61,8 @@ def test_courses_of_an_input_stay_in_its_range(measured: Measured) -> None:
     volts = np.concatenate([one.inputs[:, 0] for one in measured.tests])
     courses = [one for one in tests.values() if one.driven]
     assert {one.name for one in courses} >= {"voltage_hold", "voltage_at_50", "voltage_steps", "voltage_up_and_down"}
+    # what rests in every log (what friction scatters by) rests in every test
+    assert all(np.all(one.inputs[:, 1] == 1.0) for one in tests.values())
     for one in courses:
         assert volts.min() - 1e-9 <= one.inputs[:, 0].min() and one.inputs[:, 0].max() <= volts.max() + 1e-9
         assert sum(seconds for _, seconds in one.pieces) == pytest.approx(SAMPLES * PERIOD)

@@ -67,6 +67,9 @@ def question_of(
     Raises ``UsageError`` for a name that the library has not.
     """
     sets: list[tuple[str, ...]]
+    for name in names:
+        if name in analysis.base.names:
+            raise UsageError(f"--rivals {name}: the model that the tests are explained with has it already")
     if names:
         sets = [() if name == NONE else (name,) for name in check_names(analysis.search.library, names)]
     elif answer["verdict"] in (NOTHING, CANNOT_TELL):
