@@ -120,7 +120,7 @@ def test_next_takes_the_diagnosis_of_the_same_logs_and_sets_its_group_apart(stag
     assert [row["effects"] for row in answer["rivals"]] == [["spring"], ["constant_force"]]
     assert answer["rivals"][0]["parameters"]["spring"]["stiffness"] == pytest.approx(140.0, rel=0.02)
     [first] = answer["tests"]
-    assert first["separation"] == answer["best_separation"] >= answer["needed_separation"]
+    assert answer["needed_separation"] <= first["separation"] <= answer["best_separation"]
     assert len(answer["others"]) == 4 and answer["campaign"] is None and "PROPOSED" in done.output
     assert (stage / "next" / "predictions.png").read_bytes().startswith(b"\x89PNG")
     assert "hjcamp diagnose logs/train.mcap NEW_LOGS" in done.output
