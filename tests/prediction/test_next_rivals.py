@@ -8,11 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from answer_schemas import check_answer
 from carriage import COULOMB, GAIN, MASS, PERIOD, VISCOUS, measured_log
 from numpy.typing import NDArray
 
+from hjcamp.analyses.proposing import PlantProposed
+from hjcamp.commands._next_plant import answer
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
+from hjcamp.notebook.proposal import Proposal as Proposed
 from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.measured import measured_tests
 from hjcamp.prediction.next.proposal import APART, Proposal, propose
@@ -48,7 +52,8 @@ def proposed(analysis: Analysis, *names: str) -> Proposal:
 
 
 def test_drag_and_viscous_friction_are_told_by_speed(axis: Path) -> None:
-    found = proposed(analysis_of(600.0), "quadratic_drag")
+    analysis = analysis_of(600.0)
+    found = proposed(analysis, "quadratic_drag")
     assert found.by_motion and found.chosen >= 1
     [apart] = found.tests[0].pairs.values()
     assert apart >= APART
@@ -56,6 +61,14 @@ def test_drag_and_viscous_friction_are_told_by_speed(axis: Path) -> None:
     changed = [one.wanted.changes.get("speed", 1.0) for one in found.tests[: found.chosen]]
     assert all(speed != 1.0 and abs(speed / SPEED - 1.0) > 0.2 for speed in changed)
     assert all(each.share <= 0.5 for one in found.tests for each in one.beyond)
+    # the same in Python: a row for each test and pair, and a picture
+    done = PlantProposed(analysis, NOTHING_SAID, found, None)
+    shown = Proposed(done, answer(done, None, None, 0.0))
+    check_answer(shown.answer)
+    assert shown.title.startswith("PROPOSED") and shown.frame["rivals"].unique().to_list() == [
+        "quadratic_drag / nothing"
+    ]
+    assert shown.frame["worth_it"].sum() == found.chosen and len(shown.plot().axes) >= 3
 
 
 def test_where_nothing_tells_no_test_is_proposed(axis: Path) -> None:
