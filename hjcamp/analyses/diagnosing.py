@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from hjcamp.discrepancy.evidence import Evidence
     from hjcamp.discrepancy.scale import Judged
     from hjcamp.discrepancy.unexplained import Unexplained
+    from hjcamp.model.candidate import Candidate
     from hjcamp.model.effect import Effect
     from hjcamp.prediction.analysis import Analysis
     from hjcamp.prediction.verdict import Verdict
@@ -149,19 +150,15 @@ def looks_at_final(found: Diagnosis, error: float | None) -> bool:
 
 def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDiagnosed:
     """Return what the model of any plant misses (`hjcamp.prediction.verdict`)."""
-    from hjcamp.effects import load_effects
     from hjcamp.prediction.analysis import calibrated
     from hjcamp.prediction.answer import answer, asked_candidates
     from hjcamp.prediction.floor import not_above
-    from hjcamp.prediction.model_file import load_model
     from hjcamp.prediction.verdict import agreed
 
     began = time.perf_counter()
     asked.check()
     measured = data.measured
-    library = load_effects(plant=measured.plant)
-    start = load_model(asked.model, measured.plant, library)
-    chosen = considered(library, asked.only, asked.without, start.effects)
+    chosen, start = chosen_and_start(data, asked)
     check_asked(asked.ask, chosen)
     report("compiling, once for this plant and its effects", 0.02)
     at = partial(calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort)
@@ -170,8 +167,28 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     content = answer(analysis, verdict, 0.0)
     wanted = own_and_asked(chosen, asked.ask)
     content["candidates"] = with_asked(content["candidates"], asked_candidates(analysis, verdict, wanted), wanted)
+    content["made_from"] = made_from(data, asked)
     content["seconds"] = round(time.perf_counter() - began, 3)
     return PlantDiagnosed(analysis, verdict, content)
+
+
+def chosen_and_start(data: Data, asked: Asked) -> tuple[dict[str, type[Effect]], Candidate]:
+    """Return the effects that are considered for the plant of these tests, and the model to start from."""
+    from hjcamp.effects import load_effects
+    from hjcamp.prediction.model_file import load_model
+
+    plant = data.measured.plant
+    library = load_effects(plant=plant)
+    start = load_model(asked.model, plant, library)
+    return considered(library, asked.only, asked.without, start.effects), start
+
+
+def made_from(data: Data, asked: Asked) -> dict[str, Any]:
+    """Return what a diagnosis of any plant depends on: the logs by their content, the model, the effects considered."""
+    from hjcamp.configuration.saved_model import log_hashes
+
+    logs = sorted(log_hashes(log.path for log in data.logs).values())
+    return {"logs_sha256": logs, "model": asked.model, "only": asked.only, "without": asked.without, "seed": asked.seed}
 
 
 def considered(

@@ -106,9 +106,60 @@ def calibrate_any(data: Data, name: str, json: Path | None = None) -> None:
     console.print(f"next    hjcamp compare {joined(data.paths)} --model published --model {name}", markup=False)
 
 
-def next_any(data: Data) -> None:
-    """Refuse to propose tests from a menu that a plant does not have; say where the kinds of test that tell are found."""
-    raise UsageError(
-        f"plant {data.plant_name} has no menu of tests, so none can be proposed by name; hjcamp diagnose says in words which "
-        "kinds of test would tell its candidates apart"
-    )
+def next_any(
+    data: Data, words: list[str], rivals: list[str], tests: int, asked: Asked, name: str | None, json: Path | None
+) -> None:
+    """Propose the tests of any plant that separate best what its diagnosis leaves; ``words`` are what is no path of the call."""
+    import time
+
+    from hjcamp.analyses.proposing import propose_for_plant
+    from hjcamp.campaign.console import make_console
+    from hjcamp.commands import _next_plant as said
+    from hjcamp.commands._next_plant_campaign import written_campaign
+    from hjcamp.commands._session import folder_for, progress_of, write_answer
+    from hjcamp.discrepancy.next_campaign import new_campaign
+    from hjcamp.report.next_figure import draw_predictions
+    from hjcamp.storage import whole_file
+
+    began = time.perf_counter()
+    named = [one for group in rivals for one in group.split(",") if one] + [one for one in words if "=" not in one]
+    _check_words(data, words, rivals, named)
+    new_campaign(name)
+    console = make_console()
+    with progress_of(console) as report:
+        kept = next((path for path in _kept_answers(data, json) if path.is_file()), None)
+        done = propose_for_plant(data, asked, named, tests, kept, report)
+        report("drawing", 0.99)
+        picture = campaign = None
+        if done.proposal.tests:
+            picture = folder_for("next", data.paths, json) / "predictions.png"
+            png = draw_predictions(*said.drawn(done))
+            with whole_file(picture) as stream:
+                stream.write(png)
+        if done.proposal.chosen:
+            campaign = written_campaign(done, data, name)
+        write_answer(json, said.answer(done, campaign, picture, time.perf_counter() - began))
+    own = "" if asked.model == "published" else f" --model {asked.model}"
+    after = [f"hjcamp run campaign={campaign.stem}"] if campaign else []
+    after += [f"hjcamp diagnose {joined(data.paths)} NEW_LOGS{own}"] if done.proposal.chosen else []
+    said.tell(console, done, picture, campaign, after or [f"hjcamp compare {joined(data.paths)}{own}"])
+
+
+def _check_words(data: Data, words: list[str], rivals: list[str], named: list[str]) -> None:
+    if rivals and not named:
+        raise UsageError("--rivals names none; give effects: --rivals A,B")
+    for one in words:
+        if "=" in one:
+            raise UsageError(
+                f"{one}: only the menu of pump_joint can be cut down; the tests of plant {data.plant_name} are made from its logs"
+            )
+        if not rivals:
+            raise UsageError(f"{one}: there is no such file or folder")
+
+
+def _kept_answers(data: Data, json: Path | None) -> list[Path]:
+    """Return where a diagnosis of these logs may have kept its answer."""
+    from hjcamp.commands._session import folder_for
+
+    places = [folder_for("diagnose", data.paths, answer) for answer in (json, None)]
+    return [folder / "answer.json" for folder in dict.fromkeys(places)]

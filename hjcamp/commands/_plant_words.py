@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ from hjcamp.report.units import plain, told, told_interval
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from hjcamp.model.effect import Effect
     from hjcamp.prediction.addition import Addition
     from hjcamp.prediction.analysis import Analysis
     from hjcamp.prediction.comparison import Comparison
@@ -114,13 +115,7 @@ class Words:
         """What kind of test would tell more, in words."""
         if self.verdict.word not in ("one_of", "outside_library"):
             return []
-        drivers = {one["driver"].rpartition("_")[2] for one in self.content["unknowns"][:1]}
-        for name in self.verdict.effects:
-            effect = self.analysis.search.library[name]
-            for driver in TELLING:
-                if any(driver in argument for term in effect.terms.values() for argument in term.arguments):
-                    drivers.add(driver)
-        said = [TELLING[one] for one in TELLING if one in drivers]
+        said = telling_tests(self.verdict.effects, self.content["unknowns"], self.analysis.search.library)
         return [f"Tests that would tell: {'; '.join(said)}."] if said else []
 
     def candidates(self) -> list[list[str]]:
@@ -143,7 +138,7 @@ class Words:
             names = " ".join(self.verdict.effects)
             return [f"hjcamp add {names} {paths}{own} --as with_{'_and_'.join(self.verdict.effects)}"]
         if self.verdict.word == "one_of":
-            return [
+            return [f"hjcamp next {paths}{own}"] + [
                 f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}"
                 for one in self.verdict.confidence_set[:2]
             ]
@@ -151,6 +146,20 @@ class Words:
             begun = f" --from {folder}" if self.content["unknowns"] else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
         return [f"hjcamp compare {paths}{own}"]
+
+
+def telling_tests(
+    effects: Iterable[str], unknowns: Sequence[Mapping[str, Any]], library: Mapping[str, type[Effect]]
+) -> list[str]:
+    """Return in words which kinds of test tell effects, and the best unknown, apart: by what drives them."""
+    drivers = {one["driver"].rpartition("_")[2] for one in unknowns[:1]}
+    for name in effects:
+        if name not in library:
+            continue
+        for driver in TELLING:
+            if any(driver in argument for term in library[name].terms.values() for argument in term.arguments):
+                drivers.add(driver)
+    return [TELLING[one] for one in TELLING if one in drivers]
 
 
 def channel_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:

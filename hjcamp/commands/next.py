@@ -38,10 +38,13 @@ def next_(
     ] = None,
     effort: Annotated[str, typer.Option(help="Effort of the diagnosis: quick, standard or thorough.")] = "standard",
     seed: Annotated[int, typer.Option(help="Seed of everything that is simulated.")] = 1,
+    model: Annotated[
+        str, typer.Option(help="The model to start from, for logs of another plant than pump_joint.")
+    ] = "published",
 ) -> None:
     """Propose the tests that best separate the explanations that remain, as a campaign that runs as it is."""
     from hjcamp.analyses.data import Data
-    from hjcamp.analyses.diagnosing import check_seed
+    from hjcamp.analyses.diagnosing import Asked, check_seed
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._any_plant import next_any
     from hjcamp.commands._session import check_answer_file, folder_for, progress_of, write_answer
@@ -51,6 +54,13 @@ def next_(
     if not 1 <= tests <= MOST_TESTS:
         raise UsageError(f"--tests {tests}: give a number from 1 to {MOST_TESTS}")
     check_seed(seed)
+    logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
+    if logs and not (data := Data(logs)).of_pump_joint:
+        others = [word for word in words or [] if Path(word) not in logs]
+        next_any(data, others, rivals or [], tests, Asked(model, effort, seed), name, json)
+        return
+    if model != "published":
+        raise UsageError(f"--model {model}: tests of pump_joint are proposed from its published model")
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.commands._next_answer import answer, comment_of, draw, names_of, tell
@@ -62,9 +72,6 @@ def next_(
         library = load_effects()
         given = read_words(words or [], rivals or [], library)
         path = new_campaign(name)
-        logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
-        if logs and not (data := Data(logs)).of_pump_joint:
-            next_any(data)
         work = work_of(given, library, effort, seed, report)
         if not isinstance(work, Work):
             content = answer(None, work.verdict, None, None)

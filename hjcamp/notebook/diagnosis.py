@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.analyses.diagnosing import Asked, diagnose_plant, diagnose_pump_joint
+from hjcamp.analyses.diagnosing import Asked, PlantDiagnosed, diagnose_plant, diagnose_pump_joint
 from hjcamp.errors import UsageError
 from hjcamp.notebook.data import Data, Tests, data_of, progress_to
 from hjcamp.notebook.result import Picture, Result, figure_of, frame_of, interval_row
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import polars as pl
 
     from hjcamp.notebook.models import Model
+    from hjcamp.notebook.proposal import Proposal
 
 CANDIDATES = ("effect", "posterior", "heldout_error_ratio", "parameter", "value", "unit", "low", "high")
 CALIBRATED = ("parameter", "published", "value", "unit", "low", "high")
@@ -97,6 +98,29 @@ class Diagnosis(Result):
         from hjcamp.commands._plant_pages import write_diagnosis
 
         return write_diagnosis(self.words, Path(folder))[-1]
+
+    def next(
+        self,
+        tests: int = 3,
+        rivals: Sequence[str] = (),
+        seed: int = 1,
+        progress: Callable[[str, float], None] | None = None,
+    ) -> Proposal:
+        """Return the tests that would tell what is left apart, at most ``tests`` (`hjcamp next`), without another search.
+
+        ``rivals`` are effects to be told apart instead. Raises ``UsageError`` for tests of the pump joint, whose menu is that of
+        ``hjcamp.command("next", ...)``, and for an unknown effect.
+        """
+        from hjcamp.notebook.proposal import Proposal
+
+        if self.data.of_pump_joint:
+            raise UsageError("tests of pump_joint are proposed by hjcamp.command('next', PATH)")
+        from hjcamp.analyses.proposing import propose_after
+        from hjcamp.commands._next_plant import answer
+
+        diagnosed = PlantDiagnosed(self.words.analysis, self.words.verdict, self.answer)
+        done = propose_after(diagnosed, rivals, tests, seed, progress_to(progress))
+        return Proposal(done, answer(done, None, None, 0.0))
 
     def add(self, as_: str, effects: str | Sequence[str] | None = None) -> Model:
         """Add what was found to the model and save it as ``as_``; where several were named, say which ``effects``."""

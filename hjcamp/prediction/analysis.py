@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,10 +122,9 @@ def calibrated(
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
     kernels = Kernels(plant, dict(library))
     unseen = np.asarray((~np.isfinite(joined)).all(axis=0))
-    starts = _first(full, full.joined(states), declared)
-    if unseen.any():
-        starts = _hidden(Windows(full, kernels, starts, sizes, lowest), candidate, unseen)
-    windows = Windows(layout, kernels, starts[layout.looked_at], sizes, lowest, bool(unseen.any()))
+    before = Windows(full, kernels, first_starts(full, full.joined(states)), sizes, lowest)
+    begin_hidden(before, candidate, joined)
+    windows = Windows(layout, kernels, before.starts[layout.looked_at], sizes, lowest, bool(unseen.any()))
     report("calibrating", 0.1)
     ranges = ranges_of(plant, candidate.base, _filled(joined, windows, candidate), layout.inputs, layout.time)
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
@@ -157,18 +156,20 @@ def _usual(values: Array, typical: float) -> float:
     return float(np.sqrt(np.mean(known**2))) or abs(typical) if len(known) else abs(typical)
 
 
-def _first(layout: Layout, joined: Array, declared: Sequence[object]) -> Array:
+def first_starts(layout: Layout, joined: Array) -> Array:
     """Return the starts (windows, states): what is measured, else a state's usual size where it has a lowest value, else 0."""
     starts = joined[:: layout.width].copy()
-    for k, item in enumerate(declared):
-        typical, low = getattr(item, "typical", 0.0), getattr(item, "low", -np.inf)
-        guess = typical if np.isfinite(low) else 0.0
+    for k, item in enumerate(layout.measured.plant.states.values()):
+        guess = item.typical if np.isfinite(item.low) else 0.0
         starts[:, k] = np.where(np.isfinite(starts[:, k]), starts[:, k], guess)
     return starts
 
 
-def _hidden(windows: Windows, candidate: Candidate, unseen: NDArray[np.bool_]) -> Array:
-    """Return the starts (windows, states) with what nothing measures where the window before left it."""
+def begin_hidden(windows: Windows, candidate: Candidate, joined: Array) -> None:
+    """Let a state that nothing measures begin each window where the window before left it."""
+    unseen = ~np.isfinite(joined).any(axis=0)
+    if not unseen.any():
+        return
     layout = windows.layout
     for _ in range(2):
         passed = windows.readings(candidate)[1]
@@ -176,7 +177,7 @@ def _hidden(windows: Windows, candidate: Candidate, unseen: NDArray[np.bool_]) -
             if layout.of_test[w] == layout.of_test[w - 1]:
                 last = passed[w * layout.width - 1, unseen]
                 windows.starts[w, unseen] = np.where(np.isfinite(last), last, windows.starts[w, unseen])
-    return np.maximum(windows.starts, windows.lowest)
+    windows.starts = np.maximum(windows.starts, windows.lowest)
 
 
 def _filled(joined: Array, windows: Windows, candidate: Candidate) -> Array:

@@ -55,6 +55,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "rests_on": {"conditions": len(analysis.measured.conditions), "tests": len(analysis.measured.tests),
                      "chapters": len(np.unique(analysis.search.chapters)), "windows": len(analysis.windows.starts)},
         "lacking": list(verdict.lacking),
+        "window_samples": analysis.windows.layout.width,
         "seconds": round(seconds, 3),
     }  # fmt: skip
 
@@ -191,7 +192,7 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
         known = search.unknowns[name]
         reference = step.before if step else analysis.base
         row = {
-            "driver": f"{known.place}_{known.driver}" if known.driver != "time" else "time",
+            "driver": f"{known.place}_{known.driver}" if known.driver != "time" else "time", "law": name,
             "quantity": known.quantity, "port": known.place, "signal": known.signal, "slots": list(known.effect.terms),
             "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
         }  # fmt: skip

@@ -25,15 +25,13 @@ class Interval:
     at_bound: bool
 
 
-def intervals(fitted: Fitted, chapters: NDArray[np.int64]) -> list[Interval]:
-    r"""Return the value and confidence interval of every free parameter.
+def covariance_of(fitted: Fitted, chapters: NDArray[np.int64]) -> NDArray[np.float64]:
+    r"""Return the covariance (free, free) of the free parameters, in units of their scales.
 
     .. math:: V = \frac{C}{C - 1} H^{-1} \Bigl(\sum_c g_c g_c^T\Bigr) H^{-1}
 
-    over chapters c (Liang & Zeger 1986, doi:10.1093/biomet/73.1.13), with Student's t of C - 1 degrees of freedom.
+    over chapters c (Liang & Zeger 1986, doi:10.1093/biomet/73.1.13).
     """
-    from scipy.special import stdtrit
-
     w = whitener(fitted.features)
     white, left = np.einsum("wfp,fg->wgp", fitted.slopes, w), fitted.features @ w
     pull = np.einsum("wgp,wg->wp", white, left)
@@ -42,7 +40,15 @@ def intervals(fitted: Fitted, chapters: NDArray[np.int64]) -> list[Interval]:
     clusters = clusters - clusters.mean(axis=0)
     bread = np.linalg.pinv(fitted.information)
     count = max(len(names), 2)
-    spread = np.sqrt(np.maximum(np.diag(bread @ (clusters.T @ clusters) @ bread) * count / (count - 1), 0.0))
+    return np.asarray(bread @ (clusters.T @ clusters) @ bread * count / (count - 1))
+
+
+def intervals(fitted: Fitted, chapters: NDArray[np.int64]) -> list[Interval]:
+    """Return the value and confidence interval of every free parameter, by Student's t of C - 1 degrees of freedom."""
+    from scipy.special import stdtrit
+
+    count = max(len(np.unique(chapters)), 2)
+    spread = np.sqrt(np.maximum(np.diag(covariance_of(fitted, chapters)), 0.0))
     reach = float(stdtrit(count - 1, 1.0 - LEVEL / 2.0)) * spread
     found = []
     for one, half in zip(fitted.free, reach, strict=True):

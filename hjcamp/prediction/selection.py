@@ -152,7 +152,7 @@ class Search:
         unread = [one for one, name in in_library if not self.is_read(one, name)]
         read = [one for one, name in in_library if self.is_read(one, name)]
         # what the unknown zero of a counter explains as well is no effect
-        named = tuple(one for one in read if all(self.beats(one, each) for each in unread))
+        named = tuple(one for one in read if all(self.matters(one, each) for each in unread))
         others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
         step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted)
         self.steps.append(step)

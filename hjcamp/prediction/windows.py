@@ -183,18 +183,16 @@ class Windows:
             after = np.sum(self.layout.coefficients(self.errors(candidate)).reshape(len(left), -1) ** 2, axis=1)
             better = after < before
             self.starts = np.where(better[:, None], tried, kept)
-        self._renew(candidate)
+        self.renew(candidate)
 
-    def _renew(self, candidate: Candidate) -> None:
+    def renew(self, candidate: Candidate) -> None:
+        """Renew what a change of each window's start explains."""
         slopes = self._sensitivities(candidate)
-        rank = slopes.shape[2]
         self._spans = np.zeros_like(slopes)
-        for w in range(len(slopes)):
-            if not np.all(np.isfinite(slopes[w])):
-                continue
-            u, s, _ = np.linalg.svd(slopes[w], full_matrices=False)
-            keep = s > max(TOLD * s[0], 1.0) if len(s) else s > 0
-            self._spans[w, :, : min(rank, len(s))] = u * keep
+        finite = np.flatnonzero(np.all(np.isfinite(slopes), axis=(1, 2)))
+        u, s, _ = np.linalg.svd(slopes[finite], full_matrices=False)
+        keep = s > np.maximum(TOLD * s[:, :1], 1.0) if s.shape[1] else s > 0
+        self._spans[finite, :, : s.shape[1]] = u * keep[:, None, :]
 
     def _sensitivities(self, candidate: Candidate) -> Array:
         """Return what a change of each start by its usual size changes (windows, coefficients, states)."""

@@ -21,9 +21,16 @@ def nothing(x: float, v: float) -> float:
 
 
 def measured_log(
-    force: Callable[[float, float], float] = nothing, seconds: float = 16.0, seed: int = 1, condition: str = "swing"
+    force: Callable[[float, float], float] = nothing,
+    seconds: float = 16.0,
+    seed: int = 1,
+    condition: str = "swing",
+    path: Callable[[Array], Array] | None = None,
 ) -> TestLog:
-    """Return a log of position (counted) and voltage; ``force`` (N) of position and velocity is what may be hidden."""
+    """Return a log of position (counted) and voltage; ``force`` (N) of position and velocity is what may be hidden.
+
+    ``path`` gives the wanted place (m) over time (s) where it is not three sines.
+    """
     generator = np.random.default_rng(seed)
     phases = generator.uniform(0.0, 2.0 * np.pi, 3)
     time = np.arange(round(seconds / PERIOD)) * PERIOD
@@ -31,7 +38,7 @@ def measured_log(
         size * np.sin(2.0 * np.pi * rate * time + phase)
         for size, rate, phase in zip((0.06, 0.03, 0.015), (0.21, 0.57, 1.13), phases, strict=True)
     )
-    wanted = wanted - wanted[0]
+    wanted = path(time) if path else wanted - wanted[0]
     x = v = 0.0
     h = PERIOD / SMALL
     places, volts = np.empty(len(time)), np.empty(len(time))

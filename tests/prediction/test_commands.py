@@ -9,8 +9,11 @@ from typing import Any
 
 import pytest
 import yaml
+from answer_schemas import check_answer
 from typer.testing import CliRunner
 
+from hjcamp.analyses.data import Data
+from hjcamp.analyses.diagnosing import Asked, made_from
 from hjcamp.cli import app
 from hjcamp.errors import UsageError
 from hjcamp.prediction.analysis import Analysis
@@ -96,6 +99,33 @@ def test_calibrate_saves_the_base_of_any_plant(stage: Path) -> None:
     assert isinstance(refused.exception, UsageError) and "mine.yaml exists" in str(refused.exception)
 
 
+def test_next_takes_the_diagnosis_of_the_same_logs_and_sets_its_group_apart(stage: Path) -> None:
+    data, asked = Data(["logs/train.mcap"]), Asked(only="spring,constant_force,quadratic_drag")
+    known = {"spring": {"stiffness": 140.0, "rest_position": 0.02}, "constant_force": {"strength": 4.0}}
+    kept = {
+        "schema": "hjcamp.diagnosis/2", "verdict": "one_of", "effects": list(known), "unknowns": [],
+        "confidence_set": [[name] for name in known], "window_samples": 80, "made_from": made_from(data, asked),
+        "candidates": [
+            {"effect": name, "parameters": {key: {"value": value} for key, value in own.items()}}
+            for name, own in known.items()
+        ],
+    }  # fmt: skip
+    (stage / "diagnose").mkdir()
+    (stage / "diagnose" / "answer.json").write_text(json.dumps(kept), encoding="utf-8")
+    done = run(app, ["next", "logs/train.mcap", "--json", "n.json", "--tests", "1"])
+    assert done.exit_code == 0, done.exception
+    answer = json.loads((stage / "n.json").read_text(encoding="utf-8"))
+    check_answer(answer)
+    assert answer["reused"] == "diagnose/answer.json" and answer["verdict"] == "one_of"
+    assert [row["effects"] for row in answer["rivals"]] == [["spring"], ["constant_force"]]
+    assert answer["rivals"][0]["parameters"]["spring"]["stiffness"] == pytest.approx(140.0, rel=0.02)
+    [first] = answer["tests"]
+    assert answer["needed_separation"] <= first["separation"] <= answer["best_separation"]
+    assert len(answer["others"]) == 4 and answer["campaign"] is None and "PROPOSED" in done.output
+    assert (stage / "next" / "predictions.png").read_bytes().startswith(b"\x89PNG")
+    assert "hjcamp diagnose logs/train.mcap NEW_LOGS" in done.output
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -109,7 +139,11 @@ def test_calibrate_saves_the_base_of_any_plant(stage: Path) -> None:
         (["add", "spring", "logs", "--as", "published"], "exists already"),
         (["compare", "logs", "--model", "other"], "plant pump_joint"),
         (["compare", "logs", "--model", "broken"], "mass"),
-        (["next", "logs"], "stage"),
+        (["next", "logs", "--rivals", "sprong"], "did you mean 'spring'"),
+        (["next", "logs", "--rivals", "spring,spring"], "name each rival once"),
+        (["next", "logs", "payload=none"], "made from its logs"),
+        (["next", "logs", "--model", "broken"], "mass"),
+        (["next", "logs", "--as", "controllers"], "exists already"),
     ],
 )
 def test_what_is_refused_says_why(stage: Path, words: list[str], said: str) -> None:

@@ -1,0 +1,105 @@
+"""Which tests of a plant to make next."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.analyses.data import Data, Report, silent
+from hjcamp.analyses.diagnosing import Asked, PlantDiagnosed, chosen_and_start, diagnose_plant, made_from
+
+if TYPE_CHECKING:
+    from hjcamp.prediction.analysis import Analysis
+    from hjcamp.prediction.next.proposal import Proposal
+    from hjcamp.prediction.selection import Scored
+
+DIAGNOSED = 0.6
+
+
+@dataclass(frozen=True)
+class PlantProposed:
+    """What is proposed: the analysis of the tests so far, the answer of their diagnosis, and the proposal.
+
+    ``reused`` is the file of a diagnosis that was made before, None where it was made now.
+    """
+
+    analysis: Analysis
+    diagnosis: Mapping[str, Any]
+    proposal: Proposal
+    reused: Path | None
+
+
+def propose_for_plant(
+    data: Data,
+    asked: Asked,
+    rivals: Sequence[str] = (),
+    tests: int = 3,
+    kept: Path | None = None,
+    report: Report = silent,
+) -> PlantProposed:
+    """Return the tests that separate best what a diagnosis of any plant leaves (`hjcamp.prediction.next`).
+
+    ``kept`` may be the answer of a diagnosis: where it was made from the same logs and model, the search is not made again.
+    """
+    from hjcamp.prediction.analysis import calibrated
+    from hjcamp.prediction.next.rivals import NONE, check_names
+
+    before = _kept(kept, made_from(data, asked))
+    if before is not None:
+        made = before["made_from"]
+        considered = replace(asked, only=made.get("only"), without=made.get("without"))
+        chosen, start = chosen_and_start(data, considered)
+        before = before if all(name in chosen or name == NONE for name in rivals) else None
+    if before is None:
+        chosen, start = chosen_and_start(data, asked)
+    check_names(chosen, rivals)
+    if before is None and not rivals:
+        done = diagnose_plant(data, asked, lambda text, share: report(text, DIAGNOSED * share))
+        return propose_after(done, rivals, tests, asked.seed, report)
+    report("compiling, once for this plant and its effects", 0.02)
+    width = before["window_samples"] if before else None
+    analysis = calibrated(data.measured, chosen, start, report, asked.seed, width=width)
+    content = before or {"verdict": None, "effects": [], "candidates": [], "confidence_set": [], "unknowns": []}
+    return _proposed(analysis, content, [], rivals, tests, asked.seed, kept if before else None, report)
+
+
+def propose_after(
+    done: PlantDiagnosed, rivals: Sequence[str] = (), tests: int = 3, seed: int = 1, report: Report = silent
+) -> PlantProposed:
+    """Return the proposal after a diagnosis (`PlantDiagnosed`) that is at hand."""
+    from hjcamp.prediction.next.rivals import check_names
+
+    check_names(done.analysis.search.library, rivals)
+    known = [done.verdict.model, *([done.verdict.unknown] if done.verdict.unknown else [])]
+    known += [one for step in done.analysis.search.steps for one in (*step.named, *step.unknown)]
+    return _proposed(done.analysis, done.content, known, rivals, tests, seed, None, report)
+
+
+def _proposed(
+    analysis: Analysis, content: Mapping[str, Any], known: Sequence[Scored], rivals: Sequence[str], tests: int, seed: int,
+    reused: Path | None, report: Report,
+) -> PlantProposed:  # fmt: skip
+    from hjcamp.prediction.next.proposal import propose
+    from hjcamp.prediction.next.rivals import question_of
+
+    report("fitting the rivals", DIAGNOSED)
+    question = question_of(analysis, content, known, rivals, seed)
+    rest = 1.0 - DIAGNOSED
+    proposal = propose(analysis, question, tests, lambda text, share: report(text, DIAGNOSED + rest * share))
+    return PlantProposed(analysis, content, proposal, reused)
+
+
+def _kept(path: Path | None, wanted: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Return the answer in a file where it is of the same logs and model; what cannot be read is not there."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8")) if path is not None else None
+    except (OSError, ValueError):
+        return None
+    if not isinstance(content, dict) or not wanted["logs_sha256"]:
+        return None
+    made = content.get("made_from")
+    same = isinstance(made, dict) and all(made.get(key) == wanted[key] for key in ("logs_sha256", "model"))
+    return content if same and content.get("schema") == "hjcamp.diagnosis/2" and "window_samples" in content else None

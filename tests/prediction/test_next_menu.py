@@ -1,0 +1,69 @@
+"""The menu of tests of any plant: motions of equal speeds both ways, within what was visited; courses of inputs in range."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from carriage import PERIOD, measured_log
+
+from hjcamp.prediction.measured import Measured, measured_tests
+from hjcamp.prediction.next.menu import menu
+from hjcamp.prediction.next.wanted import Wanted
+from hjcamp.records.log import TestLog
+
+SAMPLES = 3000
+
+
+@cache
+def swing(condition: str, seed: int) -> TestLog:
+    return measured_log(seconds=7.0, seed=seed, condition=condition)
+
+
+@pytest.fixture
+def measured(axis: Path) -> Measured:
+    return measured_tests([swing("swing", 1), swing("other", 2)])
+
+
+def named(tests: list[Wanted]) -> dict[str, Wanted]:
+    found = {one.name: one for one in tests}
+    assert len(found) == len(tests) and all(one.samples == SAMPLES for one in tests)
+    return found
+
+
+def test_equal_speeds_are_equal_and_stay_where_the_logs_were(measured: Measured) -> None:
+    tests = named(menu(measured, SAMPLES, by_motion=True))
+    visited = np.concatenate([one.readings[:, 0] for one in measured.tests])
+    for name in ("equal_speeds_slow", "equal_speeds_speed", "equal_speeds_fast"):
+        path, speed = tests[name].readings[:, 0], tests[name].changes["speed"]
+        assert visited.min() <= path.min() and path.max() <= visited.max()
+        rate = np.diff(path) / PERIOD
+        steady = rate[np.abs(np.abs(rate) / speed - 1.0) < 1e-6]
+        assert len(steady) > 0.2 * SAMPLES
+        assert set(np.sign(steady)) == {1.0, -1.0} or name == "equal_speeds_slow"
+
+
+def test_a_measured_test_is_made_slower_smaller_and_the_other_way_round(measured: Measured) -> None:
+    tests = named(menu(measured, SAMPLES, by_motion=True))
+    again = tests["swing_again"].readings[:, 0]
+    assert np.array_equal(again, measured.tests[0].readings[:SAMPLES, 0])
+    slower = tests["swing_slower"].readings[:, 0]
+    assert np.allclose(slower[::2], again[: SAMPLES // 2])
+    assert np.ptp(tests["swing_half"].readings) == pytest.approx(0.5 * np.ptp(again))
+    mirrored = tests["swing_mirrored"].readings[:, 0]
+    assert np.allclose(mirrored - mirrored.mean(), again.mean() - again)
+
+
+def test_courses_of_an_input_stay_in_its_range(measured: Measured) -> None:
+    tests = named(menu(measured, SAMPLES, by_motion=False))
+    volts = np.concatenate([one.inputs[:, 0] for one in measured.tests])
+    courses = [one for one in tests.values() if one.driven]
+    assert {one.name for one in courses} >= {"voltage_hold", "voltage_at_50", "voltage_steps", "voltage_up_and_down"}
+    # what rests in every log (what friction scatters by) rests in every test
+    assert all(np.all(one.inputs[:, 1] == 1.0) for one in tests.values())
+    for one in courses:
+        assert volts.min() - 1e-9 <= one.inputs[:, 0].min() and one.inputs[:, 0].max() <= volts.max() + 1e-9
+        assert sum(seconds for _, seconds in one.pieces) == pytest.approx(SAMPLES * PERIOD)
+        assert one.inputs[0, 0] == one.pieces[0][0] and one.inputs[-1, 0] == one.pieces[-1][0]
