@@ -1,4 +1,4 @@
-"""Further pictures for the report of a run: those of an identification, the Bode figure of sweeps, maps of two parameters."""
+"""Further pictures for the report of a run: those of an identification, of sweeps, of force steps, maps of two parameters."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from hjcamp.calibrate.frequency_response import bode_charts, points_of
+from hjcamp.calibrate.static_stiffness import steps_of, stiffness_charts
 from hjcamp.campaign.identification import identification_pictures
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
@@ -17,6 +18,7 @@ from hjcamp.report.map_figure import draw_map
 from hjcamp.report.published.configurations import leaves
 
 SWEEP = "bandwidth"
+STIFFNESS = "stiffness"
 #: What a map shows, with its unit.
 MAPPED = {"rmse1_deg": "RMSE1 (deg)", "pressure_low_mpa": "lowest line pressure (MPa gauge)"}
 FEWEST = 3  # values of a parameter that make an axis
@@ -24,7 +26,7 @@ FEWEST = 3  # values of a parameter that make an axis
 
 def study_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
     """Return heading -> (SVG, caption) of every further picture that the logs of a run give."""
-    return {**identification_pictures(logs), **sweep_pictures(logs), **map_pictures(logs)}
+    return {**identification_pictures(logs), **sweep_pictures(logs), **stiffness_pictures(logs), **map_pictures(logs)}
 
 
 def sweep_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
@@ -34,6 +36,18 @@ def sweep_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
         return {}
     try:
         said, charts = bode_charts(points_of(own, _configurations(own)))
+    except (UsageError, KeyError):
+        return {}
+    return {chart.caption: (draw_chart(chart), said) for chart in charts}
+
+
+def stiffness_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
+    """Return force over travel and the largest angles of a campaign ``stiffness``; none for other logs."""
+    own = [log for log in logs if log.metadata.get("campaign") == STIFFNESS]
+    if not own:
+        return {}
+    try:
+        said, charts = stiffness_charts(steps_of(own, _configurations(own)))
     except (UsageError, KeyError):
         return {}
     return {chart.caption: (draw_chart(chart), said) for chart in charts}

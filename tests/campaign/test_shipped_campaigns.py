@@ -17,7 +17,7 @@ from hjcamp.configuration.composer import Composer
 CAMPAIGNS = sorted(path.stem for path in (Path(hjcamp.__file__).parents[1] / "campaigns").glob("*.yaml"))
 
 LONG = {
-    "two_pumps", "previous_joint", "preload", "valve_timing", "valve_tuning", "robustness_horizontal", "dither_map",
+    "two_pumps", "previous_joint", "preload", "valve_timing", "valve_tuning", "robustness_horizontal", "dither_map", "stiffness",
 }  # fmt: skip
 
 
