@@ -1,4 +1,4 @@
-"""Further pictures for the report of a run: those of an identification, of sweeps, of force steps, maps of two parameters."""
+"""Further pictures for the report of a run: identification, design, sweeps, force steps, maps of two parameters."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from hjcamp.calibrate.frequency_response import bode_charts, points_of
 from hjcamp.calibrate.static_stiffness import steps_of, stiffness_charts
+from hjcamp.campaign.design_pictures import DESIGN, design_pictures
 from hjcamp.campaign.identification import identification_pictures
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
@@ -26,7 +27,13 @@ FEWEST = 3  # values of a parameter that make an axis
 
 def study_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
     """Return heading -> (SVG, caption) of every further picture that the logs of a run give."""
-    return {**identification_pictures(logs), **sweep_pictures(logs), **stiffness_pictures(logs), **map_pictures(logs)}
+    return {
+        **identification_pictures(logs),
+        **_of_design(logs),
+        **sweep_pictures(logs),
+        **stiffness_pictures(logs),
+        **map_pictures(logs),
+    }
 
 
 def sweep_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
@@ -87,6 +94,16 @@ def varied_numbers(flat: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, lis
                 return None
             varied.append((key, sorted({float(value) for value in values if value is not None})))
     return varied if len(varied) == 2 and all(len(values) >= FEWEST for _, values in varied) else None
+
+
+def _of_design(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
+    own = [log for log in logs if log.metadata.get("campaign") == DESIGN]
+    if not own:
+        return {}
+    try:
+        return design_pictures(own, _configurations(own))
+    except (UsageError, KeyError):
+        return {}
 
 
 def _configurations(logs: Sequence[TestLog]) -> dict[str, dict[str, Any]]:

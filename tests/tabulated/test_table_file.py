@@ -45,6 +45,11 @@ def test_means_and_standard_errors_are_read(tmp_path):
         (HEAD.replace("tests", "test_count") + ROW, "column tests is missing"),
         ("trajectory,tests,rise_time_ms\nramp_pos,4,3\n", "unknown indicator 'rise_time_ms'"),
         (HEAD, "one line for each condition"),
+        (HEAD.replace(",", ";") + ROW.replace(",", ";"), "parted by semicolons"),
+        (
+            HEAD.replace("sse", "e_max") + "mixed,pid,4,1.7,0.2,0.05,0.01\n",
+            "1.7 is above the largest error, e_max_deg 0.05",
+        ),
     ],
 )
 def test_bad_tables_are_refused_with_their_place(tmp_path, text, said):
