@@ -46,8 +46,13 @@ class Step:
         return abs(self.travel) >= FEWEST_COUNTS * 2.0 * math.pi / counts * _radius(self.config)
 
     @property
+    def left_deg(self) -> float:
+        """The angle of the arm at the end of the force, deg."""
+        return math.degrees(self.travel / _radius(self.config))
+
+    @property
     def held(self) -> float:
-        """The share of the force that friction holds, N without sign."""
+        """What friction holds of the force, N without sign."""
         return abs(self.force) - abs(sum(self.lines))
 
 
@@ -170,7 +175,7 @@ def _compliances(config: Mapping[str, Any], stiffness: float) -> dict[str, float
 
 
 def stiffness_charts(steps: Sequence[Step]) -> tuple[str, list[Chart]]:
-    """Return sentences on each case, and two charts: force of the lines over travel, and the loop's largest error."""
+    """Return sentences on each case, and two charts: force of the lines over travel, and the angle left over the force."""
     cases: dict[str, list[Step]] = {}
     for one in steps:
         cases.setdefault(one.case, []).append(one)
@@ -188,7 +193,7 @@ def stiffness_charts(steps: Sequence[Step]) -> tuple[str, list[Chart]]:
     for number, (case, own) in enumerate(cases.items()):
         order = sorted(own, key=lambda one: one.force)
         force = np.array([one.force for one in order])
-        angles.append(Series(force, np.array([one.largest_deg for one in order]), case, "points", number))
+        angles.append(Series(force, np.array([one.left_deg for one in order]), case, "points", number))
         if not own[0].locked:
             said.append(_loop_words(case, own))
     charts = []
@@ -197,8 +202,8 @@ def stiffness_charts(steps: Sequence[Step]) -> tuple[str, list[Chart]]:
         charts.append(
             Chart("stiffness", "", name, "Travel at the sliders (mm)", "Change of (p2 - p1) A2 (N)", tuple(drawn))
         )
-    name = "Largest angle while the force is on"
-    charts.append(Chart("largest", "", name, "Force at the sliders (N)", "Largest angle (deg)", tuple(angles)))
+    name = "Angle that is left at the end of the force"
+    charts.append(Chart("left", "", name, "Force at the sliders (N)", "Angle left (deg)", tuple(angles)))
     return "; ".join(said), charts
 
 

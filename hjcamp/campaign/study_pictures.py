@@ -12,6 +12,7 @@ from hjcamp.calibrate.static_stiffness import steps_of, stiffness_charts
 from hjcamp.campaign.design_pictures import DESIGN, design_pictures
 from hjcamp.campaign.identification import identification_pictures
 from hjcamp.errors import UsageError
+from hjcamp.records.find import tell
 from hjcamp.records.log import TestLog
 from hjcamp.report.identification_figures import draw_chart
 from hjcamp.report.indicators import configuration, indicators_of
@@ -43,7 +44,9 @@ def sweep_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
         return {}
     try:
         said, charts = bode_charts(points_of(own, _configurations(own)))
-    except (UsageError, KeyError):
+    except UsageError as problem:
+        return _without(SWEEP, problem)
+    except KeyError:
         return {}
     return {chart.caption: (draw_chart(chart), said) for chart in charts}
 
@@ -55,7 +58,9 @@ def stiffness_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
         return {}
     try:
         said, charts = stiffness_charts(steps_of(own, _configurations(own)))
-    except (UsageError, KeyError):
+    except UsageError as problem:
+        return _without(STIFFNESS, problem)
+    except KeyError:
         return {}
     return {chart.caption: (draw_chart(chart), said) for chart in charts}
 
@@ -94,6 +99,12 @@ def varied_numbers(flat: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, lis
                 return None
             varied.append((key, sorted({float(value) for value in values if value is not None})))
     return varied if len(varied) == 2 and all(len(values) >= FEWEST for _, values in varied) else None
+
+
+def _without(campaign: str, problem: UsageError) -> dict[str, tuple[str, str]]:
+    """Say why a report has no picture of its campaign."""
+    tell(f"no picture of '{campaign}': {problem}")
+    return {}
 
 
 def _of_design(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:

@@ -11,6 +11,7 @@ from plain_kernel import uncompiled
 from quiet_loop import AREA1, AREA2, EXACT, RADIUS, STIFFNESS
 
 from hjcamp.calibrate.static_stiffness import step_of, stiffness_charts, stiffness_of
+from hjcamp.campaign.study_pictures import stiffness_pictures
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers.open_loop import OpenLoop
 from hjcamp.effects import chosen_effects, find_effect, load_effects
@@ -72,7 +73,7 @@ def test_known_springs_are_read_back(config: dict[str, Any]) -> None:
     assert sum(found.parts.values()) == pytest.approx(1.0)
     said, charts = stiffness_charts(steps)
     assert "9.00 ± 0.00 N/mm" in said and "line 1 bears 67%" in said and "1 of 3 tests" in said
-    assert [chart.name for chart in charts] == ["stiffness", "largest"]
+    assert [chart.name for chart in charts] == ["stiffness", "left"]
     assert "in no two tests" in stiffness_charts(steps[1:2])[0]
 
 
@@ -95,6 +96,12 @@ def test_what_does_not_say_its_force_is_refused(config: dict[str, Any], given: d
     own = {**config, "effects": {"force_step": given} if given else {}}
     with pytest.raises(UsageError, match=said):
         step_of(made_log(config, 9.0, 3000.0, 3000.0, 0.0), own)
+
+
+def test_a_report_without_its_picture_says_why(capsys: pytest.CaptureFixture[str]) -> None:
+    log = TestLog({}, {"campaign": "stiffness", "condition": "x"}, {"config.yaml": b"effects: {}\n"})
+    assert stiffness_pictures([log]) == {}
+    assert "no picture of 'stiffness': x: effects.force_step needs strength" in capsys.readouterr().err
 
 
 def test_the_arm_of_the_model_gives_way_as_by_hand() -> None:

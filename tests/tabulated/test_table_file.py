@@ -67,6 +67,24 @@ def test_rows_are_matched_with_the_conditions_of_the_campaign(tmp_path):
         asked([str(written(tmp_path, HEAD + ROW.replace("ramp_pos", "ramp_poss"))), "campaign=controllers"])
 
 
+@pytest.mark.parametrize(
+    ("head", "row", "said"),
+    [
+        ("trajectory,rise_time_ms,", "ramp_pos,30,", "unknown column 'rise_time_ms'"),
+        (
+            "trajectory,controller,",
+            "ramp_poss,pid,",
+            "condition ramp_poss pid: unknown trajectory 'ramp_poss'; did you mean",
+        ),
+    ],
+)
+def test_a_row_that_cannot_be_composed_says_where(tmp_path, head, row, said):
+    text = f"{head}tests,rmse1_deg,rmse1_deg_deviation\n{row}4,1.7,0.2\n"
+    with pytest.raises(UsageError) as refused:
+        asked([str(written(tmp_path, text))])
+    assert "table " in str(refused.value) and "table.csv" in str(refused.value) and said in str(refused.value)
+
+
 def test_printed_tables_hold_every_measured_cell_once():
     assert [len(printed_cells([table])) for table in ("5.4.1", "5.4.2", "5.5.1", "5.5.2")] == [42, 4, 42, 8]
 

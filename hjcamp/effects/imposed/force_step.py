@@ -14,7 +14,7 @@ class ForceStep(Effect):
     with t = 0 at the start of the command; each edge falls on the sample at which the time has been reached.
     Seen as: a displacement that lasts as long as the force, less what friction holds.
     Not for: a force that is always there (see constant_force), or one that changes with the place (see gravity_load).
-    Source: static compliance of a machine from a dead weight, e.g. ISO 9283:1998, section 8.
+    Source: static compliance of a machine from a dead weight, e.g. ISO 9283:1998, Manipulating industrial robots (static compliance).
     """
 
     acts_on = "body"
