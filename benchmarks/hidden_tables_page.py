@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 from hidden_effects_cases import alike
@@ -10,6 +11,8 @@ from hidden_effects_measure import wilson
 from hidden_effects_tables import table
 
 Line = dict[str, Any]
+#: Written by hand: what the failures have in common.
+READING = Path(__file__).with_name("hidden_tables_reading.md")
 #: A table moved by less than this, in deviations, hides nothing that it could show.
 VISIBLE = 1.0
 KINDS = {"effect": "effect of the library", "outside": "outside the library", "null": "nothing"}
@@ -67,9 +70,9 @@ def page(lines: Sequence[Line], planned: int, tag: str, command: str) -> str:
         [
             "# Tables: what is said of effects that hide behind means and deviations",
             "",
-            "Made by `make hidden_tables`; no line is written by hand. Rigs and tables are of `tests/truth`, which shares no code",
-            "with the program: seven trajectories of thesis 5.2.5 at two preloads under PID, five tests each, every mean to a",
-            "hundredth of a degree. Nothing was tuned on these cases.",
+            "Made by `make hidden_tables`; only the reading at the end is written by hand. Rigs and tables are of `tests/truth`,",
+            "which shares no code with the program: seven trajectories of thesis 5.2.5 at two preloads under PID, five tests",
+            "each, every mean to a hundredth of a degree. Nothing was tuned on these cases.",
             "",
             f"Code {tag}, command `{command}`, {len(lines)} of {planned} cases.{unfinished} Intervals are Wilson's, 95 %.",
             f"A diagnosis took {middle} of wall time (median; the machine had other work).",
@@ -84,6 +87,7 @@ def page(lines: Sequence[Line], planned: int, tag: str, command: str) -> str:
             "",
             table(("case", "strength", "moves the table by", "outcome", "verdict", "named"), cases),
             "",
+            READING.read_text(encoding="utf-8"),
         ]
     )
 
