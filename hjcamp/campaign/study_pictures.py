@@ -1,4 +1,4 @@
-"""Further pictures for the report of a run: those of an identification, the Bode figure of sweeps, maps of two parameters."""
+"""Further pictures for the report of a run: identification, design, sweeps, force steps, maps of two parameters."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 
 from hjcamp.calibrate.frequency_response import bode_charts, points_of
+from hjcamp.calibrate.static_stiffness import steps_of, stiffness_charts
+from hjcamp.campaign.design_pictures import DESIGN, design_pictures
 from hjcamp.campaign.identification import identification_pictures
 from hjcamp.errors import UsageError
+from hjcamp.records.find import tell
 from hjcamp.records.log import TestLog
 from hjcamp.report.identification_figures import draw_chart
 from hjcamp.report.indicators import configuration, indicators_of
@@ -17,6 +20,7 @@ from hjcamp.report.map_figure import draw_map
 from hjcamp.report.published.configurations import leaves
 
 SWEEP = "bandwidth"
+STIFFNESS = "stiffness"
 #: What a map shows, with its unit.
 MAPPED = {"rmse1_deg": "RMSE1 (deg)", "pressure_low_mpa": "lowest line pressure (MPa gauge)"}
 FEWEST = 3  # values of a parameter that make an axis
@@ -24,7 +28,13 @@ FEWEST = 3  # values of a parameter that make an axis
 
 def study_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
     """Return heading -> (SVG, caption) of every further picture that the logs of a run give."""
-    return {**identification_pictures(logs), **sweep_pictures(logs), **map_pictures(logs)}
+    return {
+        **identification_pictures(logs),
+        **_of_design(logs),
+        **sweep_pictures(logs),
+        **stiffness_pictures(logs),
+        **map_pictures(logs),
+    }
 
 
 def sweep_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
@@ -34,7 +44,23 @@ def sweep_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
         return {}
     try:
         said, charts = bode_charts(points_of(own, _configurations(own)))
-    except (UsageError, KeyError):
+    except UsageError as problem:
+        return _without(SWEEP, problem)
+    except KeyError:
+        return {}
+    return {chart.caption: (draw_chart(chart), said) for chart in charts}
+
+
+def stiffness_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
+    """Return force over travel and the largest angles of a campaign ``stiffness``; none for other logs."""
+    own = [log for log in logs if log.metadata.get("campaign") == STIFFNESS]
+    if not own:
+        return {}
+    try:
+        said, charts = stiffness_charts(steps_of(own, _configurations(own)))
+    except UsageError as problem:
+        return _without(STIFFNESS, problem)
+    except KeyError:
         return {}
     return {chart.caption: (draw_chart(chart), said) for chart in charts}
 
@@ -73,6 +99,22 @@ def varied_numbers(flat: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, lis
                 return None
             varied.append((key, sorted({float(value) for value in values if value is not None})))
     return varied if len(varied) == 2 and all(len(values) >= FEWEST for _, values in varied) else None
+
+
+def _without(campaign: str, problem: UsageError) -> dict[str, tuple[str, str]]:
+    """Say why a report has no picture of its campaign."""
+    tell(f"no picture of '{campaign}': {problem}")
+    return {}
+
+
+def _of_design(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
+    own = [log for log in logs if log.metadata.get("campaign") == DESIGN]
+    if not own:
+        return {}
+    try:
+        return design_pictures(own, _configurations(own))
+    except (UsageError, KeyError):
+        return {}
 
 
 def _configurations(logs: Sequence[TestLog]) -> dict[str, dict[str, Any]]:

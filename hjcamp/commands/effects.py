@@ -129,7 +129,7 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
 
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._answers import effect_row
-    from hjcamp.effects import effect_files, library_of
+    from hjcamp.effects import effect_files, imposed_files, library_of
     from hjcamp.model.port import KINDS
     from hjcamp.plants import DEFAULT
 
@@ -154,6 +154,8 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
             said = f"{len(rows)} for any plant with such a place; which fit: hjcamp plants PLANT"
         if rows or rows is shown:
             console.print(f"  {said}", style="dim", markup=False, soft_wrap=True)
+    more = ", ".join(imposed_files())
+    console.print(f"  put on a rig on purpose, and no candidate: {more}", style="dim", markup=False, soft_wrap=True)
     told = {
         "effects": [effect_row(one) for _, _, one in shown],
         "for_any_plant": [effect_row(one) for _, _, one in others],
@@ -168,7 +170,7 @@ def is_pictured(name: str, plant: str) -> bool:
 
     if plant != DEFAULT:
         return False
-    return name in library_of(plant).effects or name not in effect_files()
+    return name in library_of(plant, imposed=True).effects or name not in effect_files()
 
 
 def shown_effect(name: str, plant: str) -> type[Effect]:
@@ -176,7 +178,7 @@ def shown_effect(name: str, plant: str) -> type[Effect]:
     from hjcamp.effects import effect_files, library_of
     from hjcamp.plants import DEFAULT
 
-    library = library_of(plant or DEFAULT)
+    library = library_of(plant or DEFAULT, imposed=True)
     files = {} if plant else effect_files()
     if name not in library.effects and name in files and files[name].acts_on:
         return files[name]
@@ -275,10 +277,11 @@ def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = Non
 
     if begun is not None:
         from hjcamp.commands._effect_from import write_from_diagnosis
-        from hjcamp.effects import effect_files, load_effects
+        from hjcamp.effects import effect_files, imposed_files, load_effects
         from hjcamp.plants import DEFAULT
 
-        path, plant = write_from_diagnosis(name, begun, sorted({*effect_files([]), *load_effects([])}))
+        taken = {*effect_files([]), *imposed_files(), *load_effects([])}
+        path, plant = write_from_diagnosis(name, begun, sorted(taken))
         plant = "" if plant == DEFAULT else plant
     else:
         path = new_effect_file(name, plant, on)
@@ -291,12 +294,12 @@ def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = Non
 
 def new_effect_file(name: str, plant: str, on: str) -> Path:
     """Write that template and return its path."""
-    from hjcamp.effects import effect_files, load_effects
+    from hjcamp.effects import effect_files, imposed_files, load_effects
     from hjcamp.effects._generic_template import write_generic
     from hjcamp.effects._template import write_template
     from hjcamp.plants import DEFAULT, find_plant
 
-    folder, taken = Path("effects"), {*effect_files([]), *load_effects([])}
+    folder, taken = Path("effects"), {*effect_files([]), *imposed_files(), *load_effects([])}
     if on or plant not in ("", DEFAULT):
         return write_generic(name, folder, find_plant(plant) if plant else None, on, taken)
     return write_template(name, folder, find_plant(DEFAULT, folders=[]), taken)

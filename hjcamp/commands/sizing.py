@@ -13,9 +13,11 @@ from hjcamp.errors import UsageError
 if TYPE_CHECKING:
     from hjcamp.sizing.capability import Friction, Joint
 
-USAGE = "hjcamp sizing | sizing capability torque_mnm=20 range_deg=180 diameter_mm=15 | sizing figures"
+USAGE = "hjcamp sizing | sizing capability torque_mnm=20 range_deg=180 diameter_mm=15 | sizing figures [OVERRIDE...]"
 #: The joint as measured last, as measured first, and as thesis 5.6 would have it.
 FRICTIONS = {"bidirectional": "worn", "first_state": "first state", "reduced": "reduced"}
+#: What the figure of the load shows where no other payload is named: that of thesis 5.5.
+PAYLOAD = ("payload=brass_8p5g", "orientation=vertical")
 SCALE = {"MPa": 1e-6, "mm": 1e3}
 
 
@@ -28,7 +30,7 @@ def sizing(
     words: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[capability KEY=NUMBER... [OVERRIDE...] | figures]",
+            metavar="[capability KEY=NUMBER... [OVERRIDE...] | figures [OVERRIDE...]]",
             help="A question, or the figures; none for the table of formulas.",
             show_default=False,
         ),
@@ -46,10 +48,10 @@ def sizing(
         case ["capability", *lines]:
             check_answer_file(json_file)
             write_answer(json_file, answer_question(lines))
-        case ["figures"] if json_file is None:
-            draw(output)
+        case ["figures", *lines] if json_file is None:
+            draw(output, lines)
         case ["figures", *_]:
-            raise UsageError(f"figures takes --output alone: {USAGE}")
+            raise UsageError(f"figures gives no answer for --json: {USAGE}")
         case [word, *_]:
             from hjcamp.errors import unknown
 
@@ -175,13 +177,23 @@ def _print_answers(answers: list[dict[str, Any]], tension: float | None) -> None
         console.print(f"  The string must be tensioned to {tension:.2f} N or more, or it slips.", markup=False)
 
 
-def draw(output: Path) -> None:
-    """Draw every figure into a folder."""
+def draw(output: Path, lines: list[str]) -> None:
+    """Draw every figure into a folder: those of the formulas, and those of the configured friction and payload."""
     from hjcamp.campaign.console import make_console
+    from hjcamp.configuration.check import check_configuration
+    from hjcamp.configuration.composer import Composer
+    from hjcamp.report.joint_figures import figures_of
     from hjcamp.report.sizing_figures import FIGURES, draw_figures
     from hjcamp.storage import check_place
 
+    for line in lines:
+        if "=" not in line or line.partition("=")[0] == "campaign":
+            raise UsageError(
+                f"figures takes overrides of the joint, such as friction=first_state, not '{line}': {USAGE}"
+            )
+    config = Composer().compose([*PAYLOAD, *lines]).config
+    check_configuration(config)
     check_place(output / f"{next(iter(FIGURES))}.png", "--output")
     console = make_console()
-    for path in draw_figures(output):
+    for path in draw_figures(output, figures={**FIGURES, **figures_of(config)}):
         console.print(f"  picture  {path}", markup=False, soft_wrap=True)

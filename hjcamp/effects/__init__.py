@@ -21,12 +21,28 @@ def effect_files(folders: Sequence[Path] | None = None) -> dict[str, type[Effect
     return scan(Path(__file__).parent, __name__, Effect, chosen)
 
 
-def library_of(plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | None = None) -> Library:
-    """Return the effects that fit a plant, generic ones bound to its places, and why the others do not."""
+def imposed_files() -> dict[str, type[Effect]]:
+    """Return what an experimenter may do to a rig: effects that a configuration names and no diagnosis proposes."""
+    return scan(Path(__file__).parent / "imposed", f"{__name__}.imposed", Effect)
+
+
+def library_of(
+    plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | None = None, imposed: bool = False
+) -> Library:
+    """Return the effects that fit a plant, generic ones bound to its places, and why the others do not.
+
+    With ``imposed`` those as well that an experimenter puts on a rig on purpose.
+    """
     if isinstance(plant, str):
         # ours does not depend on what plants the user has
         plant = find_plant(plant, folders=[] if plant == DEFAULT else None)
-    return library_for(plant, effect_files(folders), lambda: load_plants().values())
+    files = effect_files(folders)
+    if imposed:
+        ours = imposed_files()
+        for name in ours.keys() & files.keys():
+            raise UsageError(f"effect {name}: the name is taken; choose another file name")
+        files = {**files, **ours}
+    return library_for(plant, files, lambda: load_plants().values())
 
 
 def load_effects(folders: Sequence[Path] | None = None, plant: type[Plant] | str = DEFAULT) -> dict[str, type[Effect]]:
@@ -36,7 +52,7 @@ def load_effects(folders: Sequence[Path] | None = None, plant: type[Plant] | str
 
 def find_effect(name: str, plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | None = None) -> type[Effect]:
     """Return the effect that a plant calls ``name``; one that does not fit is refused with its reason."""
-    return library_of(plant, folders).find(name)
+    return library_of(plant, folders, imposed=True).find(name)
 
 
 def chosen_effects(
@@ -46,7 +62,7 @@ def chosen_effects(
 
     ``where`` is the path of ``values`` in the configuration; an effect without parameters has its defaults.
     """
-    library = library_of(plant)
+    library = library_of(plant, imposed=True)
     effects, checked = [], {}
     for name in sorted(values, key=str):
         if name not in library.effects and name not in {*library.unfit, *library.names}:

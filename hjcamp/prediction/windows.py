@@ -9,7 +9,7 @@ Legendre polynomials in units of the sensor's noise.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.simulator import Given
 from hjcamp.prediction.kernels import Kernels
-from hjcamp.prediction.measured import Measured
+from hjcamp.prediction.measured import Measured, MeasuredTest
 
 Array = NDArray[np.float64]
 ORDERS = 8
@@ -72,6 +72,16 @@ class Layout:
             cut = one[: count * self.width].reshape(count, self.width, *one.shape[1:])[:: self.every]
             parts.append(cut.reshape(-1, *one.shape[1:]))
         return np.concatenate(parts)
+
+    def condensed(self) -> tuple[MeasuredTest, ...]:
+        """Return the tests with nothing but the windows that are looked at, one after the other."""
+        if self.every == 1:
+            return self.measured.tests
+        ends = np.cumsum([0, *self.counts]) * self.width
+        return tuple(
+            replace(test, time=self.time[a:b], inputs=self.inputs[a:b], readings=self.readings[a:b])
+            for test, a, b in zip(self.measured.tests, ends[:-1], ends[1:], strict=True)
+        )
 
     @cached_property
     def readings(self) -> Array:

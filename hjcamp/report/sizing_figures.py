@@ -157,8 +157,10 @@ def stiff_line_pressure(figure: Any) -> None:
     axes.set_xlabel("Volume pushed in from 0 MPa gauge (mm³), 300 mm", fontsize=8.5)
 
 
+Figures = Mapping[str, tuple[tuple[float, float], Callable[[Any], None]]]
+
 #: File name: (size in inches, what draws it).
-FIGURES: Mapping[str, tuple[tuple[float, float], Callable[[Any], None]]] = {
+FIGURES: Figures = {
     "figure_3_3_3": ((6.4, 7.0), vane_and_cylinder),
     "figure_3_4_1": ((6.4, 4.4), muscle_and_cylinder),
     "figure_3_5_3": ((6.4, 7.6), six_bar),
@@ -168,13 +170,13 @@ FIGURES: Mapping[str, tuple[tuple[float, float], Callable[[Any], None]]] = {
 }
 
 
-def draw_figures(folder: Path, suffix: str = ".png") -> list[Path]:
+def draw_figures(folder: Path, suffix: str = ".png", figures: Figures = FIGURES) -> list[Path]:
     """Write every figure into ``folder``, each whole or not at all; returns their paths."""
     import matplotlib
     from matplotlib.figure import Figure
 
     found = []
-    for name, (size, paint) in FIGURES.items():
+    for name, (size, paint) in figures.items():
         path = folder / f"{name}{suffix}"
         with matplotlib.rc_context(SETTINGS):  # type: ignore[arg-type]
             figure = Figure(figsize=size, layout="constrained")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,11 +12,12 @@ import numpy as np
 
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, unknown
 from hjcamp.records.plan import Condition
+from hjcamp.report.indicators import CHOICES, INDICATORS
 from hjcamp.tabulated.cells import Cells
 from hjcamp.tabulated.printed import CAMPAIGNS, campaigns_of, check_names, printed_cells
-from hjcamp.tabulated.table_file import matching, read_table
+from hjcamp.tabulated.table_file import DEVIATION, TESTS, matching, read_table
 
 #: Fewer cells, or fewer conditions, do not hold the base parameters, let alone more.
 FEWEST_CELLS, FEWEST_CONDITIONS = 8, 3
@@ -36,9 +37,11 @@ class Question:
         """Why nothing can be told from these cells, in words; empty where something can."""
         found = []
         if len(self.cells) < FEWEST_CELLS:
-            found.append(f"{len(self.cells)} means; {FEWEST_CELLS} at least are needed to hold the base parameters")
+            found.append(
+                f"{_count(len(self.cells), 'mean')}; {FEWEST_CELLS} at least are needed to hold the base parameters"
+            )
         if len(self.conditions) < FEWEST_CONDITIONS:
-            found.append(f"{len(self.conditions)} conditions; {FEWEST_CONDITIONS} at least are needed")
+            found.append(f"{_count(len(self.conditions), 'condition')}; {FEWEST_CONDITIONS} at least are needed")
         return found
 
     @property
@@ -89,16 +92,32 @@ def _planned(tables: tuple[str, ...], cells: Cells, campaigns: Sequence[str], ov
     planned: list[Condition] = []
     for name in campaigns:
         planned += _conditions([f"campaign={name}", *rest], composer)
+    where = f"table {', '.join(tables)}"
     if not campaigns:
         for place in cells.conditions:
-            planned += _conditions([*rest, *(f"{key}={value}" for key, value in place.items())], composer)
-    where = f"table {', '.join(tables)}"
+            planned += _composed(place, rest, composer, where)
     rows = tuple(matching(place, planned, where) for place in cells.conditions)
     if any(one.config.get("plant") for one in rows):
         raise UsageError(f"{where}: only tables of plant pump_joint can be diagnosed")
     if any(one.config["backend"]["name"] != "simulation" for one in rows):
         raise UsageError(f"{where}: a table is compared with the simulator; leave backend= out")
     return Question(tables, cells, rows, overrides)
+
+
+def _composed(place: Mapping[str, str], rest: Sequence[str], composer: Composer, where: str) -> tuple[Condition, ...]:
+    """Return the condition of a row without a campaign; a column that names no choice and no parameter is refused."""
+    for key in place:
+        if "." not in key and not composer.is_group(key):
+            deviations = [f"{one}{DEVIATION}" for one in INDICATORS]
+            raise unknown("column", key, [*INDICATORS, *deviations, TESTS, *CHOICES, "or a parameter"], where)
+    try:
+        return _conditions([*rest, *(f"{key}={value}" for key, value in place.items())], composer)
+    except UsageError as problem:
+        raise UsageError(f"{where}, condition {' '.join(place.values())}: {problem}") from None
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'s' * (number != 1)}"
 
 
 def _conditions(lines: Sequence[str], composer: Composer) -> tuple[Condition, ...]:

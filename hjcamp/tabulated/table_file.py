@@ -32,6 +32,10 @@ def read_table(path: Path) -> Cells:
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(f"table {path}: cannot be read ({error})") from error
     lines = [[cell.strip() for cell in line] for line in lines if any(cell.strip() for cell in line)]
+    if lines and len(lines[0]) == 1 and ";" in lines[0][0]:
+        raise UsageError(
+            f"table {path}: its cells are parted by semicolons; part them by commas, with points in numbers"
+        )
     if len(lines) < 2:
         raise UsageError(f"table {path}: it needs a line of column names and one line for each condition")
     header, *body = lines
@@ -103,7 +107,19 @@ def _cells(where: str, row: Mapping[str, str], indicators: Sequence[str]) -> lis
         if spread < 0 or (value <= 0 and name != "sse_deg"):
             raise UsageError(f"{where}, column {name}: {mean} with deviation {deviation}; neither can be so")
         found.append((INDICATORS.index(name), value, spread / math.sqrt(tests)))
+    _check_sizes(where, {INDICATORS[place]: value for place, value, _ in found})
     return found
+
+
+def _check_sizes(where: str, means: Mapping[str, float]) -> None:
+    """Refuse a mean that is above the largest error of the same tests: most often another unit."""
+    largest = means.get("e_max_deg", math.inf)
+    for name, value in means.items():
+        if abs(value) > largest:
+            raise UsageError(
+                f"{where}, column {name}: {value:g} is above the largest error, e_max_deg {largest:g}, which cannot be; "
+                "are both in degrees?"
+            )
 
 
 def _number(where: str, column: str, text: str) -> float:

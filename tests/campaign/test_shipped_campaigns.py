@@ -18,7 +18,7 @@ CAMPAIGNS = sorted(path.stem for path in (Path(hjcamp.__file__).parents[1] / "ca
 
 LONG = {
     "two_pumps", "previous_joint", "preload", "valve_timing", "valve_tuning", "robustness_horizontal", "dither_map", "bandwidth",
-    "leakage",
+    "leakage", "stiffness",
 }  # fmt: skip
 
 

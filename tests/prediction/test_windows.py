@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -71,6 +72,8 @@ def test_of_a_long_log_windows_are_looked_at_that_are_spread_over_it(axis: Path,
     for all_of, chosen in ((whole.readings, some.readings), (whole.inputs, some.inputs), (whole.time, some.time)):
         shape = (-1, 50, *all_of.shape[1:])
         assert np.array_equal(all_of.reshape(shape)[::3], chosen.reshape(shape))
+    again = Layout(replace(measured, tests=some.condensed()), 50)
+    assert np.array_equal(again.readings, some.readings) and np.array_equal(again.begins, some.begins)
     monkeypatch.setitem(MOST_SAMPLES, "quick", len(whole.time) // 4)
     found = calibrated(measured, {}, unknowns=False, effort="quick")
     assert found.windows.layout.every == 4 or found.windows.layout.every == 5

@@ -45,6 +45,11 @@ def test_means_and_standard_errors_are_read(tmp_path):
         (HEAD.replace("tests", "test_count") + ROW, "column tests is missing"),
         ("trajectory,tests,rise_time_ms\nramp_pos,4,3\n", "unknown indicator 'rise_time_ms'"),
         (HEAD, "one line for each condition"),
+        (HEAD.replace(",", ";") + ROW.replace(",", ";"), "parted by semicolons"),
+        (
+            HEAD.replace("sse", "e_max") + "mixed,pid,4,1.7,0.2,0.05,0.01\n",
+            "1.7 is above the largest error, e_max_deg 0.05",
+        ),
     ],
 )
 def test_bad_tables_are_refused_with_their_place(tmp_path, text, said):
@@ -60,6 +65,24 @@ def test_rows_are_matched_with_the_conditions_of_the_campaign(tmp_path):
     assert any("at least" in one for one in question.lacking)
     with pytest.raises(UsageError, match="did you mean 'ramp_pos pid'"):
         asked([str(written(tmp_path, HEAD + ROW.replace("ramp_pos", "ramp_poss"))), "campaign=controllers"])
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "said"),
+    [
+        ("trajectory,rise_time_ms,", "ramp_pos,30,", "unknown column 'rise_time_ms'"),
+        (
+            "trajectory,controller,",
+            "ramp_poss,pid,",
+            "condition ramp_poss pid: unknown trajectory 'ramp_poss'; did you mean",
+        ),
+    ],
+)
+def test_a_row_that_cannot_be_composed_says_where(tmp_path, head, row, said):
+    text = f"{head}tests,rmse1_deg,rmse1_deg_deviation\n{row}4,1.7,0.2\n"
+    with pytest.raises(UsageError) as refused:
+        asked([str(written(tmp_path, text))])
+    assert "table " in str(refused.value) and "table.csv" in str(refused.value) and said in str(refused.value)
 
 
 def test_printed_tables_hold_every_measured_cell_once():

@@ -205,7 +205,7 @@ def joined_with(
     """Return windows of the measured tests and of chosen simulated ones together, and which of them are new (windows,)."""
     own = analysis.windows.layout
     tests = tuple(simulated.layout.measured.tests[place] for place in chosen)
-    layout = Layout(_like(analysis.measured, (*analysis.measured.tests, *tests)), own.width)
+    layout = Layout(_like(analysis.measured, (*own.condensed(), *tests)), own.width)
     order = np.concatenate([np.flatnonzero(simulated.layout.of_test == place) for place in chosen])
     found = _windows(analysis, layout, np.concatenate([starts, simulated.starts[order]]))
     return found, np.arange(len(layout.of_test)) >= len(own.of_test)

@@ -1,0 +1,1 @@
+"""What an experimenter does to a rig on purpose: a campaign names it, no diagnosis proposes it as missing."""
