@@ -54,8 +54,8 @@ def diagnosed(folder: Path, without: tuple[str, ...], effort: str) -> dict[str, 
     """Return the answer of a diagnosis of the logs in ``folder``, its seconds, and what stands behind it."""
     from hjcamp.analyses.data import evidence_of
     from hjcamp.discrepancy.answer import answer
-    from hjcamp.discrepancy.crew import Crew
     from hjcamp.discrepancy.diagnose import diagnose
+    from hjcamp.discrepancy.workers.pool import Crew
     from hjcamp.effects import load_effects
 
     effects = tuple(effect for name, effect in load_effects([]).items() if name not in without)

@@ -19,7 +19,7 @@ import numpy as np
 from hjcamp import backends
 from hjcamp.backends import nidaqmx
 from hjcamp.backends.recording import recording
-from hjcamp.backends.rig_tasks import RigTasks
+from hjcamp.backends.rig.tasks import RigTasks
 from hjcamp.configuration.composer import Composer
 from hjcamp.records.write import LogWriter
 

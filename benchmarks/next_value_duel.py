@@ -13,17 +13,17 @@ from truth.case import build_case, simulate_test
 from truth.menu import Condition, asked, sine
 from truth.simulate import COLUMNS
 
-from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.evidence import Evidence, prepare
-from hjcamp.discrepancy.features import Features
-from hjcamp.discrepancy.fit import Fitter
-from hjcamp.discrepancy.next_menu import Choice
-from hjcamp.discrepancy.next_rivals import Rival
-from hjcamp.discrepancy.next_tests import REPETITIONS, propose
-from hjcamp.discrepancy.next_trials import Bench
-from hjcamp.discrepancy.repetition import scatter_of
-from hjcamp.discrepancy.search import fit_effect, rival_weights, screen, unknowns_of
-from hjcamp.discrepancy.views import Views
+from hjcamp.discrepancy.design.menu import Choice
+from hjcamp.discrepancy.design.propose import REPETITIONS, propose
+from hjcamp.discrepancy.design.rivals import Rival
+from hjcamp.discrepancy.design.trials import Bench
+from hjcamp.discrepancy.fitting.calibrate import calibrate
+from hjcamp.discrepancy.fitting.gauss_newton import Fitter
+from hjcamp.discrepancy.measured.evidence import Evidence, prepare
+from hjcamp.discrepancy.measured.repetition import scatter_of
+from hjcamp.discrepancy.residuals.features import Features
+from hjcamp.discrepancy.residuals.views import Views
+from hjcamp.discrepancy.screening.screening import fit_effect, rival_weights, screen, unknowns_of
 from hjcamp.model.candidate import Candidate
 from hjcamp.records.log import TestLog
 

@@ -12,7 +12,7 @@ from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from hjcamp.discrepancy.add import Addition as PumpAddition
-    from hjcamp.discrepancy.evidence import Evidence
+    from hjcamp.discrepancy.measured.evidence import Evidence
     from hjcamp.model.effect import Effect
     from hjcamp.prediction.addition import Addition as PlantAddition
 
@@ -42,9 +42,9 @@ def _add_pump_joint(data: Data, names: list[str], name: str, model: str, report:
     from hjcamp.configuration.saved_model import check_new_name, write_model
     from hjcamp.discrepancy.add import add as fit_added
     from hjcamp.discrepancy.add import answer, check_effects
-    from hjcamp.discrepancy.crew import Crew, available
-    from hjcamp.discrepancy.saved import saved_model
-    from hjcamp.discrepancy.views import Views
+    from hjcamp.discrepancy.models.saved import saved_model
+    from hjcamp.discrepancy.residuals.views import Views
+    from hjcamp.discrepancy.workers.pool import Crew, available
 
     library = library_of_data(data)
     path = check_new_name(name)

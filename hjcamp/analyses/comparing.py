@@ -10,7 +10,7 @@ from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from hjcamp.discrepancy.compare import Comparison as PumpComparison
-    from hjcamp.discrepancy.evidence import Evidence
+    from hjcamp.discrepancy.measured.evidence import Evidence
     from hjcamp.prediction.comparison import Comparison as PlantComparison
 
 
@@ -23,7 +23,7 @@ def check_models(names: Sequence[str]) -> None:
 def compare_pump_joint(data: Data, names: Sequence[str], report: Report = silent) -> PumpComparison:
     """Return saved models of the pump joint on its tests (`hjcamp.discrepancy.compare`)."""
     from hjcamp.discrepancy.compare import compare
-    from hjcamp.discrepancy.saved import saved_model
+    from hjcamp.discrepancy.models.saved import saved_model
     from hjcamp.effects import load_effects
 
     check_models(names)

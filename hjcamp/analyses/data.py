@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.evidence import Evidence
+    from hjcamp.discrepancy.measured.evidence import Evidence
     from hjcamp.model.plant import Plant
     from hjcamp.prediction.measured import Measured
     from hjcamp.records.log import TestLog
@@ -69,7 +69,7 @@ class Data:
 
 def evidence_of(paths: Sequence[Path], logs: Sequence[TestLog] | None = None) -> Evidence:
     """Return the evidence of the logs at ``paths``; refuse what cannot be, and say on stderr what is doubtful."""
-    from hjcamp.discrepancy.evidence import prepare
+    from hjcamp.discrepancy.measured.evidence import prepare
     from hjcamp.records.find import read_logs, refuse_unanalysed
 
     logs = read_logs(list(paths)) if logs is None else logs

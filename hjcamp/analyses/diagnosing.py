@@ -15,9 +15,9 @@ from hjcamp.report.where_words import NEAR
 if TYPE_CHECKING:
     from hjcamp.discrepancy.answer import Judging
     from hjcamp.discrepancy.diagnose import Diagnosis
-    from hjcamp.discrepancy.evidence import Evidence
+    from hjcamp.discrepancy.localisation.unexplained import Unexplained
+    from hjcamp.discrepancy.measured.evidence import Evidence
     from hjcamp.discrepancy.scale import Judged
-    from hjcamp.discrepancy.unexplained import Unexplained
     from hjcamp.model.candidate import Candidate
     from hjcamp.model.effect import Effect
     from hjcamp.prediction.analysis import Analysis
@@ -41,7 +41,7 @@ class Asked:
 
     def check(self) -> None:
         """Refuse an unknown effort, a seed that ``seed=`` of a run would not take, and less than one process."""
-        from hjcamp.discrepancy.effort import EFFORTS
+        from hjcamp.discrepancy.selection.effort import EFFORTS
 
         check_seed(self.seed)
         if self.effort not in EFFORTS:
@@ -96,9 +96,9 @@ def diagnose_pump_joint(
     """
     from hjcamp.campaign.warm import missing, ready_to_diagnose, side_by_side
     from hjcamp.discrepancy.answer import Judging, answer, asked_candidates
-    from hjcamp.discrepancy.crew import Crew, available
     from hjcamp.discrepancy.diagnose import diagnose
-    from hjcamp.discrepancy.saved import saved_model
+    from hjcamp.discrepancy.models.saved import saved_model
+    from hjcamp.discrepancy.workers.pool import Crew, available
     from hjcamp.effects import load_effects
 
     began = time.perf_counter()
@@ -135,7 +135,7 @@ def diagnose_pump_joint(
 
 
 def _curve(found: Diagnosis, content: Mapping[str, Any]) -> Unexplained | None:
-    from hjcamp.discrepancy.unexplained import unexplained
+    from hjcamp.discrepancy.localisation.unexplained import unexplained
 
     if not content["drivers"]:
         return None

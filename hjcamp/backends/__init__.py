@@ -36,7 +36,7 @@ def before_moving(config: Mapping[str, Any]) -> list[str]:
 def watches(config: Mapping[str, Any]) -> list[Watch]:
     """Return the limits that a test stays within, as quantities of its log: those of its rig, else what its plant finds plausible."""
     if not config.get("plant") and config["rig"].get("limits"):
-        from hjcamp.backends.rig_margins import rig_watches
+        from hjcamp.backends.rig.margins import rig_watches
 
         return rig_watches(config)
     from hjcamp.plants import DEFAULT, find_plant

@@ -11,22 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.backends.recording import current_recording
-from hjcamp.backends.rig_check_stamp import require_check
-from hjcamp.backends.rig_connection import connect
-from hjcamp.backends.rig_control import RigControl
-from hjcamp.backends.rig_fault import LeftAt, RigFault
-from hjcamp.backends.rig_guard import guard_facts, interlock_of, notices, require_guard
-from hjcamp.backends.rig_journal import Journal
-from hjcamp.backends.rig_limits import LimitCheck, read_limits
-from hjcamp.backends.rig_lock import take_lock
-from hjcamp.backends.rig_loop import RigLoop, Stopped, StoppedForGood
-from hjcamp.backends.rig_park import note_parked, parked_at
-from hjcamp.backends.rig_reach import check_reach
-from hjcamp.backends.rig_silence import coupling_of
-from hjcamp.backends.rig_stop import while_moving
-from hjcamp.backends.rig_tasks import RigTasks, device_facts, last_words, not_written
-from hjcamp.backends.rig_timing import LoopTiming, undisturbed
-from hjcamp.backends.rig_wiring import Wiring, read_wiring
+from hjcamp.backends.rig.check_stamp import require_check
+from hjcamp.backends.rig.connection import connect
+from hjcamp.backends.rig.control import RigControl
+from hjcamp.backends.rig.fault import LeftAt, RigFault
+from hjcamp.backends.rig.guard import guard_facts, interlock_of, notices, require_guard
+from hjcamp.backends.rig.journal import Journal
+from hjcamp.backends.rig.limits import LimitCheck, read_limits
+from hjcamp.backends.rig.lock import take_lock
+from hjcamp.backends.rig.loop import RigLoop, Stopped, StoppedForGood
+from hjcamp.backends.rig.park import note_parked, parked_at
+from hjcamp.backends.rig.reach import check_reach
+from hjcamp.backends.rig.silence import coupling_of
+from hjcamp.backends.rig.stop import while_moving
+from hjcamp.backends.rig.tasks import RigTasks, device_facts, last_words, not_written
+from hjcamp.backends.rig.timing import LoopTiming, undisturbed
+from hjcamp.backends.rig.wiring import Wiring, read_wiring
 from hjcamp.backends.simulation import (
     control_values,
     dither_of,
@@ -100,7 +100,7 @@ def before_moving(config: Mapping[str, Any]) -> list[str]:
 
 def look_again(config: Mapping[str, Any], left: LeftAt) -> str:
     """Look at the rig after a fault and bring it to where a test begins; raises ``HjcampError`` where it is not fit."""
-    from hjcamp.backends.rig_look_again import look_again as look
+    from hjcamp.backends.rig.look_again import look_again as look
 
     return look(config, left)
 

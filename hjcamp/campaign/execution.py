@@ -122,7 +122,7 @@ def execute(job: Job) -> Outcome:
     """Run one test and write its log under its final name; never raises except for an immediate stop."""
     from hjcamp import backends
     from hjcamp.backends.recording import recording
-    from hjcamp.backends.rig_fault import RigFault
+    from hjcamp.backends.rig.fault import RigFault
     from hjcamp.campaign.ends import followed_error
     from hjcamp.live.feed import current_feed
     from hjcamp.records.log import TestLog

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.backends.rig_stop import StopSignals
+from hjcamp.backends.rig.stop import StopSignals
 from hjcamp.campaign.execution import PRIVATE_NAME, Job, Outcome, make_jobs
 from hjcamp.campaign.files import run_errors
 from hjcamp.campaign.folder import RunFolder

@@ -10,11 +10,11 @@ import numpy as np
 
 from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
-from hjcamp.discrepancy.hardware import simulator
-from hjcamp.discrepancy.kernel_choice import first_needed
-from hjcamp.discrepancy.next_menu import Choice, menu
-from hjcamp.discrepancy.next_trials import Bench
-from hjcamp.discrepancy.passes import compile_passes
+from hjcamp.discrepancy.design.menu import Choice, menu
+from hjcamp.discrepancy.design.trials import Bench
+from hjcamp.discrepancy.measured.hardware import simulator
+from hjcamp.discrepancy.residuals.kernel_choice import first_needed
+from hjcamp.discrepancy.residuals.passes import compile_passes
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.course import Course, inputs_along

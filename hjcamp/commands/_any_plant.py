@@ -117,7 +117,7 @@ def next_any(
     from hjcamp.commands import _next_plant as said
     from hjcamp.commands._next_plant_campaign import written_campaign
     from hjcamp.commands._session import folder_for, progress_of, write_answer
-    from hjcamp.discrepancy.next_campaign import new_campaign
+    from hjcamp.discrepancy.design.campaign_file import new_campaign
     from hjcamp.report.next_figure import draw_predictions
     from hjcamp.storage import whole_file
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from hjcamp.discrepancy.compare import Comparison
-    from hjcamp.discrepancy.replay import Replay
+    from hjcamp.discrepancy.residuals.replay import Replay
     from hjcamp.records.model_log import ModelledTest
     from hjcamp.report.exploration import Exploration
 
@@ -31,8 +31,8 @@ def _replays(found: Comparison) -> list[Replay]:
 
 def tests_of(found: Comparison) -> Iterator[ModelledTest]:
     """Yield every test with what was measured and what each model says, in the units of the fields."""
-    from hjcamp.discrepancy.replay import CHANNELS
-    from hjcamp.discrepancy.signals import STRIDE
+    from hjcamp.discrepancy.measured.signals import STRIDE
+    from hjcamp.discrepancy.residuals.replay import CHANNELS
     from hjcamp.records.model_log import ModelledTest
     from hjcamp.report.exploration import NOT_CHANNELS, names_of
 

@@ -131,7 +131,7 @@ def worst_overlay(models: list[Compared]) -> Overlay:
 
 def draw_where(one: Compared) -> str:
     """Return the map of the missing force and the bars of one model."""
-    from hjcamp.discrepancy.where import SLIDING
+    from hjcamp.discrepancy.localisation.where import SLIDING
     from hjcamp.report.discrepancy_figures import draw_map
     from hjcamp.report.where_words import grouped_bars
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.discrepancy.replay import ChannelError
+    from hjcamp.discrepancy.residuals.replay import ChannelError
     from hjcamp.discrepancy.scale import Judged, Scale
 
 CHANNELS = {

@@ -9,8 +9,8 @@ import numpy as np
 
 from hjcamp.analyses.data import joined
 from hjcamp.commands._next_work import Words, Work
-from hjcamp.discrepancy.next_rivals import NOTHING, Rival
-from hjcamp.discrepancy.next_tests import ALL_PAIRS, REPETITIONS, Proposal, Proposed, weighted
+from hjcamp.discrepancy.design.propose import ALL_PAIRS, REPETITIONS, Proposal, Proposed, weighted
+from hjcamp.discrepancy.design.rivals import NOTHING, Rival
 from hjcamp.report.next_figure import Bar, Prediction, draw_predictions
 from hjcamp.storage import whole_file
 

@@ -10,13 +10,13 @@ from typing import Any
 from hjcamp.analyses.data import evidence_of
 from hjcamp.campaign.campaign_file import RUN_KEYS
 from hjcamp.configuration.composer import as_override, free, key_of, parse_overrides
-from hjcamp.discrepancy.crew import Crew, available
+from hjcamp.discrepancy.design.campaign_file import allowed_by
+from hjcamp.discrepancy.design.menu import menu
+from hjcamp.discrepancy.design.propose import Proposal, propose
+from hjcamp.discrepancy.design.rivals import NOTHING, Rival, check_names, rivals_by_name, rivals_of
+from hjcamp.discrepancy.design.trials import RIG_PRESSURE, Bench
 from hjcamp.discrepancy.diagnose import Diagnosis
-from hjcamp.discrepancy.next_campaign import allowed_by
-from hjcamp.discrepancy.next_menu import menu
-from hjcamp.discrepancy.next_rivals import NOTHING, Rival, check_names, rivals_by_name, rivals_of
-from hjcamp.discrepancy.next_tests import Proposal, propose
-from hjcamp.discrepancy.next_trials import RIG_PRESSURE, Bench
+from hjcamp.discrepancy.workers.pool import Crew, available
 from hjcamp.errors import UsageError, unknown
 
 Report = Callable[[str, float], None]
@@ -92,7 +92,7 @@ def read_words(words: Sequence[str], rivals: Sequence[str], library: Mapping[str
 def work_of(words: Words, library: Mapping[str, Any], effort: str, seed: int, report: Report) -> Work | Diagnosis:
     """Return the work to be done, or the diagnosis whose verdict leaves nothing to separate."""
     from hjcamp.discrepancy.diagnose import diagnose as search
-    from hjcamp.discrepancy.effort import EFFORTS
+    from hjcamp.discrepancy.selection.effort import EFFORTS
 
     if effort not in EFFORTS:
         raise unknown("effort", effort, EFFORTS)

@@ -38,7 +38,7 @@ def diagnose_tables(
     check_seed(seed)
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.discrepancy.crew import Crew, available
+        from hjcamp.discrepancy.workers.pool import Crew, available
         from hjcamp.storage import write_whole
         from hjcamp.tabulated import question as questions
         from hjcamp.tabulated.answer import NAME, answer

@@ -106,7 +106,7 @@ def targets_of(files: Sequence[Path], into: Path | None, output: Path | None) ->
 def _check_hardware(metadata: Sequence[Mapping[str, str]], mapping: Path) -> None:
     """Refuse hardware that no configuration describes: every analysis would ask for it."""
     from hjcamp.configuration.composer import Composer
-    from hjcamp.discrepancy.hardware import NAMED
+    from hjcamp.discrepancy.measured.hardware import NAMED
     from hjcamp.errors import unknown
 
     named = [(group, one[group]) for one in metadata for group in NAMED if one.get(group)]

@@ -65,8 +65,8 @@ def next_(
     with progress_of(console) as report:
         from hjcamp.commands._next_answer import answer, comment_of, draw, names_of, tell
         from hjcamp.commands._next_work import Work, read_words, work_of
-        from hjcamp.discrepancy.next_campaign import campaign_content, new_campaign, write_campaign
-        from hjcamp.discrepancy.next_tests import REPETITIONS
+        from hjcamp.discrepancy.design.campaign_file import campaign_content, new_campaign, write_campaign
+        from hjcamp.discrepancy.design.propose import REPETITIONS
         from hjcamp.effects import load_effects
 
         library = load_effects()

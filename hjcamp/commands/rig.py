@@ -89,7 +89,7 @@ def check(
 ) -> None:
     """Check wiring, noise, preload and directions with small motions; a rig must pass before it runs a campaign."""
     from hjcamp.backends import before_moving
-    from hjcamp.backends.rig_check import Finding, check_rig
+    from hjcamp.backends.rig.check import Finding, check_rig
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer, free
 
@@ -116,7 +116,7 @@ def check(
 
 def unlock() -> None:
     """Say who holds each rig of this computer. A lock ends with its process, so there is nothing to remove."""
-    from hjcamp.backends.rig_lock import describe, is_free, lock_folder, read_holder
+    from hjcamp.backends.rig.lock import describe, is_free, lock_folder, read_holder
 
     held: list[dict[str, Any]] = []
     for path in sorted(lock_folder().glob("*.lock")):

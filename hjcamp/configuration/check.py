@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import Field
 
 from hjcamp.backends.factors import FACTORS
-from hjcamp.backends.rig_schema import Backend, Rig
+from hjcamp.backends.rig.schema import Backend, Rig
 from hjcamp.configuration.plant_settings import check_plant_configuration
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
 from hjcamp.controllers import find_controller

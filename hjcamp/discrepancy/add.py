@@ -8,15 +8,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.features import Features
-from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.heldout import Fold, Local, folds, parameter_rows
-from hjcamp.discrepancy.saved import complete
+from hjcamp.discrepancy.fitting.calibrate import calibrate
+from hjcamp.discrepancy.fitting.gauss_newton import Fit, Fitter
+from hjcamp.discrepancy.fitting.heldout import Fold, Local, folds, parameter_rows
+from hjcamp.discrepancy.fitting.pattern_search import settle
+from hjcamp.discrepancy.models.saved import complete
+from hjcamp.discrepancy.residuals.features import Features
+from hjcamp.discrepancy.residuals.views import Views
 from hjcamp.discrepancy.scale import Judge, Judged, Scale, fall_of, scale_of
-from hjcamp.discrepancy.search import fit_effect, screen, unknowns_of
-from hjcamp.discrepancy.settle import settle
-from hjcamp.discrepancy.views import Views
+from hjcamp.discrepancy.screening.screening import fit_effect, screen, unknowns_of
 from hjcamp.errors import UsageError
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect

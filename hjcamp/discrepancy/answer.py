@@ -8,13 +8,13 @@ from functools import cached_property
 from typing import Any
 
 from hjcamp.discrepancy.diagnose import Diagnosis
-from hjcamp.discrepancy.fit import Fit
-from hjcamp.discrepancy.heldout import Local, folds, parameter_rows
-from hjcamp.discrepancy.saved import complete
+from hjcamp.discrepancy.fitting.gauss_newton import Fit
+from hjcamp.discrepancy.fitting.heldout import Local, folds, parameter_rows
+from hjcamp.discrepancy.localisation.where import Place, where
+from hjcamp.discrepancy.models.saved import complete
+from hjcamp.discrepancy.models.unknowns import base_unknowns
 from hjcamp.discrepancy.scale import Judge, Judged, scale_of
-from hjcamp.discrepancy.search import Step, fit_effect, rival_weights, unknowns_of
-from hjcamp.discrepancy.unknowns import base_unknowns
-from hjcamp.discrepancy.where import Place, where
+from hjcamp.discrepancy.screening.screening import Step, fit_effect, rival_weights, unknowns_of
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.evidence import Evidence
-from hjcamp.discrepancy.features import Features
-from hjcamp.discrepancy.replay import ChannelError, Replay, replay
+from hjcamp.discrepancy.fitting.calibrate import calibrate
+from hjcamp.discrepancy.localisation.where import Place, where
+from hjcamp.discrepancy.measured.evidence import Evidence
+from hjcamp.discrepancy.measured.signals import PERIOD
+from hjcamp.discrepancy.residuals.features import Features
+from hjcamp.discrepancy.residuals.replay import ChannelError, Replay, replay
+from hjcamp.discrepancy.residuals.views import Views
 from hjcamp.discrepancy.scale import Scale, scale_of, windows_of
-from hjcamp.discrepancy.signals import PERIOD
-from hjcamp.discrepancy.views import Views
-from hjcamp.discrepancy.where import Place, where
 from hjcamp.errors import HjcampError
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect

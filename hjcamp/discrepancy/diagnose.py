@@ -9,23 +9,23 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.crew import Crew
-from hjcamp.discrepancy.detectable import confounded, detectable_amplitudes
-from hjcamp.discrepancy.drivers import rank_drivers, top_drivers
-from hjcamp.discrepancy.early import FIRST, is_clear, is_far
-from hjcamp.discrepancy.effort import EFFORTS, Effort
-from hjcamp.discrepancy.evidence import Evidence
-from hjcamp.discrepancy.features import Features
-from hjcamp.discrepancy.fit import Fit, Fitter
-from hjcamp.discrepancy.null import JUDGED, Null, null_of, simulate_twins
-from hjcamp.discrepancy.repetition import RepetitionScatter, scatter_of
-from hjcamp.discrepancy.search import WORTH, Screening, Step, refit_without, screen, unknowns_of
-from hjcamp.discrepancy.settle import settle
-from hjcamp.discrepancy.step_fits import LEVEL, StepFitter, at_most, same_as
-from hjcamp.discrepancy.twins import match_scatter
-from hjcamp.discrepancy.verdict import judge, lacks, law_of, matters, named_by, rivals_of
-from hjcamp.discrepancy.views import Views
+from hjcamp.discrepancy.bootstrap.early_stopping import FIRST, is_clear, is_far
+from hjcamp.discrepancy.bootstrap.null_distribution import JUDGED, Null, null_of, simulate_twins
+from hjcamp.discrepancy.bootstrap.surrogates import match_scatter
+from hjcamp.discrepancy.fitting.calibrate import calibrate
+from hjcamp.discrepancy.fitting.gauss_newton import Fit, Fitter
+from hjcamp.discrepancy.fitting.pattern_search import settle
+from hjcamp.discrepancy.localisation.drivers import rank_drivers, top_drivers
+from hjcamp.discrepancy.measured.evidence import Evidence
+from hjcamp.discrepancy.measured.repetition import RepetitionScatter, scatter_of
+from hjcamp.discrepancy.residuals.features import Features
+from hjcamp.discrepancy.residuals.views import Views
+from hjcamp.discrepancy.screening.detectable import confounded, detectable_amplitudes
+from hjcamp.discrepancy.screening.screening import WORTH, Screening, Step, refit_without, screen, unknowns_of
+from hjcamp.discrepancy.selection.effort import EFFORTS, Effort
+from hjcamp.discrepancy.selection.step import LEVEL, StepFitter, at_most, same_as
+from hjcamp.discrepancy.selection.verdict import judge, lacks, law_of, matters, named_by, rivals_of
+from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 

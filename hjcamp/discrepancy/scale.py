@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.baseline import calibrate
-from hjcamp.discrepancy.evidence import WINDOW, Evidence
-from hjcamp.discrepancy.features import Features
-from hjcamp.discrepancy.heldout import Fold
-from hjcamp.discrepancy.replay import CHANNELS, SCALES, ChannelError, Series, channel_error, floor_of, replay
-from hjcamp.discrepancy.signals import PERIOD
-from hjcamp.discrepancy.views import Views
+from hjcamp.discrepancy.fitting.calibrate import calibrate
+from hjcamp.discrepancy.fitting.heldout import Fold
+from hjcamp.discrepancy.measured.evidence import WINDOW, Evidence
+from hjcamp.discrepancy.measured.signals import PERIOD
+from hjcamp.discrepancy.residuals.features import Features
+from hjcamp.discrepancy.residuals.replay import CHANNELS, SCALES, ChannelError, Series, channel_error, floor_of, replay
+from hjcamp.discrepancy.residuals.views import Views
 from hjcamp.errors import HjcampError
 from hjcamp.model.candidate import Candidate
 

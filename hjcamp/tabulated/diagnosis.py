@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.crew import Crew
+from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.tabulated.cells import Cells, robust
 from hjcamp.tabulated.fit import Fit
 from hjcamp.tabulated.ledger import Ledger

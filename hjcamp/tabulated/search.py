@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.crew import Crew
+from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.tabulated.cells import Cells, robust
 from hjcamp.tabulated.fit import Fit, fit
 from hjcamp.tabulated.ledger import Ledger

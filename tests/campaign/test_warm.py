@@ -17,9 +17,9 @@ from hjcamp.campaign.warm import (
 )
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers import find_controller
-from hjcamp.discrepancy.hardware import simulator
-from hjcamp.discrepancy.next_menu import menu
-from hjcamp.discrepancy.passes import compile_passes
+from hjcamp.discrepancy.design.menu import menu
+from hjcamp.discrepancy.measured.hardware import simulator
+from hjcamp.discrepancy.residuals.passes import compile_passes
 from hjcamp.effects import load_effects
 from hjcamp.model.kernel_cache import is_compiled
 from hjcamp.plants.pump_joint import PumpJoint

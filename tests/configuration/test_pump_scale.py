@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.backends.rig_silence import coupling_of
+from hjcamp.backends.rig.silence import coupling_of
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.errors import UsageError

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.probes import Probe, angle_of, shapes
-from hjcamp.discrepancy.unknowns import effect_unknowns, read, written
+from hjcamp.discrepancy.models.unknowns import effect_unknowns, read, written
+from hjcamp.discrepancy.screening.responses import Probe, angle_of, shapes
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 

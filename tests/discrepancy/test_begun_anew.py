@@ -10,7 +10,7 @@ import pytest
 
 from hjcamp.discrepancy import diagnose
 from hjcamp.discrepancy.diagnose import _Search
-from hjcamp.discrepancy.verdict import Verdict
+from hjcamp.discrepancy.selection.verdict import Verdict
 from hjcamp.model.candidate import Candidate
 
 EFFECTS: Any = ()

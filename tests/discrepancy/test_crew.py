@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from hjcamp.discrepancy.crew import Crew, available
-from hjcamp.discrepancy.recent import Recent
+from hjcamp.discrepancy.residuals.memo import Recent
+from hjcamp.discrepancy.workers.pool import Crew, available
 from hjcamp.errors import UsageError
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from hjcamp.commands._diagnose_words import Told
 from hjcamp.commands._error_words import error_table, worse_than_mean
-from hjcamp.discrepancy.replay import ChannelError
+from hjcamp.discrepancy.residuals.replay import ChannelError
 from hjcamp.discrepancy.scale import Judged, Scale
 from hjcamp.effects import load_effects
 

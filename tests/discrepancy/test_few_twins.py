@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from hjcamp.discrepancy import diagnose
+from hjcamp.discrepancy.bootstrap.early_stopping import APART, FAR, FIRST, is_clear, is_far
+from hjcamp.discrepancy.bootstrap.null_distribution import Null
 from hjcamp.discrepancy.diagnose import _Search
-from hjcamp.discrepancy.early import APART, FAR, FIRST, is_clear, is_far
-from hjcamp.discrepancy.null import Null
-from hjcamp.discrepancy.step_fits import LEVEL
+from hjcamp.discrepancy.selection.step import LEVEL
 
 TWINS, RIGS, CHANNELS = 60, 20_000, 5
 LAWS: dict[str, Callable[[np.random.Generator, tuple[int, int]], Any]] = {

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from hjcamp.analyses.data import evidence_of
-from hjcamp.discrepancy.crew import Crew
-from hjcamp.discrepancy.following import parts
-from hjcamp.discrepancy.saved import complete
-from hjcamp.discrepancy.views import Views
+from hjcamp.discrepancy.models.saved import complete
+from hjcamp.discrepancy.residuals.replay_parallel import parts
+from hjcamp.discrepancy.residuals.views import Views
+from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 

@@ -8,8 +8,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy import drivers, verdict
-from hjcamp.discrepancy.null import Null
+from hjcamp.discrepancy.bootstrap.null_distribution import Null
+from hjcamp.discrepancy.localisation import drivers
+from hjcamp.discrepancy.selection import verdict
 
 TESTS, BLOCKS, CHANNELS, SLIDING = 6, 200, 6, 4
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from hjcamp.analyses.data import evidence_of
-from hjcamp.discrepancy.crew import Crew
 from hjcamp.discrepancy.diagnose import diagnose
-from hjcamp.discrepancy.helpers import Helpers
+from hjcamp.discrepancy.workers.pool import Crew
+from hjcamp.discrepancy.workers.processes import Helpers
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.effect import Effect

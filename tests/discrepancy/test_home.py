@@ -10,10 +10,10 @@ import pytest
 from test_hidden_effects_end_to_end import RIVALS
 from truth.case import write_case
 
-from hjcamp.discrepancy.evidence import Evidence, home_reading, prepare
-from hjcamp.discrepancy.features import Features
-from hjcamp.discrepancy.heldout import judged_error
-from hjcamp.discrepancy.views import CHANNELS, HOME, Views
+from hjcamp.discrepancy.fitting.heldout import judged_error
+from hjcamp.discrepancy.measured.evidence import Evidence, home_reading, prepare
+from hjcamp.discrepancy.residuals.features import Features
+from hjcamp.discrepancy.residuals.views import CHANNELS, HOME, Views
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.records.find import find_logs, read_logs

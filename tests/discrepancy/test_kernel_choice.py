@@ -9,10 +9,10 @@ import pytest
 
 from hjcamp.analyses.diagnosing import considered
 from hjcamp.campaign import warm
-from hjcamp.discrepancy import kernel_choice
-from hjcamp.discrepancy.evidence import Evidence
-from hjcamp.discrepancy.kernel_choice import chosen_for, first_needed
-from hjcamp.discrepancy.views import Views
+from hjcamp.discrepancy.measured.evidence import Evidence
+from hjcamp.discrepancy.residuals import kernel_choice
+from hjcamp.discrepancy.residuals.kernel_choice import chosen_for, first_needed
+from hjcamp.discrepancy.residuals.views import Views
 from hjcamp.effects import load_effects
 from hjcamp.effects._template import template
 from hjcamp.errors import UsageError

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from hjcamp.analyses.data import evidence_of
-from hjcamp.discrepancy.gram import Gram, Group, Known, all_gains
-from hjcamp.discrepancy.saved import complete
-from hjcamp.discrepancy.views import HOME, Views
+from hjcamp.discrepancy.models.saved import complete
+from hjcamp.discrepancy.residuals.views import HOME, Views
+from hjcamp.discrepancy.screening.normal_equations import Gram, Group, Known, all_gains
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 

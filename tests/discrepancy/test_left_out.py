@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.heldout import LEAST_CONDITIONS, Local
+from hjcamp.discrepancy.fitting.heldout import LEAST_CONDITIONS, Local
 
 BLOCKS, UNKNOWNS = 40, 2
 

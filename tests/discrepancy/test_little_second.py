@@ -10,7 +10,7 @@ import pytest
 
 from hjcamp.discrepancy import diagnose
 from hjcamp.discrepancy.diagnose import LITTLE, PROMISING, _Search
-from hjcamp.discrepancy.search import Step
+from hjcamp.discrepancy.screening.screening import Step
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 

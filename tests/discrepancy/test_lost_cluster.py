@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from hjcamp.discrepancy.crew import Crew
+from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.errors import HjcampError
 
 SCHEDULER = """

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from hjcamp.discrepancy import search
-from hjcamp.discrepancy.search import Screening, screen, with_static_friction
+from hjcamp.discrepancy.screening import screening as search
+from hjcamp.discrepancy.screening.screening import Screening, screen, with_static_friction
 from hjcamp.model.candidate import Candidate
 
 LOST = Candidate({"coulomb_positive": 5.0, "static_positive": 5.0, "coulomb_negative": 2.0, "static_negative": 2.8})

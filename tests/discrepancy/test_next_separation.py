@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.next_campaign import allowed_by, campaign_content
-from hjcamp.discrepancy.next_menu import Choice, menu
-from hjcamp.discrepancy.next_responses import Products
-from hjcamp.discrepancy.next_separation import Arena, Contest, choose
+from hjcamp.discrepancy.design.campaign_file import allowed_by, campaign_content
+from hjcamp.discrepancy.design.menu import Choice, menu
+from hjcamp.discrepancy.design.responses import Products
+from hjcamp.discrepancy.design.separation import Arena, Contest, choose
 
 LEAST = np.array([0.1])
 

@@ -12,10 +12,10 @@ import pytest
 from hjcamp.analyses.data import evidence_of
 from hjcamp.discrepancy.answer import Judging, answer
 from hjcamp.discrepancy.diagnose import Diagnosis, diagnose
-from hjcamp.discrepancy.heldout import Local
+from hjcamp.discrepancy.fitting.heldout import Local
+from hjcamp.discrepancy.residuals.views import Views
 from hjcamp.discrepancy.scale import scale_of
-from hjcamp.discrepancy.search import unknowns_of
-from hjcamp.discrepancy.views import Views
+from hjcamp.discrepancy.screening.screening import unknowns_of
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 

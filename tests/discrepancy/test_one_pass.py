@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from hjcamp.analyses.data import evidence_of
-from hjcamp.discrepancy.features import BLOCK, Features
-from hjcamp.discrepancy.passes import (
+from hjcamp.discrepancy.models.saved import complete
+from hjcamp.discrepancy.residuals.features import BLOCK, Features
+from hjcamp.discrepancy.residuals.passes import (
     LOOK_BACK,
     SURPRISE,
     block_means,
@@ -19,8 +20,7 @@ from hjcamp.discrepancy.passes import (
     joint_errors,
     line_errors,
 )
-from hjcamp.discrepancy.saved import complete
-from hjcamp.discrepancy.views import CHANNELS, Views
+from hjcamp.discrepancy.residuals.views import CHANNELS, Views
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.own_starts import OwnStarts, own_moves, step_within
-from hjcamp.discrepancy.unknowns import effect_unknowns
+from hjcamp.discrepancy.models.per_test_states import OwnStarts, own_moves, step_within
+from hjcamp.discrepancy.models.unknowns import effect_unknowns
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter, State

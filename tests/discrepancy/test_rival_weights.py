@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.fit import Fit
-from hjcamp.discrepancy.search import asks, rival_weights
+from hjcamp.discrepancy.fitting.gauss_newton import Fit
+from hjcamp.discrepancy.screening.screening import asks, rival_weights
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.plants.pump_joint import PumpJoint

@@ -8,8 +8,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.search import Step
-from hjcamp.discrepancy.verdict import rivals_of, weighed
+from hjcamp.discrepancy.screening.screening import Step
+from hjcamp.discrepancy.selection.verdict import rivals_of, weighed
 
 
 def step(**weights: float) -> Step:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.crew import Crew
-from hjcamp.discrepancy.settle import settle
-from hjcamp.discrepancy.unknowns import base_unknowns, read, written
+from hjcamp.discrepancy.fitting.pattern_search import settle
+from hjcamp.discrepancy.models.unknowns import base_unknowns, read, written
+from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.model.candidate import Candidate
 
 UNKNOWNS = base_unknowns(["viscous_positive", "line_stiffness"])

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.heldout import JUDGED, judged_error
-from hjcamp.discrepancy.probes import Responses
-from hjcamp.discrepancy.views import CHANNELS, HOME
+from hjcamp.discrepancy.fitting.heldout import JUDGED, judged_error
+from hjcamp.discrepancy.residuals.views import CHANNELS, HOME
+from hjcamp.discrepancy.screening.responses import Responses
 
 SLIDING = CHANNELS.index("sliding")
 

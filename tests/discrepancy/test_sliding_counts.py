@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.features import BLOCK, LEAST_SLIDING, Features
-from hjcamp.discrepancy.null import of_those_that_tell
-from hjcamp.discrepancy.views import CHANNELS
+from hjcamp.discrepancy.bootstrap.null_distribution import of_those_that_tell
+from hjcamp.discrepancy.residuals.features import BLOCK, LEAST_SLIDING, Features
+from hjcamp.discrepancy.residuals.views import CHANNELS
 
 SLIDING = CHANNELS.index("sliding")
 BLOCKS = 20

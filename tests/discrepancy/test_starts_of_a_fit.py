@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.probes import shapes, strength_is_a_shape
-from hjcamp.discrepancy.search import starts_of
+from hjcamp.discrepancy.screening.responses import shapes, strength_is_a_shape
+from hjcamp.discrepancy.screening.screening import starts_of
 from hjcamp.effects import load_effects
 
 LIBRARY = load_effects([])

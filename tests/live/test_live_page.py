@@ -18,7 +18,7 @@ import pytest
 
 import hjcamp
 from hjcamp.backends.recording import Recording, Samples
-from hjcamp.backends.rig_journal import SCALES, Journal
+from hjcamp.backends.rig.journal import SCALES, Journal
 from hjcamp.campaign.ends import condition_line, followed_error
 from hjcamp.campaign.execution import Outcome
 from hjcamp.cli import run

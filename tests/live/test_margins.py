@@ -9,8 +9,8 @@ import pytest
 
 from hjcamp import backends
 from hjcamp.backends.nidaqmx import limit_check
-from hjcamp.backends.rig_margins import rig_watches
-from hjcamp.backends.rig_wiring import read_wiring
+from hjcamp.backends.rig.margins import rig_watches
+from hjcamp.backends.rig.wiring import read_wiring
 from hjcamp.configuration.composer import Composer
 from hjcamp.live.describe import describe
 from hjcamp.model.watch import Term, Watch, plausible_watches

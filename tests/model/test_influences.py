@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hjcamp.discrepancy.views import _idle
+from hjcamp.discrepancy.residuals.views import _idle
 from hjcamp.effects import load_effects
 from hjcamp.model.compose import Composition
 from hjcamp.model.source_text import live

@@ -15,7 +15,7 @@ import pytest
 import hjcamp
 from hjcamp import cli
 from hjcamp.backends import simulation
-from hjcamp.backends.rig_control import RigControl
+from hjcamp.backends.rig.control import RigControl
 from hjcamp.controllers import find_controller, load_controllers
 from hjcamp.controllers.pid import Pid
 from hjcamp.errors import UsageError

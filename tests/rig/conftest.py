@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
-from hjcamp.backends import rig_connection, rig_lock
-from hjcamp.backends.rig_lock import release_locks
+from hjcamp.backends.rig import connection as rig_connection
+from hjcamp.backends.rig import lock as rig_lock
+from hjcamp.backends.rig.lock import release_locks
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.configuration.composer import Composer
 

@@ -89,7 +89,7 @@ def arm_case(case: Case, sample: int, device: VirtualDevice, monkeypatch: Any) -
     if case.action == "disk":
         _fill_the_disk(sample, device, monkeypatch)
         return
-    from hjcamp.backends.rig_control import COMMAND, RigControl
+    from hjcamp.backends.rig.control import COMMAND, RigControl
 
     step = RigControl.step
     test = device.tests + 1
@@ -116,7 +116,7 @@ def _boom() -> None:
 
 
 def _fill_the_disk(sample: int, device: VirtualDevice, monkeypatch: Any) -> None:
-    from hjcamp.backends.rig_journal import Journal
+    from hjcamp.backends.rig.journal import Journal
 
     write = Journal._write
     test = device.tests + 1

@@ -13,7 +13,7 @@ import pytest
 from fault_cases import WHEN, Case
 from rich.console import Console
 
-from hjcamp.backends import rig_connection
+from hjcamp.backends.rig import connection as rig_connection
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.campaign.folder import folder_for, open_folder
 from hjcamp.campaign.planning import make_plan

@@ -12,10 +12,10 @@ from test_rig_limits import COUPLING, LIMITS, RANGE
 
 from hjcamp import backends
 from hjcamp.backends.recording import part_of, recording
-from hjcamp.backends.rig_control import COMMAND, PRELOAD_SPEED, RigControl
-from hjcamp.backends.rig_fault import RigFault
-from hjcamp.backends.rig_limits import LimitCheck, read_limits
-from hjcamp.backends.rig_wiring import read_wiring
+from hjcamp.backends.rig.control import COMMAND, PRELOAD_SPEED, RigControl
+from hjcamp.backends.rig.fault import RigFault
+from hjcamp.backends.rig.limits import LimitCheck, read_limits
+from hjcamp.backends.rig.wiring import read_wiring
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.errors import RigStopped
 from hjcamp.records.read import read_log

@@ -9,8 +9,8 @@ from typing import Any
 import grpc
 import pytest
 
-from hjcamp.backends import rig_deadline
-from hjcamp.backends.rig_deadline import ANSWER_S, GRACE_S, SETUP_S, Deadlines, seconds_for
+from hjcamp.backends.rig import deadline as rig_deadline
+from hjcamp.backends.rig.deadline import ANSWER_S, GRACE_S, SETUP_S, Deadlines, seconds_for
 
 DETAILS = SimpleNamespace(timeout=None, metadata=None, credentials=None, wait_for_ready=None, compression=None)
 READ = SimpleNamespace(timeout=0.1)

@@ -13,7 +13,7 @@ import pytest
 from rich.console import Console
 
 from hjcamp import cli
-from hjcamp.backends.rig_control import RigControl
+from hjcamp.backends.rig.control import RigControl
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.backends.virtual_rig.faults import Fault
 from hjcamp.campaign.folder import RunFolder, folder_for
@@ -51,8 +51,8 @@ def test_keep_going_looks_at_the_rig_and_goes_on(
 ) -> None:
     device.faults = [Fault(kind, sample, 1)]
     if kind != "late_samples":  # a loose contact: gone when the rig is looked at
-        make_safe = "hjcamp.backends.rig_tasks.RigTasks.make_safe"
-        from hjcamp.backends.rig_tasks import RigTasks
+        make_safe = "hjcamp.backends.rig.tasks.RigTasks.make_safe"
+        from hjcamp.backends.rig.tasks import RigTasks
 
         real = RigTasks.make_safe
 

@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 
 from hjcamp import backends, cli
-from hjcamp.backends import rig_lock
-from hjcamp.backends.rig_connection import RigUnavailable
+from hjcamp.backends.rig import lock as rig_lock
+from hjcamp.backends.rig.connection import RigUnavailable
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.backends.virtual_rig.faults import Fault, parse_fault
 from hjcamp.backends.virtual_rig.server import check_address, start_server
@@ -23,7 +23,7 @@ from hjcamp.errors import UsageError
 HOLDER = """
 import sys, time
 from pathlib import Path
-from hjcamp.backends import rig_lock
+from hjcamp.backends.rig import lock as rig_lock
 config = {"rig": {"connection": {"kind": "address", "address": "localhost:1"}}, "amplifier": {}}
 rig_lock.lock_folder = lambda: Path(sys.argv[1])
 rig_lock.rig_identity = lambda config: "the test rig"
@@ -38,7 +38,7 @@ def holder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[subproce
     """Another process that holds the lock of "the test rig"."""
     monkeypatch.setattr(rig_lock, "rig_identity", lambda config: "the test rig")
     monkeypatch.setattr(rig_lock, "lock_folder", lambda: tmp_path)
-    environment = {**os.environ, "PYTHONPATH": str(Path(rig_lock.__file__).parents[2])}
+    environment = {**os.environ, "PYTHONPATH": str(Path(rig_lock.__file__).parents[3])}
     process = subprocess.Popen(
         [sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE, text=True, env=environment
     )
@@ -119,7 +119,7 @@ def test_the_check_finds(
 
 
 def test_the_user_must_see_the_arm_move(device: VirtualDevice, capsys: pytest.CaptureFixture[str]) -> None:
-    from hjcamp.backends.rig_check import check_rig
+    from hjcamp.backends.rig.check import check_rig
     from hjcamp.configuration.composer import Composer
 
     config = Composer().compose(["backend=nidaqmx"]).config

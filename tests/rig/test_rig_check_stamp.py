@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from hjcamp.backends import rig_check
-from hjcamp.backends.rig_check_stamp import (
+from hjcamp.backends.rig import check as rig_check
+from hjcamp.backends.rig.check_stamp import (
     changes,
     decisive,
     parked_path,
@@ -19,7 +19,7 @@ from hjcamp.backends.rig_check_stamp import (
     stamp_path,
     write_stamp,
 )
-from hjcamp.backends.rig_connection import RigUnavailable
+from hjcamp.backends.rig.connection import RigUnavailable
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.errors import UsageError
 

@@ -8,9 +8,11 @@ from typing import Any
 import pytest
 
 from hjcamp import backends, cli
-from hjcamp.backends import nidaqmx, rig_connection, rig_guard
-from hjcamp.backends.rig_connection import Connection
-from hjcamp.backends.rig_guard import is_real, notices, require_guard
+from hjcamp.backends import nidaqmx
+from hjcamp.backends.rig import connection as rig_connection
+from hjcamp.backends.rig import guard as rig_guard
+from hjcamp.backends.rig.connection import Connection
+from hjcamp.backends.rig.guard import is_real, notices, require_guard
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.configuration.check import check_configuration
 from hjcamp.errors import UsageError

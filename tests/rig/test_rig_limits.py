@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.backends.rig_limits import LimitCheck, Limits, read_limits
-from hjcamp.backends.rig_silence import Coupling
+from hjcamp.backends.rig.limits import LimitCheck, Limits, read_limits
+from hjcamp.backends.rig.silence import Coupling
 from hjcamp.errors import UsageError
 
 DEGREE = pi / 180

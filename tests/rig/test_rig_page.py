@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from hjcamp import backends
-from hjcamp.backends.rig_fault import RigFault
+from hjcamp.backends.rig.fault import RigFault
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.backends.virtual_rig.faults import parse_fault
 

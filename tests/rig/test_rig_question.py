@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from hjcamp.backends.rig_check import Finding, check_rig
+from hjcamp.backends.rig.check import Finding, check_rig
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from hjcamp import cli
 from hjcamp.backends.nidaqmx import check_test
-from hjcamp.backends.rig_reach import need_of
+from hjcamp.backends.rig.reach import need_of
 from hjcamp.campaign.planning import make_plan
 from hjcamp.errors import UsageError
 

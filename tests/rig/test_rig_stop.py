@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.backends import rig_stop
-from hjcamp.backends.rig_stop import StopSignals, while_moving
+from hjcamp.backends.rig import stop as rig_stop
+from hjcamp.backends.rig.stop import StopSignals, while_moving
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="os.kill")
 
@@ -88,7 +88,7 @@ def test_a_terminal_that_is_gone_does_not_break_the_handler() -> None:
 
 STUCK = """
 import ctypes, sys, threading
-from hjcamp.backends import rig_stop
+from hjcamp.backends.rig import stop as rig_stop
 rig_stop.PATIENCE_S = 0.5
 locked = threading.Lock()
 mutex, library = ctypes.create_string_buffer(256), ctypes.CDLL(None)
@@ -103,7 +103,7 @@ with rig_stop.StopSignals(print) as signals, rig_stop.while_moving():
 @pytest.mark.parametrize("place", ["python", "driver"])
 @pytest.mark.parametrize("numbers", [[signal.SIGTERM], [signal.SIGINT, signal.SIGINT]], ids=["sigterm", "ctrl_c"])
 def test_a_stuck_call_does_not_hold_the_process(place: str, numbers: list[int]) -> None:
-    environment = {**os.environ, "PYTHONPATH": str(Path(rig_stop.__file__).parents[2])}
+    environment = {**os.environ, "PYTHONPATH": str(Path(rig_stop.__file__).parents[3])}
     with subprocess.Popen(
         [sys.executable, "-c", STUCK, place], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
     ) as process:

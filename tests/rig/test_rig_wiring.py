@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from hjcamp.backends.rig_check_stamp import require_check, write_stamp
-from hjcamp.backends.rig_connection import RigUnavailable
-from hjcamp.backends.rig_park import note_parked, parked_at
-from hjcamp.backends.rig_wiring import read_wiring
+from hjcamp.backends.rig.check_stamp import require_check, write_stamp
+from hjcamp.backends.rig.connection import RigUnavailable
+from hjcamp.backends.rig.park import note_parked, parked_at
+from hjcamp.backends.rig.wiring import read_wiring
 from hjcamp.configuration.check import check_configuration
 from hjcamp.errors import UsageError
 

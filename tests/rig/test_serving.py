@@ -12,9 +12,9 @@ import pytest
 from processes import CALL, connection, program, served_rig, wait_until
 
 from hjcamp import cli
-from hjcamp.backends import rig_connection
-from hjcamp.backends.rig_tasks import RigTasks
-from hjcamp.backends.rig_wiring import read_wiring
+from hjcamp.backends.rig import connection as rig_connection
+from hjcamp.backends.rig.tasks import RigTasks
+from hjcamp.backends.rig.wiring import read_wiring
 from hjcamp.backends.virtual_rig.server import check_free, client_address
 from hjcamp.errors import HjcampError
 

@@ -12,9 +12,9 @@ from nidaqmx._stubs import nidaqmx_pb2 as messages
 from nidaqmx._stubs.nidaqmx_pb2_grpc import NiDAQmxStub
 from session_pb2 import Session
 
-from hjcamp.backends.rig_connection import Connection
-from hjcamp.backends.rig_tasks import RigTasks
-from hjcamp.backends.rig_wiring import read_wiring
+from hjcamp.backends.rig.connection import Connection
+from hjcamp.backends.rig.tasks import RigTasks
+from hjcamp.backends.rig.wiring import read_wiring
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.backends.virtual_rig.server import start_server
 from hjcamp.backends.virtual_rig.sessions import RESERVED, DeviceError, Tasks

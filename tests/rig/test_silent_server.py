@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from processes import Cable, connection, program, served_rig, wait_until
 
-from hjcamp.backends.rig_deadline import ANSWER_S, GRACE_S
+from hjcamp.backends.rig.deadline import ANSWER_S, GRACE_S
 from hjcamp.backends.virtual_rig.device import IDLE_S
 from hjcamp.records.recover import recover_log
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from hjcamp import backends
-from hjcamp.backends import rig_park
-from hjcamp.backends.rig_connection import RigUnavailable
-from hjcamp.backends.rig_wiring import read_wiring
+from hjcamp.backends.rig import park as rig_park
+from hjcamp.backends.rig.connection import RigUnavailable
+from hjcamp.backends.rig.wiring import read_wiring
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.backends.virtual_rig.faults import Fault
 from hjcamp.errors import RigStopped

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.crew import Crew
+from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.tabulated.cells import Cells, robust
 from hjcamp.tabulated.diagnosis import EFFECT, NOTHING, verdict_of
 from hjcamp.tabulated.fit import fit

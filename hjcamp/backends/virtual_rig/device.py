@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.backends.rig_wiring import Wiring, read_wiring
+from hjcamp.backends.rig.wiring import Wiring, read_wiring
 from hjcamp.backends.virtual_rig.faults import Fault
 from hjcamp.backends.virtual_rig.plant import READINGS, VirtualPlant
 from hjcamp.backends.virtual_rig.sessions import NO_SUCH_TASK, DeviceError, Tasks

@@ -1,0 +1,1 @@
+"""Surrogate data with nothing missing, and what a search finds in them."""

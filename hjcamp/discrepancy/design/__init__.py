@@ -1,0 +1,1 @@
+"""The next tests: those that separate the rivals best."""

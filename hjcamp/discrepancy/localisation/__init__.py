@@ -1,0 +1,1 @@
+"""Where the error comes from, and what it depends on."""

@@ -1,0 +1,1 @@
+"""What the logs say: signals, hardware and scatter between repetitions."""

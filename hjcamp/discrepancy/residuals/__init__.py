@@ -1,0 +1,1 @@
+"""Measurement less model: replay of the tests, and residuals as features."""

@@ -1,0 +1,1 @@
+"""Which effects could explain the residuals, from linear responses."""

@@ -1,0 +1,1 @@
+"""One step forward, and the verdict."""

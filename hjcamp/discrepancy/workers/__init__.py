@@ -1,0 +1,1 @@
+"""Threads, processes or a cluster that do the work."""
