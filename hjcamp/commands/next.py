@@ -54,6 +54,10 @@ def next_(
     if not 1 <= tests <= MOST_TESTS:
         raise UsageError(f"--tests {tests}: give a number from 1 to {MOST_TESTS}")
     check_seed(seed)
+    if name is not None:
+        from hjcamp.discrepancy.design.campaign_file import new_campaign
+
+        new_campaign(name)
     logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
     if logs and not (data := Data(logs)).of_pump_joint:
         others = [word for word in words or [] if Path(word) not in logs]

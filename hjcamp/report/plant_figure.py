@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -86,6 +87,12 @@ def _sources(words: set[str], behind: dict[str, set[str]], owner: dict[str, str]
     return found, inputs
 
 
+def without_partitions(plant: type[Plant]) -> Vocabulary:
+    """Return what a plant offers without the places at which nothing is unless an effect puts it there (a leaking partition)."""
+    found = read_vocabulary(plant)
+    return replace(found, ports={name: port for name, port in found.ports.items() if port.kind in COLOURS})
+
+
 def columns(vocabulary: Vocabulary, pairs: set[tuple[str, str]]) -> list[list[str]]:
     """Return the places in columns by their distance from where the plant's inputs come in; sensors stand below others."""
     ports = vocabulary.ports
@@ -128,7 +135,7 @@ def draw_plant(path: Path, plant: type[Plant]) -> None:
 
 def paint_plant(figure: Any, plant: type[Plant]) -> None:
     """Fill a figure with the block diagram, and give it the size that it needs."""
-    vocabulary = read_vocabulary(plant)
+    vocabulary = without_partitions(plant)
     ports = dict(vocabulary.ports)
     direct, through = links(vocabulary)
     places: dict[str, tuple[float, float]] = {}

@@ -60,7 +60,7 @@ def test_what_no_law_has_is_outside_and_its_curve_is_drawn(axis: Path) -> None:
 
 
 def test_few_tests_cannot_tell(axis: Path) -> None:
-    measured = measured_tests([measured_log(seconds=0.8)])
+    measured = measured_tests([measured_log(seconds=0.6)])
     library = load_effects(plant=measured.plant)
     analysis = calibrated(measured, {"spring": library["spring"]}, unknowns=False)
     found = answer(analysis, judged(analysis), 0.0)

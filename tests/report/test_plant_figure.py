@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.plants import find_plant
-from hjcamp.report.plant_figure import columns, links, paint_plant
+from hjcamp.report.plant_figure import columns, links, paint_plant, without_partitions
 
 
 def test_the_links_of_the_pump_joint_are_those_of_its_equations() -> None:
@@ -31,7 +31,7 @@ def test_the_links_of_the_pump_joint_are_those_of_its_equations() -> None:
 )
 def test_it_begins_where_the_command_comes_in_and_draws_each_place(name: str, first: list[list[str]]) -> None:
     plant = find_plant(name, folders=[])
-    vocabulary = read_vocabulary(plant)
+    vocabulary = without_partitions(plant)
     direct, through = links(vocabulary)
     found = columns(vocabulary, direct | through)
     assert found[: len(first)] == first
