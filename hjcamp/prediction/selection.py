@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +45,8 @@ from hjcamp.prediction.windows import Windows
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
+Given = TypeVar("Given")
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -85,15 +90,29 @@ class Search:
     base_free: Sequence[Free]
     seed: int = 1
     report: Report = lambda text, share: None
+    workers: int = 1
     steps: list[Step] = field(default_factory=list)
 
-    def scored(self, fitted: Fitted) -> Scored:
-        """Return a fit with what it leaves of chapters that it does not know."""
-        names = tuple(fitted.candidate.effects)
+    def scored(self, fitted: Fitted, windows: Windows | None = None) -> Scored:
+        """Return a fit with what it leaves of chapters that it does not know, over windows that begin where it has them."""
+        names, windows = tuple(fitted.candidate.effects), windows or self.windows
         if not np.isfinite(fitted.loss):
-            return Scored(names, fitted, fitted.features, math.inf, self.windows.place)
-        features = left_out(self.windows, fitted, self.chapters)
-        return Scored(names, fitted, features, size(features), self.windows.place)
+            return Scored(names, fitted, fitted.features, math.inf, windows.place)
+        features = left_out(windows, fitted, self.chapters)
+        return Scored(names, fitted, features, size(features), windows.place)
+
+    def each(self, work: Callable[[Given], Found], given: Sequence[Given], words: Callable[[Given], str]) -> list[Found]:
+        """Return what ``work`` makes of each of ``given``, in order, by ``workers`` threads: a kernel leaves the interpreter free."""
+        found: list[Found] = []
+        with ThreadPoolExecutor(self.workers) as pool:
+            try:
+                for one, made in zip(given, pool.map(work, given), strict=True):
+                    found.append(made)
+                    self.report(words(one), len(found) / len(given))
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+        return found
 
     def free_of(self, candidate: Candidate) -> list[Free]:
         """Return all free parameters of a candidate."""
@@ -109,25 +128,16 @@ class Search:
 
         Where the plant has states that nothing measures, each model has starts of its own: those of another one favour that.
         """
-        place, turns = self.windows.place, TURNS if self.windows.unseen else 0
-        found = self.scored(settled(self.windows, start, self.free_of(start), near, turns))
-        self.windows.place = place
-        return found
+        own, turns = copy.copy(self.windows), TURNS if self.windows.unseen else 0
+        return self.scored(settled(own, start, self.free_of(start), near, turns), own)
 
     def look(self, before: Scored) -> Step:
         """Return what a model may miss: screen everything, then fit what promises most."""
         fitted, self.windows.place = before.fitted, before.place
         projection = Projection(fitted)
-        probes: list[Probe] = []
-        names = [name for name in self.library if name not in fitted.candidate.effects]
-        number = len(names) + len(self.unknowns)
-        for done, name in enumerate(names):
-            self.report(f"screening {name}", done / number)
-            probes += list(probes_of(self.windows, fitted.candidate, fitted.features, self.library[name]))
-        for done, (name, unknown) in enumerate(self.unknowns.items()):
-            if name not in fitted.candidate.effects:
-                self.report("screening unknowns", (len(names) + done) / number)
-                probes += list(probes_of_unknown(self.windows, fitted.candidate, fitted.features, unknown))
+        names = [name for name in (*self.library, *self.unknowns) if name not in fitted.candidate.effects]
+        found = self.each(lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}")
+        probes = [probe for one in found for probe in one]
         layout = self.windows.layout
         orders = moved_orders(layout.of_test, motion_of(layout), self.seed + len(self.steps))
         gain, chance = chance_gains(projection, probes, orders)
@@ -135,17 +145,17 @@ class Search:
         promises = [projection.promise(probe, effects[probe.effect]) for probe in probes]
         best = best_promises(promises)
         able = [name for name, one in best.items() if name in self.library and one.gain > 0.0][: 2 * FITTED]
-        begun: list[Fitted] = []
-        for done, name in enumerate(able):
-            self.report(f"looking closer at {name}", done / len(able))
-            begun.append(self.begun(projection, name, [one for one in promises if one.effect == name]))
+        begun = self.each(
+            lambda name: self.begun(projection, name, [one for one in promises if one.effect == name]), able,
+            lambda name: f"looking closer at {name}",
+        )  # fmt: skip
         begun.sort(key=lambda one: one.loss)
         others = [one for name, one in best.items() if name in self.unknowns][:FITTED_UNKNOWNS]
         starts = [*begun[:FITTED], *(self.begun_unknown(fitted, one) for one in others)]
-        models = []
-        for done, start in enumerate(starts):
-            self.report(f"fitting {_added(start.candidate, fitted.candidate)}", done / len(starts))
-            models.append(self.fitted(start.candidate, start))
+        models = self.each(
+            lambda start: self.fitted(start.candidate, start), starts,
+            lambda start: f"fitting {_added(start.candidate, fitted.candidate)}",
+        )  # fmt: skip
         models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.left_out)
         added = [_added(one.fitted.candidate, fitted.candidate) for one in models]
         in_library = [(one, name) for one, name in zip(models, added, strict=True) if name in self.library]
@@ -157,6 +167,12 @@ class Search:
         step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted)
         self.steps.append(step)
         return step
+
+    def probes(self, fitted: Fitted, name: str) -> list[Probe]:
+        """Return the probes of a named effect or an unknown beside a fitted model."""
+        if name in self.unknowns:
+            return list(probes_of_unknown(self.windows, fitted.candidate, fitted.features, self.unknowns[name]))
+        return list(probes_of(self.windows, fitted.candidate, fitted.features, self.library[name]))
 
     def is_read(self, model: Scored, name: str) -> bool:
         """Whether an effect adds a step at least to the reading of a sensor that counts: its zero is known no better."""

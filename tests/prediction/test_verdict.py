@@ -87,3 +87,15 @@ def test_where_nothing_is_seen_longer_windows_are_looked_at(
     monkeypatch.setattr(verdict, "judged", lambda one: SimpleNamespace(word=said[one.windows.layout.width]))
     analysis, found = verdict.agreed(of(100), of)
     assert (analysis.windows.layout.width, found.word) == (width, word)
+
+
+def test_any_number_of_threads_gives_the_same(axis: Path) -> None:
+    measured = measured_tests([measured_log(HIDDEN["spring"])])
+    library = load_effects(plant=measured.plant)
+    chosen = {name: library[name] for name in ("spring", "constant_force", "quadratic_drag")}
+    looks = []
+    for workers in (1, 3):
+        analysis = calibrated(measured, chosen, unknowns=False, workers=workers)
+        step = analysis.search.look(analysis.base)
+        looks.append([(one.names, one.left_out, one.fitted.candidate.effects) for one in step.named])
+    assert looks[0] == looks[1] and len(looks[0]) >= 2
