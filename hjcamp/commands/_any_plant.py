@@ -117,14 +117,12 @@ def next_any(
     from hjcamp.commands import _next_plant as said
     from hjcamp.commands._next_plant_campaign import written_campaign
     from hjcamp.commands._session import folder_for, progress_of, write_answer
-    from hjcamp.discrepancy.design.campaign_file import new_campaign
     from hjcamp.report.next_figure import draw_predictions
     from hjcamp.storage import whole_file
 
     began = time.perf_counter()
     named = [one for group in rivals for one in group.split(",") if one] + [one for one in words if "=" not in one]
     _check_words(data, words, rivals, named)
-    new_campaign(name)
     console = make_console()
     with progress_of(console) as report:
         kept = next((path for path in _kept_answers(data, json) if path.is_file()), None)

@@ -48,16 +48,14 @@ def next_(
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._any_plant import next_any
     from hjcamp.commands._session import check_answer_file, folder_for, progress_of, write_answer
+    from hjcamp.discrepancy.design.campaign_file import campaign_content, new_campaign, write_campaign
 
     began = time.perf_counter()
     check_answer_file(json)
     if not 1 <= tests <= MOST_TESTS:
         raise UsageError(f"--tests {tests}: give a number from 1 to {MOST_TESTS}")
     check_seed(seed)
-    if name is not None:
-        from hjcamp.discrepancy.design.campaign_file import new_campaign
-
-        new_campaign(name)
+    path = new_campaign(name)
     logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
     if logs and not (data := Data(logs)).of_pump_joint:
         others = [word for word in words or [] if Path(word) not in logs]
@@ -69,13 +67,11 @@ def next_(
     with progress_of(console) as report:
         from hjcamp.commands._next_answer import answer, comment_of, draw, names_of, tell
         from hjcamp.commands._next_work import Work, read_words, work_of
-        from hjcamp.discrepancy.design.campaign_file import campaign_content, new_campaign, write_campaign
         from hjcamp.discrepancy.design.propose import REPETITIONS
         from hjcamp.effects import load_effects
 
         library = load_effects()
         given = read_words(words or [], rivals or [], library)
-        path = new_campaign(name)
         work = work_of(given, library, effort, seed, report)
         if not isinstance(work, Work):
             content = answer(None, work.verdict, None, None)
