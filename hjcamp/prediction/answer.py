@@ -12,8 +12,7 @@ from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
-from hjcamp.prediction.levels import FITTED, LEVEL
-from hjcamp.prediction.selection import Scored, critical, error_ratio
+from hjcamp.prediction.selection import Scored, Step, critical, error_ratio
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
 from hjcamp.prediction.windows import DELAY
@@ -125,42 +124,42 @@ def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
     rows, seen = [], set()
     for name in verdict.model.beyond(base):
         seen.add(name)
-        without = next(step.before for step in search.steps if name not in step.before.names)
+        without = next(step for step in search.steps if name not in step.before.names)
         rows.append(_candidate(analysis, name, verdict.model, without, named=name in verdict.effects))
     for step in search.steps:
         for one in step.named:
             [name] = one.beyond(step.before)
             if name not in seen:
                 seen.add(name)
-                rows.append(_candidate(analysis, name, one, step.before, named=name in verdict.effects))
+                rows.append(_candidate(analysis, name, one, step, named=name in verdict.effects))
     return rows
 
 
 def asked_candidates(analysis: Analysis, verdict: Verdict, names: Sequence[str]) -> list[dict[str, Any]]:
     """Return rows for effects that were asked for and were not fitted yet: each beside the calibrated model alone."""
     known = {row["effect"] for row in candidates(analysis, verdict)} | set(analysis.base.names)
-    rows = []
+    rows, alone = [], next(iter(analysis.search.steps), None) or Step(analysis.base, 1.0, np.zeros(0), 0.0, (), ())
     for name in dict.fromkeys(names):
         if name in known:
             continue
         effect = analysis.search.library[name]
         model = analysis.search.fitted(analysis.base.fitted.candidate.with_effect(name, effect.defaults()))
         if np.isfinite(model.left_out):
-            rows.append(_candidate(analysis, name, model, analysis.base, named=False))
+            rows.append(_candidate(analysis, name, model, alone, named=False))
     return rows
 
 
-def _candidate(analysis: Analysis, name: str, model: Scored, before: Scored, named: bool) -> dict[str, Any]:
+def _candidate(analysis: Analysis, name: str, model: Scored, step: Step, named: bool) -> dict[str, Any]:
     effect = analysis.search.library[name]
     found = [one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name]
-    t, count = analysis.search.t(model, before), len(np.unique(analysis.search.chapters))
+    t, count = analysis.search.t(model, step.before), len(np.unique(analysis.search.chapters))
     weight = _weight(t, count) if not named else 1.0
     return {
         "effect": name,
         "posterior": weight,
         "t": float(np.clip(t, -1e3, 1e3)),
-        "t_needed": critical(count, LEVEL / FITTED),
-        "heldout_error_ratio": error_ratio(model, before),
+        "t_needed": critical(count, step.level),
+        "heldout_error_ratio": error_ratio(model, step.before),
         "parameters": {one.name: _row(one, effect.parameters[one.name].unit) for one in found},
     }
 

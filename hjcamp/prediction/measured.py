@@ -84,21 +84,26 @@ class Measured:
     @cached_property
     def noise(self) -> Array:
         """Standard deviation of the noise of each sensor (sensors,), SI: see `noise_of`, the median of the tests."""
-        found = [[noise_of(test.readings[:, k]) for k in range(len(self.sensors))] for test in self.tests]
+        found = [
+            [noise_of(test.readings[:, k], step) for k, step in enumerate(steps)]
+            for test, steps in zip(self.tests, self._counted, strict=True)
+        ]
         declared = [self.plant.measured[one.field].noise for one in self.sensors]
         median = np.median(np.array(found), axis=0)
         return np.array([read if said is None else said for read, said in zip(median, declared, strict=True)])
 
     @cached_property
+    def _counted(self) -> list[list[float]]:
+        """The step of each sensor in each test, SI: as declared, else as the readings have it; 0 where none counts."""
+        declared = [self.plant.measured[one.field].counts for one in self.sensors]
+        return [[said or step_of(test.readings[:, k]) for k, said in enumerate(declared)] for test in self.tests]
+
+    @cached_property
     def steps(self) -> dict[str, float]:
-        """The step of each sensor that counts, SI, by the name of its place: as declared, else as most tests have it."""
-        found = {}
-        for k, one in enumerate(self.sensors):
-            item = self.plant.measured[one.field]
-            read = float(np.median([step_of(test.readings[:, k]) for test in self.tests]))
-            if step := item.counts or read:
-                found[item.sensor] = step
-        return found
+        """The step of each sensor that counts, SI, by the name of its place: as most tests have it."""
+        median = np.median(np.array(self._counted), axis=0)
+        places = [self.plant.measured[one.field].sensor for one in self.sensors]
+        return {place: float(step) for place, step in zip(places, median, strict=True) if step > 0.0}
 
     def only(self, keep: Sequence[int]) -> Measured:
         """Return the tests at these positions alone."""

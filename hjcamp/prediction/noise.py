@@ -16,19 +16,20 @@ WHOLE, NEARLY_ALL, FEWEST = 0.1, 0.99, 10
 SMALL = 5.5
 
 
-def noise_of(values: Array) -> float:
-    r"""Return the standard deviation of a sensor's noise, by its readings (n,).
+def noise_of(values: Array, step: float | None = None) -> float:
+    r"""Return the standard deviation of a sensor's noise, by its readings (n,) and its ``step``, which they tell unless given.
 
     The larger of a counter's :math:`c / \sqrt{12}` with its step c, and what is white. That is the median of the absolute
     third differences over :math:`0.6745 \sqrt{20}`, which slow motion hardly raises (Gasser, Sroka & Jennen-Steinmetz 1986,
     doi:10.1093/biomet/73.3.625), or where it is certainly less the quietest eighth of the spectrum: motion of a few samples a
     period leaves that alone. Never below a millionth of the readings' spread.
     """
+    step = step_of(values) if step is None else step
     least = 1e-6 * float(np.std(values)) + 1e-300
     thirds = float(np.median(np.abs(np.diff(values, 3)))) / (0.6745 * math.sqrt(20.0))
     quiet, error = _quietest_band(values)
     white = quiet if quiet * (1.0 + BEYOND_CHANCE * error) < thirds else thirds
-    return max(step_of(values) / math.sqrt(12.0), white, least)
+    return max(step / math.sqrt(12.0), white, least)
 
 
 def step_of(values: Array) -> float:

@@ -78,6 +78,11 @@ class Step:
     named: tuple[Scored, ...]
     unknown: tuple[Scored, ...]
 
+    @property
+    def level(self) -> float:
+        """The level of each named model's comparison with ``before``: the best of all is taken (Bonferroni)."""
+        return LEVEL / max(len(self.named), 1)
+
 
 @dataclass
 class Search:
@@ -159,8 +164,8 @@ class Search:
         models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.left_out)
         added = [_added(one.fitted.candidate, fitted.candidate) for one in models]
         in_library = [(one, name) for one, name in zip(models, added, strict=True) if name in self.library]
-        unread = [one for one, name in in_library if not self.is_read(one, name)]
         read = [one for one, name in in_library if self.is_read(one, name)]
+        unread = [one for one, _ in in_library if not any(one is each for each in read)]
         # what the unknown zero of a counter explains as well is no effect
         named = tuple(one for one in read if all(self.matters(one, each) for each in unread))
         others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
@@ -242,8 +247,7 @@ class Search:
             if step.p_value > LEVEL or not step.named:
                 break
             best = step.named[0]
-            # the best of so many is compared: each at its share of the level (Bonferroni)
-            if not self.matters(best, model, LEVEL / len(step.named)):
+            if not self.matters(best, model, step.level):
                 break
             model = self.thinned(self.resettled(best))
         return model

@@ -66,3 +66,8 @@ def test_an_offset_below_one_count_is_none(axis: Path) -> None:
         effects = {name: dict.fromkeys(library[name].parameters, size * COUNT)}
         model: Any = SimpleNamespace(fitted=SimpleNamespace(candidate=Candidate({}, effects)))
         assert Search.is_read(search, model, name) == read, name
+
+
+def test_a_declared_step_is_taken_as_it_is() -> None:
+    read = np.round(np.sin(TIME) / 0.01) * 0.01
+    assert noise_of(read, 0.04) == pytest.approx(0.04 / np.sqrt(12.0), rel=1e-6)
