@@ -31,6 +31,7 @@ class Accumulator(Plant):
     gas = Parameter("Pa*m**3", @gas@, (1e2, 1e6), "log-uniform", base=True, text="pressure times volume of the gas")
     orifice = Parameter("m^3/s/Pa**0.5", @orifice@, (1e-10, 1e-5), "log-uniform", base=True, text="conductance of the valve")
 
+    period = 0.05
     pressure_bar = Measured("gauge", of="pressure")
 
     @staticmethod

@@ -34,8 +34,9 @@ class Belt(Plant):
     coulomb = Parameter("N*m", @coulomb@, (1e-5, 1.0), "log-uniform", base=True, text="Coulomb friction")
     radius = Parameter("m/rad", 0.02, text="radius of the pulley")
 
+    period = 0.005
     motor_rad = Measured("encoder", of="angle")
-    carriage_mm = Measured("scale", of="carriage")
+    carriage_mm = Measured("scale")
 
     @staticmethod
     def equations(state, parameter, drive, rate):

@@ -40,6 +40,7 @@ class Crane(Plant):
     decay = Parameter("1/s", @decay@, (1e-4, 10.0), "log-uniform", base=True, text="damping of the swing")
     gravity = Parameter("m/s^2", 9.81, text="gravity")
 
+    period = 0.01
     position_mm = Measured("scale", of="position")
     swing_deg = Measured("encoder", of="swing")
 
@@ -57,11 +58,10 @@ class Crane(Plant):
             travel=state.position, mass=moved,
         )
         rate.position = state.velocity
-        acceleration = body(force + rope_pull + load - friction, mass=moved, load=load, position=state.position)
-        rate.velocity = acceleration
+        rate.velocity = body(force + rope_pull + load - friction, mass=moved, load=load, position=state.position)
         rate.swing = state.swing_speed
         rate.swing_speed = (
-            -(acceleration * cos(state.swing) + parameter.gravity * sin(state.swing)) / parameter.rope
+            -(rate.velocity * cos(state.swing) + parameter.gravity * sin(state.swing)) / parameter.rope
             - parameter.decay * state.swing_speed
         )
         scale = sensor(state.position)

@@ -32,6 +32,7 @@ class Hysteretic(Plant):
     damping = Parameter("N*s/m", @damping@, (0.1, 1e3), "log-uniform", base=True, text="damping of the mount")
     stiffness = Parameter("N/m", @stiffness@, (1e3, 1e6), "log-uniform", base=True, text="stiffness of the mount")
 
+    period = 1 / 750
     position_mm = Measured("laser", of="position")
 
     @staticmethod

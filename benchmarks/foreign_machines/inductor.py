@@ -30,6 +30,7 @@ class Inductor(Plant):
     inductance = Parameter("V*s/A", @inductance@, (1e-3, 10.0), "log-uniform", base=True, text="inductance of the coil")
     resistance = Parameter("V/A", @resistance@, (0.1, 100.0), "log-uniform", base=True, text="coil and shunt")
 
+    period = 0.005
     current_a = Measured("shunt", of="current")
 
     @staticmethod

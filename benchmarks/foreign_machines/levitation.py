@@ -30,6 +30,7 @@ class Levitation(Plant):
     gravity = Parameter("m/s^2", 9.81, text="gravity")
     magnet = Parameter("N*m**2/A**2", @magnet@, (1e-6, 1e-3), "log-uniform", base=True, text="constant of the magnet")
 
+    period = 0.002
     gap_mm = Measured("photocell", of="gap")
     loop = "foreign"
 

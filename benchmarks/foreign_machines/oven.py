@@ -32,6 +32,7 @@ class Oven(Plant):
     capacity = Parameter("W*s/K", @capacity@, (10.0, 1e5), "log-uniform", base=True, text="heat capacity")
     transfer = Parameter("W/K", @transfer@, (0.01, 100.0), "log-uniform", base=True, text="heat loss for one kelvin")
 
+    period = 5.0
     excess_k = Measured("thermometer", of="excess")
 
     @staticmethod

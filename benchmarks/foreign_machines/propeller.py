@@ -37,6 +37,7 @@ class Propeller(Plant):
     viscous = Parameter("N*m*s", @viscous@, (1e-4, 1.0), "log-uniform", base=True, text="viscous friction")
     coulomb = Parameter("N*m", @coulomb@, (1e-5, 1.0), "log-uniform", base=True, text="Coulomb friction of the bearing")
 
+    period = 0.01
     pitch_deg = Measured("potentiometer", of="pitch")
 
     @staticmethod

@@ -40,6 +40,7 @@ class Suspension(Plant):
     seal = Parameter("N", @seal@, (0.1, 1e3), "log-uniform", base=True, text="Coulomb friction of the strut")
     tyre = Parameter("N/m", @tyre@, (1e4, 1e7), "log-uniform", base=True, text="stiffness of the tyre")
 
+    period = 0.005
     travel_mm = Measured("strut", of="travel")
     wheel_mm = Measured("laser", of="wheel")
 

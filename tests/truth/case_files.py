@@ -30,7 +30,8 @@ def write_case_files(
 ) -> Path:
     """Write a case and return the path of its answer.
 
-    `measured/*.csv` and `heldout/*.csv`, `import.yaml` (field: column, or what a map says of it) for both, the user's `plants/<plant>.py`, and
+    `measured/*.csv` and `heldout/*.csv`, `import.yaml` (field: column, or what a map says of it) for both, the user's
+    `plants/<plant>.py`, and
     `truth.json`, which whoever diagnoses must not read. In that folder: `hjcamp import measured/*.csv --map import.yaml
     --into logs`, then `hjcamp diagnose logs`.
     """
