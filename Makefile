@@ -28,7 +28,7 @@ help:
 	@echo "make benchmark  226 hidden effects on the truth plant (an hour and a half; goes on where it stopped); docs/benchmark.md"
 	@echo "make hidden_tables  effects that hide behind means and deviations (21 cases, some minutes each); docs/hidden_tables.md"
 	@echo "make any_plant  hidden effects on an axis, tanks, a servo and two joints, imported and diagnosed; docs/any_plant.md"
-	@echo "make foreign_machines  hidden effects on nine machines that others might bring; docs/foreign_machines.md"
+	@echo "make foreign_machines  hidden effects on eight machines that others might bring; docs/foreign_machines.md"
 	@echo "make next_value  how many tests 'hjcamp next' saves against random choice; docs/next_value.md"
 	@echo "make thesis_gap  what the printed tables of 5.4 say is missing; docs/thesis_gap.md, model=refit"
 	@echo "make tour_data  the sample logs of the tour and its page"

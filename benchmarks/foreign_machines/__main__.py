@@ -6,9 +6,11 @@
 from __future__ import annotations
 
 import argparse
+import random
 import shlex
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from any_plant import AnyCase, run_case
@@ -16,10 +18,10 @@ from any_plant_judging import page
 from hidden_effects_ledger import Ledger, code_version
 from truth.hidden_form import NOTHING
 
-from . import ROOT, accumulator, belt, crane, hysteretic, inductor, levitation, oven, propeller, suspension
+from . import ROOT, accumulator, belt, crane, hysteretic, inductor, levitation, oven, suspension
 from .machine import Machine
 
-KNOWN = (accumulator, belt, crane, hysteretic, inductor, levitation, oven, propeller, suspension)
+KNOWN = (accumulator, belt, crane, hysteretic, inductor, levitation, oven, suspension)
 MACHINES: dict[str, Machine] = {one.MACHINE.name: one.MACHINE for one in KNOWN}
 PLAN = "foreign_machines/1"
 FIRST_COUNTED = 1001
@@ -32,12 +34,18 @@ OPENING = (
 
 
 def cases(seeds: list[int], machines: list[str]) -> Iterator[AnyCase]:
-    """Yield the cases: for each seed every form of every machine and two nulls, one log and repetitions in turns."""
+    """Yield the cases: for each seed every form of every machine and two nulls, one log and repetitions in turns.
+
+    A seed's cases are in an order drawn at random, so that an unfinished round is an even draw.
+    """
     for seed in seeds:
+        found = []
         for place, name in enumerate(machines):
             for number, form in enumerate((*MACHINES[name].forms, NOTHING)):
-                yield AnyCase(name, form.effect, form.name, seed, (seed + place + number) % 2 == 0)
-            yield AnyCase(name, "nothing", "nothing", seed, (seed + place + len(MACHINES[name].forms)) % 2 == 1)
+                found.append(AnyCase(name, form.effect, form.name, seed, (seed + place + number) % 2 == 0))
+            found.append(replace(found[-1], one_log=not found[-1].one_log))
+        random.Random(seed).shuffle(found)
+        yield from found
 
 
 def main(arguments: list[str] | None = None) -> int:
