@@ -23,7 +23,7 @@ from .machine import Machine
 
 KNOWN = (accumulator, belt, crane, hysteretic, inductor, levitation, oven, suspension)
 MACHINES: dict[str, Machine] = {one.MACHINE.name: one.MACHINE for one in KNOWN}
-PLAN = "foreign_machines/1"
+PLAN, EFFORT = "foreign_machines/1", "standard"
 FIRST_COUNTED = 1001
 OPENING = (
     "# Machines of other people",
@@ -54,26 +54,25 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seeds", nargs="+", type=int, default=[FIRST_COUNTED])
     parser.add_argument("--machines", nargs="+", choices=list(MACHINES), default=list(MACHINES))
     parser.add_argument("--only", default="", help="cases whose name has this in it")
-    parser.add_argument("--effort", default="standard", choices=["quick", "standard", "thorough"])
     parser.add_argument("--write", type=Path, help="write the cases into this folder and run nothing")
     parser.add_argument("--ledger", type=Path, default=ROOT / "benchmarks" / "results" / "foreign_machines.jsonl")
     parser.add_argument("--page", type=Path)
     options = parser.parse_args(arguments)
     ledger, tag = Ledger(options.ledger, PLAN), code_version()
     wanted = [case for case in cases(options.seeds, options.machines) if options.only in case.name]
-    finished = ledger.finished(tag, options.effort)
+    finished = ledger.finished(tag, EFFORT)
     for case in wanted:
         write = MACHINES[case.plant].write
         if options.write:
             write(options.write / case.name.replace("/", "_"), case.effect, case.form, case.seed, case.one_log)
         elif case.name not in finished:
-            line = run_case(case, options.effort, "1", write, PLAN)
+            line = run_case(case, EFFORT, "1", write, PLAN)
             ledger.add(line)
             said = f"{line['outcome']:11} {line['seconds']:5.0f} s {', '.join(line['effects'])} {line['message'][:80]}"
             print(f"{case.name:50} {said}", flush=True)
     if options.page:
         counted = {case.name for case in wanted if case.seed >= FIRST_COUNTED}
-        lines = [line for line in ledger.lines(tag) if line["effort"] == options.effort and line["name"] in counted]
+        lines = [line for line in ledger.lines(tag) if line["effort"] == EFFORT and line["name"] in counted]
         command = "python -m benchmarks.foreign_machines " + shlex.join(arguments or sys.argv[1:])
         options.page.write_text(page(lines, tag, command, OPENING), encoding="utf-8")
     return 0

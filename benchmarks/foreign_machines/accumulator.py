@@ -1,7 +1,5 @@
 """A hydraulic accumulator: a pump fills it, a valve empties it, a gauge reads its pressure."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np
@@ -11,8 +9,6 @@ from .machine import Columns, Machine, Values, levels, march, read
 
 PERIOD = 0.05
 PLANT = '''"""A bladder accumulator between a pump and a valve; the oil's pressure is that of the gas."""
-
-from __future__ import annotations
 
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, path, sensor, sqrt, store
 
@@ -36,20 +32,16 @@ class Accumulator(Plant):
 
     @staticmethod
     def equations(state, parameter, drive, rate):
-        """What flows in less what flows out presses the gas together."""
         inflow = actuator(drive.pump)
         outflow = path(parameter.orifice * drive.valve * sqrt(state.pressure), upstream=state.pressure)
         rate.pressure = store(inflow - outflow, stiffness=state.pressure * state.pressure / parameter.gas)
         gauge = sensor(state.pressure)
 '''
-
-
-def draw(random: np.random.Generator) -> Values:
-    """Return an accumulator of one or two litres."""
-    return {
-        "gas": random.uniform(5e3, 9e3), "orifice": random.uniform(1.2e-7, 1.7e-7), "noise": random.uniform(3e3, 1e4),
-        "gap": 0.0, "warm": 0.0, "snubber": 0.0, "slip": 0.0,
-    }  # fmt: skip
+# An accumulator of one or two litres: what is drawn between two ends, and what is there where nothing hides.
+RIG = {
+    "gas": (5e3, 9e3), "orifice": (1.2e-7, 1.7e-7), "noise": (3e3, 1e4),
+    "gap": 0.0, "warm": 0.0, "snubber": 0.0, "slip": 0.0,
+}  # fmt: skip
 
 
 def measure(v: Values, course: np.random.Generator, chance: np.random.Generator, count: int) -> Columns:
@@ -79,7 +71,7 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
 
 
 MACHINE = Machine(
-    "accumulator", PLANT, ("gas", "orifice"), draw, measure,
+    "accumulator", PLANT, ("gas", "orifice"), RIG, measure,
     {"time_s": "t_s", "pump_m3_per_s": {"column": "q_lpm", "unit": "L/min"},
      "valve_ratio": {"column": "valve_pc", "unit": "%"}, "pressure_bar": "p_bar"}, (5000, 2000),
     (

@@ -1,7 +1,5 @@
 """A trolley with a load on a rope, driven by a motor; trolley and rope angle are measured."""
 
-from __future__ import annotations
-
 from math import cos, pi, sin, tanh
 
 import numpy as np
@@ -11,8 +9,6 @@ from .machine import Columns, Machine, Values, levels, march, multisine, read
 
 PERIOD, GRAVITY, TROLLEY = 0.01, 9.81, 4.0
 PLANT = '''"""A trolley on a rail with a load that hangs from it."""
-
-from __future__ import annotations
 
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, contact, cos, outside, sensor, sin
 
@@ -46,7 +42,6 @@ class Crane(Plant):
 
     @staticmethod
     def equations(state, parameter, drive, rate):
-        """Newton for the trolley, and across the rope for the load."""
         force = actuator(parameter.gain * drive.voltage)
         load = outside("N")
         rope_pull = parameter.load_mass * sin(state.swing) * (
@@ -67,15 +62,12 @@ class Crane(Plant):
         scale = sensor(state.position)
         encoder = sensor(state.swing)
 '''
-
-
-def draw(random: np.random.Generator) -> Values:
-    """Return a model crane."""
-    return {
-        "gain": random.uniform(4.0, 6.0), "coulomb": random.uniform(1.5, 3.0), "viscous": random.uniform(8.0, 14.0),
-        "rope": random.uniform(0.5, 0.8), "decay": random.uniform(0.05, 0.1), "noise": random.uniform(3e-5, 1e-4),
-        "bearing": 0.0, "steep": 0.0, "drag": 0.0, "winch": 0.0,
-    }  # fmt: skip
+# A model crane: what is drawn between two ends, and what is there where nothing hides.
+RIG = {
+    "gain": (4.0, 6.0), "coulomb": (1.5, 3.0), "viscous": (8.0, 14.0),
+    "rope": (0.5, 0.8), "decay": (0.05, 0.1), "noise": (3e-5, 1e-4),
+    "bearing": 0.0, "steep": 0.0, "drag": 0.0, "winch": 0.0,
+}  # fmt: skip
 
 
 def measure(v: Values, course: np.random.Generator, chance: np.random.Generator, count: int) -> Columns:
@@ -100,7 +92,7 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
 
 
 MACHINE = Machine(
-    "crane", PLANT, ("gain", "coulomb", "viscous", "rope", "decay"), draw, measure,
+    "crane", PLANT, ("gain", "coulomb", "viscous", "rope", "decay"), RIG, measure,
     {"time_s": "t_s", "voltage_v": "u_V", "position_mm": "x_mm", "swing_deg": "rope_deg"}, (6000, 2000),
     (
         Form("position_friction", "bump", lambda v, s, r: {"steep": s * r.uniform(0.6, 1.0)}, ("position_friction",), False),

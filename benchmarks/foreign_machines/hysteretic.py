@@ -1,7 +1,5 @@
 """A mass on a mount, driven by a shaker; the mount has a memory (Bouc-Wen) where that hides."""
 
-from __future__ import annotations
-
 from math import sinh
 
 import numpy as np
@@ -11,8 +9,6 @@ from .machine import Columns, Machine, Values, march, multisine, read
 
 PERIOD = 1 / 750
 PLANT = '''"""A mass on a mount, pushed by a shaker; a laser sees where it is."""
-
-from __future__ import annotations
 
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, outside, sensor
 
@@ -37,7 +33,6 @@ class Hysteretic(Plant):
 
     @staticmethod
     def equations(state, parameter, drive, rate):
-        """Newton."""
         push = actuator(drive.force)
         load = outside("N")
         mount = parameter.damping * state.velocity + parameter.stiffness * state.position
@@ -45,14 +40,11 @@ class Hysteretic(Plant):
         rate.velocity = body(push + load - mount, mass=parameter.mass, load=load, position=state.position)
         laser = sensor(state.position)
 '''
-
-
-def draw(random: np.random.Generator) -> Values:
-    """Return a mount with a resonance at about 30 Hz."""
-    return {
-        "mass": random.uniform(1.6, 2.4), "damping": random.uniform(15.0, 30.0), "stiffness": random.uniform(5e4, 9e4),
-        "noise": random.uniform(5e-7, 2e-6), "hard": 0.0, "bristle": 0.0, "beta": 1.0, "memory": 0.0, "lag": 0.0,
-    }  # fmt: skip
+# A mount with a resonance at about 30 Hz: what is drawn between two ends, and what is there where nothing hides.
+RIG = {
+    "mass": (1.6, 2.4), "damping": (15.0, 30.0), "stiffness": (5e4, 9e4),
+    "noise": (5e-7, 2e-6), "hard": 0.0, "bristle": 0.0, "beta": 1.0, "memory": 0.0, "lag": 0.0,
+}  # fmt: skip
 
 
 def measure(v: Values, course: np.random.Generator, chance: np.random.Generator, count: int) -> Columns:
@@ -74,7 +66,7 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
 
 
 MACHINE = Machine(
-    "hysteretic", PLANT, ("mass", "damping", "stiffness"), draw, measure,
+    "hysteretic", PLANT, ("mass", "damping", "stiffness"), RIG, measure,
     {"time_s": "t_s", "force_n": "F_N", "position_mm": "x_mm"}, (8000, 3000),
     (
         Form("cubic_spring", "sinh", lambda v, s, r: {"hard": s * r.uniform(600.0, 900.0)}, ("cubic_spring",), False),

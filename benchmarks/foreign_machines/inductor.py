@@ -1,7 +1,5 @@
 """A coil with a core, fed by an amplifier: 20 kHz would be usual, here 5 ms and a large coil."""
 
-from __future__ import annotations
-
 from math import tanh
 
 import numpy as np
@@ -11,8 +9,6 @@ from .machine import Columns, Machine, Values, levels, march, multisine, read
 
 PERIOD = 0.005
 PLANT = '''"""A large coil on an amplifier; the current is measured over a shunt."""
-
-from __future__ import annotations
 
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, sensor, store
 
@@ -35,19 +31,15 @@ class Inductor(Plant):
 
     @staticmethod
     def equations(state, parameter, drive, rate):
-        """Kirchhoff's law of the one loop."""
         u = actuator(drive.voltage)
         rate.current = store(u - parameter.resistance * state.current, capacity=parameter.inductance)
         shunt = sensor(state.current)
 '''
-
-
-def draw(random: np.random.Generator) -> Values:
-    """Return a coil with a time constant of about 60 ms."""
-    return {
-        "resistance": random.uniform(3.0, 5.0), "inductance": random.uniform(0.18, 0.32), "noise": random.uniform(0.002, 0.01),
-        "core": 0.0, "limit": 1e9, "gap": 0.0, "warming": 0.0,
-    }  # fmt: skip
+# A coil with a time constant of about 60 ms: what is drawn between two ends, and what is there where nothing hides.
+RIG = {
+    "resistance": (3.0, 5.0), "inductance": (0.18, 0.32), "noise": (0.002, 0.01),
+    "core": 0.0, "limit": 1e9, "gap": 0.0, "warming": 0.0,
+}  # fmt: skip
 
 
 def measure(v: Values, course: np.random.Generator, chance: np.random.Generator, count: int) -> Columns:
@@ -67,7 +59,7 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
 
 
 MACHINE = Machine(
-    "inductor", PLANT, ("inductance", "resistance"), draw, measure,
+    "inductor", PLANT, ("inductance", "resistance"), RIG, measure,
     {"time_s": "t_s", "voltage_v": "u_V", "current_a": "i_A"}, (6000, 2500),
     (
         Form("saturation", "tanh", lambda v, s, r: {"limit": r.uniform(13.0, 16.0) / s}, ("saturation",), False),

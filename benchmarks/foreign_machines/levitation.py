@@ -1,7 +1,5 @@
 """A steel ball under a magnet, held by somebody else's loop; the current is what drives it."""
 
-from __future__ import annotations
-
 import numpy as np
 from truth.hidden_form import Form
 
@@ -9,8 +7,6 @@ from .machine import Columns, Machine, Values, levels, march, multisine, read
 
 PERIOD, GRAVITY = 0.002, 9.81
 PLANT = '''"""A steel ball that hangs under a magnet; another loop sets the current of the magnet."""
-
-from __future__ import annotations
 
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, outside, sensor
 
@@ -36,7 +32,6 @@ class Levitation(Plant):
 
     @staticmethod
     def equations(state, parameter, drive, rate):
-        """Weight and pull."""
         i = actuator(drive.current)
         pull = parameter.magnet * i * i / (state.gap * state.gap)
         load = outside("N")
@@ -44,14 +39,11 @@ class Levitation(Plant):
         rate.velocity = body(parameter.mass * parameter.gravity + load - pull, mass=parameter.mass, load=load, position=state.gap)
         photocell = sensor(state.gap)
 '''
-
-
-def draw(random: np.random.Generator) -> Values:
-    """Return a magnet that needs about 0.8 A at 10 mm."""
-    return {
-        "magnet": random.uniform(0.8e-4, 1.3e-4), "mass": 0.068, "noise": random.uniform(3e-6, 8e-6), "lag": 0.0,
-        "zero": 0.0, "eddy": 0.0, "reach": 0.0,
-    }  # fmt: skip
+# A magnet that needs about 0.8 A at 10 mm: what is drawn between two ends, and what is there where nothing hides.
+RIG = {
+    "magnet": (0.8e-4, 1.3e-4), "mass": 0.068, "noise": (3e-6, 8e-6), "lag": 0.0,
+    "zero": 0.0, "eddy": 0.0, "reach": 0.0,
+}  # fmt: skip
 
 
 def measure(v: Values, course: np.random.Generator, chance: np.random.Generator, count: int) -> Columns:
@@ -59,9 +51,6 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
     wanted = 0.01 + 5e-4 * multisine(course, count, PERIOD, 0.2, 4.0) + levels(course, count, 400, 1200, -1.5e-3, 1.5e-3)
     read_gap = np.empty(count)
     memory = {"before": 0.01, "sum": 0.0}
-
-    def pull(gap: float) -> float:
-        return v["magnet"] / (gap + v["reach"]) ** 2
 
     def drive(k: int, x: list[float]) -> float:
         reading = float(read(np.array([x[0] + v["zero"]]), 2e-6, v["noise"], chance)[0])
@@ -74,7 +63,7 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
     def rate(x: list[float], u: float) -> list[float]:
         current = x[2] if v["lag"] else u
         drag = v["eddy"] * x[1] * (0.01 / max(x[0], 1e-3)) ** 3
-        force = v["mass"] * GRAVITY - pull(max(x[0], 1e-3)) * current**2 - drag
+        force = v["mass"] * GRAVITY - v["magnet"] * (current / (max(x[0], 1e-3) + v["reach"])) ** 2 - drag
         return [x[1], force / v["mass"], (u - x[2]) / v["lag"] if v["lag"] else 0.0]
 
     _, current = march(rate, [0.01, 0.0, 0.8], PERIOD, count, drive, 3)
@@ -82,7 +71,7 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
 
 
 MACHINE = Machine(
-    "levitation", PLANT, ("magnet",), draw, measure,
+    "levitation", PLANT, ("magnet",), RIG, measure,
     {"time_s": "t_s", "gap_mm": "z_mm", "current_a": "i_A"}, (8000, 3000),
     (
         Form("sensor_offset", "zero", lambda v, s, r: {"zero": s * r.uniform(0.8e-3, 1.5e-3)}, ("sensor_offset",), True),

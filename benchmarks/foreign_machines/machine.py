@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,14 +20,14 @@ Columns = dict[str, np.ndarray]
 class Machine:
     """A machine: `measure` returns the columns of one log of a rig with these values.
 
-    `plant` is the user's file with @name@ where a base value is declared; `draw` gives a rig's true values (base and all
-    else). `fields` map the program's fields on columns, `units` are those of columns in other units than their fields say.
+    `plant` is the user's file with @name@ where a base value is declared; `rig` holds the true values (base and all else), or
+    two ends between which each rig has its own. `fields` map the program's fields on columns.
     """
 
     name: str
     plant: str
     base: tuple[str, ...]
-    draw: Callable[[np.random.Generator], Values]
+    rig: Mapping[str, float | tuple[float, float]]
     measure: Callable[[Values, np.random.Generator, np.random.Generator, int], Columns]
     fields: dict[str, str | dict[str, str | float]]
     samples: tuple[int, int]  # of one log; of each of three repetitions
@@ -39,7 +39,8 @@ class Machine:
         """Write the case into `folder` and return the path of its sealed answer; see `truth.case_files`."""
         number = zlib.crc32(self.name.encode())
         chosen = find_form(self.forms, effect, form, seed)
-        rig = self.draw(np.random.default_rng([seed, number, 1]))
+        random = np.random.default_rng([seed, number, 1])
+        rig = {k: float(random.uniform(*v)) if isinstance(v, tuple) else v for k, v in self.rig.items()}
         changes = chosen.build(rig, float(strength), np.random.default_rng([seed, number, 2]))
         logs = []
         for log in ("train",) if one_log else ("run1", "run2", "run3"):

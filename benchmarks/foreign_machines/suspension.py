@@ -1,7 +1,5 @@
 """A quarter of a car on a shaker: the road is what the shaker reports."""
 
-from __future__ import annotations
-
 from math import tanh
 
 import numpy as np
@@ -11,8 +9,6 @@ from .machine import Columns, Machine, Values, march, multisine, read
 
 PERIOD = 0.005
 PLANT = '''"""A quarter of a car on a shaker; the travel of the strut and that of the tyre are measured."""
-
-from __future__ import annotations
 
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, contact, outside, sensor
 
@@ -46,7 +42,6 @@ class Suspension(Plant):
 
     @staticmethod
     def equations(state, parameter, drive, rate):
-        """Newton for the wheel, and for the travel by the masses that meet in it."""
         reduced = parameter.sprung * parameter.unsprung / (parameter.sprung + parameter.unsprung)
         tyre_force = parameter.tyre * (drive.road - state.wheel)
         share = reduced / parameter.unsprung
@@ -62,15 +57,12 @@ class Suspension(Plant):
         strut = sensor(state.travel)
         laser = sensor(state.wheel)
 '''
-
-
-def draw(random: np.random.Generator) -> Values:
-    """Return a small car."""
-    return {
-        "spring": random.uniform(1.6e4, 2.4e4), "damper": random.uniform(1000.0, 1600.0), "seal": random.uniform(15.0, 40.0),
-        "tyre": random.uniform(1.5e5, 2.1e5), "noise": random.uniform(2e-5, 1e-4), "uneven": 0.0, "bump": 0.0, "gap": 0.02,
-        "valve": 0.0, "lift": 0.0,
-    }  # fmt: skip
+# A small car: what is drawn between two ends, and what is there where nothing hides.
+RIG = {
+    "spring": (1.6e4, 2.4e4), "damper": (1000.0, 1600.0), "seal": (15.0, 40.0),
+    "tyre": (1.5e5, 2.1e5), "noise": (2e-5, 1e-4), "uneven": 0.0, "bump": 0.0, "gap": 0.02,
+    "valve": 0.0, "lift": 0.0,
+}  # fmt: skip
 
 
 def measure(v: Values, course: np.random.Generator, chance: np.random.Generator, count: int) -> Columns:
@@ -100,7 +92,7 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
 
 
 MACHINE = Machine(
-    "suspension", PLANT, ("spring", "damper", "seal", "tyre"), draw, measure,
+    "suspension", PLANT, ("spring", "damper", "seal", "tyre"), RIG, measure,
     {"time_s": "t_s", "travel_mm": "strut_mm", "wheel_mm": "wheel_mm", "road_m": {"column": "road_mm", "unit": "mm"}},
     (6000, 2500),
     (
