@@ -152,7 +152,7 @@ def asked_candidates(analysis: Analysis, verdict: Verdict, names: Sequence[str])
 def _candidate(analysis: Analysis, name: str, model: Scored, step: Step, named: bool) -> dict[str, Any]:
     effect = analysis.search.library[name]
     found = [one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name]
-    t, count = analysis.search.t(model, step.before), len(np.unique(analysis.search.chapters))
+    t, count = analysis.search.t(model, step.before)
     weight = _weight(t, count) if not named else 1.0
     return {
         "effect": name,
@@ -164,11 +164,11 @@ def _candidate(analysis: Analysis, name: str, model: Scored, step: Step, named: 
     }
 
 
-def _weight(t: float, chapters: int) -> float:
+def _weight(t: float, chapters: float) -> float:
     """Return the probability of Student's t below the comparison: 0 where a model is clearly no better than without."""
     from scipy.special import stdtr
 
-    return float(max(0.0, 2.0 * stdtr(max(chapters - 1, 1), t) - 1.0))
+    return float(max(0.0, 2.0 * stdtr(max(chapters - 1.0, 1.0), t) - 1.0))
 
 
 def _row(one: Interval, unit: str) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
-from hjcamp.prediction.chapters import advantages, left_out, t_value
+from hjcamp.prediction.chapters import advantages, left_out, ratio_t, told_apart
 from hjcamp.prediction.fitting import TURNS, Fitted, Free, fit, settled
 from hjcamp.prediction.floor import motion_of
 from hjcamp.prediction.levels import (
@@ -223,11 +223,13 @@ class Search:
         """Whether a model is better on chapters that it does not know, at a level."""
         if not math.isfinite(model.left_out) or not math.isfinite(other.left_out):
             return math.isfinite(model.left_out)
-        return self.t(model, other) > critical(len(np.unique(self.chapters)), level)
+        t, chapters = self.t(model, other)
+        return t > critical(chapters, level)
 
-    def t(self, model: Scored, other: Scored) -> float:
-        """Return Student's t of a model's advantage over another, over the chapters."""
-        return t_value(advantages(model.features, other.features, self.chapters))
+    def t(self, model: Scored, other: Scored) -> tuple[float, float]:
+        """Return Student's t of a model's advantage over another, and the number of chapters that it stands on."""
+        features = model.features, other.features, self.chapters
+        return ratio_t(advantages(*features), told_apart(*features))
 
     def resettled(self, model: Scored) -> Scored:
         """Return a model with the windows' starts moved to where it fits best, if that is better, and leave them there."""
@@ -268,11 +270,11 @@ def error_ratio(model: Scored, before: Scored) -> float:
     return model.left_out / before.left_out
 
 
-def critical(chapters: int, level: float = LEVEL) -> float:
-    """Return the one-sided critical value of Student's t over chapters at a level."""
+def critical(chapters: float, level: float = LEVEL) -> float:
+    """Return the one-sided critical value of Student's t over a number of chapters at a level."""
     from scipy.special import stdtrit
 
-    return float(stdtrit(chapters - 1, 1.0 - level)) if chapters > 1 else math.inf
+    return float(stdtrit(chapters - 1.0, 1.0 - level)) if chapters > 1.0 + 1e-9 else math.inf
 
 
 def _added(candidate: Candidate, before: Candidate) -> str:
