@@ -129,7 +129,7 @@ def calibrated(
     report("calibrating", 0.1)
     ranges = ranges_of(plant, candidate.base, _filled(joined, windows, candidate), layout.inputs, layout.time)
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
-    search = Search(windows, library, found, chapters_of(layout), free, seed, report, workers)
+    search = Search(windows, library, found, chapters_of(layout), free, ranges, seed, report, workers)
     windows.move_starts(candidate)
     fitted = settled(windows, candidate, search.free_of(candidate), turns=TURNS_OF_BASE)
     if not np.isfinite(fitted.loss):

@@ -41,6 +41,7 @@ from hjcamp.prediction.screening import (
     refined,
 )
 from hjcamp.prediction.unknowns import Unknown
+from hjcamp.prediction.visited import Range, visited_shapes
 from hjcamp.prediction.windows import Windows
 
 Array = NDArray[np.float64]
@@ -93,6 +94,7 @@ class Search:
     unknowns: Mapping[str, Unknown]
     chapters: NDArray[np.int64]
     base_free: Sequence[Free]
+    ranges: Mapping[str, Range]
     seed: int = 1
     report: Report = lambda text, share: None
     workers: int = 1
@@ -177,7 +179,11 @@ class Search:
         """Return the probes of a named effect or an unknown beside a fitted model."""
         if name in self.unknowns:
             return list(probes_of_unknown(self.windows, fitted.candidate, fitted.features, self.unknowns[name]))
-        return list(probes_of(self.windows, fitted.candidate, fitted.features, self.library[name]))
+        return list(probes_of(self.windows, fitted.candidate, fitted.features, self.library[name], self.visited(name)))
+
+    def visited(self, name: str) -> dict[str, Range]:
+        """Return what the tests visit of the shapes of an effect."""
+        return visited_shapes(self.library[name], self.windows.layout.measured.plant, self.ranges)
 
     def is_read(self, model: Scored, name: str) -> bool:
         """Whether an effect adds a step at least to the reading of a sensor that counts: its zero is known no better."""
@@ -199,7 +205,7 @@ class Search:
         most = sorted((one for one in promises if one.gain > 0.0), key=lambda one: -one.gain)[:TRIED_STARTS]
         own = [dict(effect.defaults())]
         if most:
-            most.append(refined(self.windows, projection, effect, most[0], before.features))
+            most.append(refined(self.windows, projection, effect, most[0], self.visited(name)))
             own.append(dict(most[0].candidate.effects[name]))
         starts = [one.candidate for one in most] + [before.candidate.with_effect(name, one) for one in own]
         starts.sort(key=lambda one: loss(self.windows.features(one)))
