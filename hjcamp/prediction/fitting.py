@@ -125,7 +125,7 @@ def fit(
     for one in free:
         candidate = one.within(candidate)
     features = windows.features(candidate)
-    current = _whole(features, candidate, free)
+    current = whole_loss(features, candidate, free)
     slopes, fresh = _lent(windows, candidate, free, features, near)
     for _ in range(rounds):
         if not free or not np.isfinite(current):
@@ -144,7 +144,7 @@ def fit(
             for one, x in zip(free, step, strict=True):
                 tried = one.into(tried, one.of(candidate) + float(np.clip(x, -2.0, 2.0)))
             seen = windows.features(tried)
-            value = _whole(seen, tried, free)
+            value = whole_loss(seen, tried, free)
             if value < current:
                 gained = current - value
                 move = np.array([one.of(tried) - one.of(candidate) for one in free])
@@ -195,5 +195,6 @@ def settled(
     return found
 
 
-def _whole(features: Array, candidate: Candidate, free: Sequence[Free]) -> float:
+def whole_loss(features: Array, candidate: Candidate, free: Sequence[Free]) -> float:
+    """Return the loss of features (windows, d), and of what is known of the free parameters beforehand."""
     return loss(features) + 0.5 * sum(one.surprise(candidate) ** 2 for one in free)
