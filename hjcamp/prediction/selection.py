@@ -234,8 +234,8 @@ class Search:
 
     def t(self, model: Scored, other: Scored) -> tuple[float, float]:
         """Return Student's t of a model's advantage over another, and the number of chapters that it stands on."""
-        features = model.features, other.features, self.chapters
-        return ratio_t(advantages(*features), told_apart(*features))
+        found = advantages(model.features, other.features, self.chapters)
+        return ratio_t(found, told_apart(model.fitted.features, other.fitted.features, self.chapters))
 
     def resettled(self, model: Scored) -> Scored:
         """Return a model with the windows' starts moved to where it fits best, if that is better, and leave them there."""
