@@ -11,6 +11,8 @@ MOST_OF_IT = 0.5
 # Fits per step: the named effects that promise most, and the unknowns.
 FITTED = 6
 FITTED_UNKNOWNS = 2
+# Where chance promises as much, the nearest are fitted so that an answer can show them; none of them can be claimed.
+FITTED_BY_CHANCE = 2
 STEPS = 4
 # A curved law is begun from so many promises, and from its usual values; so many of these are fitted, for so many rounds.
 TRIED_STARTS = 4

@@ -20,6 +20,7 @@ from hjcamp.prediction.fitting import TURNS, Fitted, Free, fit, settled
 from hjcamp.prediction.floor import motion_of
 from hjcamp.prediction.levels import (
     FITTED,
+    FITTED_BY_CHANCE,
     FITTED_STARTS,
     FITTED_UNKNOWNS,
     LEVEL,
@@ -151,14 +152,15 @@ class Search:
         effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
         promises = [projection.promise(probe, effects[probe.effect]) for probe in probes]
         best = best_promises(promises)
-        able = [name for name, one in best.items() if name in self.library and one.gain > 0.0][: 2 * FITTED]
+        chosen, unnamed = (FITTED, FITTED_UNKNOWNS) if p_value(gain, chance) <= LEVEL else (FITTED_BY_CHANCE, 0)
+        able = [name for name, one in best.items() if name in self.library and one.gain > 0.0][: 2 * chosen]
         begun = self.each(
             lambda name: self.begun(projection, name, [one for one in promises if one.effect == name]), able,
             lambda name: f"looking closer at {name}",
         )  # fmt: skip
         begun.sort(key=lambda one: one.loss)
-        others = [one for name, one in best.items() if name in self.unknowns][:FITTED_UNKNOWNS]
-        starts = [*begun[:FITTED], *(self.begun_unknown(fitted, one) for one in others)]
+        others = [one for name, one in best.items() if name in self.unknowns][:unnamed]
+        starts = [*begun[:chosen], *(self.begun_unknown(fitted, one) for one in others)]
         models = self.each(
             lambda start: self.fitted(start.candidate, start), starts,
             lambda start: f"fitting {_added(start.candidate, fitted.candidate)}",
