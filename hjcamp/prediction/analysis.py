@@ -20,7 +20,7 @@ from hjcamp.prediction.measured import Measured
 from hjcamp.prediction.selection import Scored, Search
 from hjcamp.prediction.starts import estimated
 from hjcamp.prediction.unknowns import Unknown, ranges_of, unknowns_of
-from hjcamp.prediction.windows import DELAY, Layout, Windows
+from hjcamp.prediction.windows import DELAY, ZERO, Layout, Windows
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
@@ -120,6 +120,10 @@ def calibrated(
         ):
             free.append(Free("", DELAY + name, measured.period, 0.0, MOST_DELAY * measured.period))
             base[DELAY + name] = 0.0
+    for sensor, step in zip(measured.sensors, measured.steps, strict=True):
+        if step > 0.0:  # where a counter begins to count is known to a step
+            free.append(Free("", ZERO + sensor.field, step, -step, step))
+            base[ZERO + sensor.field] = 0.0
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
     kernels = Kernels(plant, dict(library))
     unseen = np.asarray((~np.isfinite(joined)).all(axis=0))

@@ -12,10 +12,10 @@ from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
-from hjcamp.prediction.selection import Scored, Step, critical, error_ratio
+from hjcamp.prediction.selection import Scored, Step, critical
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
-from hjcamp.prediction.windows import DELAY
+from hjcamp.prediction.windows import DELAY, ZERO
 
 Array = NDArray[np.float64]
 SCHEMA = "hjcamp.diagnosis/2"
@@ -110,7 +110,7 @@ def calibration(analysis: Analysis) -> dict[str, dict[str, Any]]:
     """Return every base parameter: as declared, and as these tests have it."""
     plant, found = analysis.measured.plant, {}
     for one in intervals(analysis.base.fitted, analysis.search.chapters):
-        if one.effect:
+        if one.effect or one.name.startswith(ZERO):
             continue
         declared = 0.0 if one.name.startswith(DELAY) else plant.parameters[one.name].default
         unit = "s" if one.name.startswith(DELAY) else plant.parameters[one.name].unit
@@ -159,7 +159,7 @@ def _candidate(analysis: Analysis, name: str, model: Scored, step: Step, named: 
         "posterior": weight,
         "t": float(np.clip(t, -1e3, 1e3)),
         "t_needed": critical(count, step.level),
-        "heldout_error_ratio": error_ratio(model, step.before),
+        "heldout_error_ratio": analysis.search.error_ratio(model, step.before),
         "parameters": {one.name: _row(one, effect.parameters[one.name].unit) for one in found},
     }
 

@@ -167,11 +167,7 @@ class Search:
         )  # fmt: skip
         models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.left_out)
         added = [_added(one.fitted.candidate, fitted.candidate) for one in models]
-        in_library = [(one, name) for one, name in zip(models, added, strict=True) if name in self.library]
-        read = [one for one, name in in_library if self.is_read(one, name)]
-        unread = [one for one, _ in in_library if not any(one is each for each in read)]
-        # what the unknown zero of a counter explains as well is no effect
-        named = tuple(one for one in read if all(self.matters(one, each) for each in unread))
+        named = tuple(one for one, name in zip(models, added, strict=True) if name in self.library)
         others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
         step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted)
         self.steps.append(step)
@@ -186,17 +182,6 @@ class Search:
     def visited(self, name: str) -> dict[str, Range]:
         """Return what the tests visit of the shapes of an effect."""
         return visited_shapes(self.library[name], self.windows.layout.measured.plant, self.ranges)
-
-    def is_read(self, model: Scored, name: str) -> bool:
-        """Whether an effect adds a step at least to the reading of a sensor that counts: its zero is known no better."""
-        effect = self.library[name]
-        steps = [self.windows.layout.measured.steps.get(slot, 0.0) for slot in effect.terms]
-        generic = getattr(effect, "made_of", (None,))[0]
-        constant = generic is not None and [item.unit for item in generic.parameters.values()] == ["reading"]
-        if not constant or not all(steps):
-            return True
-        [offset] = model.fitted.candidate.effects[name].values()
-        return abs(offset) >= min(steps)
 
     def begun(self, projection: Projection, name: str, promises: Sequence[Promise]) -> Fitted:
         """Return the best fit after few rounds: from where a named effect promises most, and from its usual values.
@@ -225,7 +210,15 @@ class Search:
 
     def matters(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
         """Whether a model takes a share of the error that matters, and does so chapter by chapter."""
-        return self.beats(model, before, level) and error_ratio(model, before) <= 1.0 - MATTERS
+        return self.beats(model, before, level) and self.error_ratio(model, before) <= 1.0 - MATTERS
+
+    def error_ratio(self, model: Scored, before: Scored) -> float:
+        """Return what a model leaves of another's rms on chapters left out, in the sensor in which it takes most."""
+        sensors = len(self.windows.layout.measured.sensors)
+        left, whole = (
+            np.mean(one.features**2, axis=0).reshape(sensors, -1).mean(axis=1) + 1.0 for one in (model, before)
+        )
+        return math.sqrt(float(np.min(left / whole)))
 
     def beats(self, model: Scored, other: Scored, level: float = LEVEL) -> bool:
         """Whether a model is better on chapters that it does not know, at a level."""
@@ -271,11 +264,6 @@ class Search:
                 break
             model, self.windows.place = best, best.place
         return model
-
-
-def error_ratio(model: Scored, before: Scored) -> float:
-    """Return what a model leaves of another's error on chapters left out."""
-    return model.left_out / before.left_out
 
 
 def critical(chapters: float, level: float = LEVEL) -> float:

@@ -38,16 +38,21 @@ class Verdict:
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width.
 
-    Where nothing is seen, windows twice as long are looked at: what acts slowly or in few places hardly shows in short ones.
+    Where nothing is seen, windows twice as long are looked at, and so on: what acts slowly or in few places hardly shows in
+    short ones.
     Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
     set, both are what the tests leave.
     """
     verdict, width = judged(analysis), analysis.windows.layout.width
-    if verdict.word == NOTHING and 2 * width <= min(test.samples for test in analysis.measured.tests):
-        longer = at(2 * width)
-        other = judged(longer)
-        if other.word not in (NOTHING, CANNOT_TELL):
-            return longer, other
+    longer, shortest = 2 * width, min(test.samples for test in analysis.measured.tests)
+    while verdict.word == NOTHING and longer <= shortest:
+        seen = at(longer)
+        other = judged(seen)
+        if other.word == CANNOT_TELL:
+            break
+        if other.word != NOTHING:
+            return seen, other
+        longer *= 2
     half = min(max(width // 2, SHORTEST), width)
     if verdict.word != EFFECT or analysis.measured.repeated or half == width:
         return analysis, verdict

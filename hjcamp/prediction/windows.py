@@ -26,6 +26,7 @@ STEP = 1e-3
 # A start is free in directions that the window tells at all.
 TOLD = 1e-6
 DELAY = "delay."
+ZERO = "zero."
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,8 @@ class Windows:
             course = Given(measured.period, layout.begins[rows], layout.time[rows], inputs[rows], begin[windows])
             shown, passed = model.run_free(p, course)
             out[rows], states[rows] = shown[:, measured.columns], passed[:, : begin.shape[1]]
-        return out, states
+        zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
+        return out + np.array(zeros), states
 
     def errors(self, candidate: Candidate) -> Array:
         """Return measured less predicted readings (n, sensors), SI, from the present starts."""
