@@ -13,6 +13,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chapters import FEWEST, chapters_of
+from hjcamp.prediction.contact_form import with_contact_forms
 from hjcamp.prediction.fitting import TURNS_OF_BASE, Free, settled
 from hjcamp.prediction.floor import Floor, floor_of
 from hjcamp.prediction.kernels import Kernels
@@ -142,7 +143,10 @@ def calibrated(
             "check their values and the units of the logs"
         )
     kernels.add({name: one.effect for name, one in found.items()})
-    return Analysis(windows, search, candidate, search.scored(fitted), floor_of(layout, fitted.features))
+    scored = search.scored(fitted)
+    if unknowns:
+        scored = with_contact_forms(search, scored)
+    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
 
 
 def _free(item: object, value: float | None) -> Free:

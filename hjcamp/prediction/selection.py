@@ -99,6 +99,7 @@ class Search:
     seed: int = 1
     report: Report = lambda text, share: None
     workers: int = 1
+    begins: dict[str, dict[str, float]] = field(default_factory=dict)
     steps: list[Step] = field(default_factory=list)
 
     def scored(self, fitted: Fitted, windows: Windows | None = None) -> Scored:
@@ -153,7 +154,9 @@ class Search:
         promises = [projection.promise(probe, effects[probe.effect]) for probe in probes]
         best = best_promises(promises)
         chosen, unnamed = (FITTED, FITTED_UNKNOWNS) if p_value(gain, chance) <= LEVEL else (FITTED_BY_CHANCE, 0)
-        able = [name for name, one in best.items() if name in self.library and one.gain > 0.0][: 2 * chosen]
+        usual = float(np.median(chance)) if len(chance) else 0.0
+        able = [name for name, one in best.items() if name in self.library and one.gain > 0.0]
+        able = [name for k, name in enumerate(able[: 2 * chosen]) if k < FITTED_BY_CHANCE or best[name].gain > usual]
         begun = self.each(
             lambda name: self.begun(projection, name, [one for one in promises if one.effect == name]), able,
             lambda name: f"looking closer at {name}",
@@ -190,7 +193,7 @@ class Search:
         """
         before, effect = projection.fitted, self.library[name]
         most = sorted((one for one in promises if one.gain > 0.0), key=lambda one: -one.gain)[:TRIED_STARTS]
-        own = [dict(effect.defaults())]
+        own = [dict(effect.defaults()), *([self.begins[name]] if name in self.begins else [])]
         if most:
             most.append(refined(self.windows, projection, effect, most[0], self.visited(name)))
             own.append(dict(most[0].candidate.effects[name]))

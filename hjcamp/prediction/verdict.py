@@ -10,7 +10,7 @@ import numpy as np
 
 from hjcamp.prediction.analysis import SHORTEST, Analysis, what_lacks
 from hjcamp.prediction.floor import usual_size
-from hjcamp.prediction.levels import LEVEL, MOST_OF_IT
+from hjcamp.prediction.levels import LEVEL, LONGER, MOST_OF_IT
 from hjcamp.prediction.selection import Scored, Step
 
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
@@ -38,21 +38,21 @@ class Verdict:
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width.
 
-    Where nothing is seen, windows twice as long are looked at, and so on: what acts slowly or in few places hardly shows in
-    short ones.
+    Where nothing is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones.
     Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
     set, both are what the tests leave.
     """
     verdict, width = judged(analysis), analysis.windows.layout.width
-    longer, shortest = 2 * width, min(test.samples for test in analysis.measured.tests)
-    while verdict.word == NOTHING and longer <= shortest:
-        seen = at(longer)
+    shortest = min(test.samples for test in analysis.measured.tests)
+    for times in LONGER if verdict.word == NOTHING else ():
+        if times * width > shortest:
+            break
+        seen = at(times * width)
         other = judged(seen)
         if other.word == CANNOT_TELL:
             break
         if other.word != NOTHING:
             return seen, other
-        longer *= 2
     half = min(max(width // 2, SHORTEST), width)
     if verdict.word != EFFECT or analysis.measured.repeated or half == width:
         return analysis, verdict
