@@ -20,7 +20,7 @@ from hjcamp.prediction.selection import Scored, Search
 from hjcamp.prediction.starts import rate_of
 
 # What is tried, in shares of the travel per friction that is granted.
-TRIED = (0.03, 0.1, 0.3, 1.0, 5.0)
+TRIED = (0.03, 0.1, 0.3, 1.0, 5.0, 25.0)
 
 
 def with_contact_forms(search: Search, base: Scored) -> Scored:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import TypeVar
@@ -144,7 +144,7 @@ class Search:
         """Return what a model may miss: screen everything, then fit what promises most."""
         fitted, self.windows.place = before.fitted, before.place
         projection = Projection(fitted)
-        names = [name for name in (*self.library, *self.unknowns) if name not in fitted.candidate.effects]
+        names = [name for name in (*self.library, *self.unknowns) if self.may_be_added(name, fitted.candidate.effects)]
         found = self.each(lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}")
         probes = [probe for one in found for probe in one]
         layout = self.windows.layout
@@ -155,8 +155,9 @@ class Search:
         best = best_promises(promises)
         chosen, unnamed = (FITTED, FITTED_UNKNOWNS) if p_value(gain, chance) <= LEVEL else (FITTED_BY_CHANCE, 0)
         usual = float(np.median(chance)) if len(chance) else 0.0
-        able = [name for name, one in best.items() if name in self.library and one.gain > 0.0]
-        able = [name for k, name in enumerate(able[: 2 * chosen]) if k < FITTED_BY_CHANCE or best[name].gain > usual]
+        able = [name for name in self.begins if name in names]
+        able += [name for name, one in best.items() if name in self.library and one.gain > 0.0 and name not in able]
+        able = [name for k, name in enumerate(able[: 2 * chosen]) if k < chosen // 2 or best[name].gain > usual]
         begun = self.each(
             lambda name: self.begun(projection, name, [one for one in promises if one.effect == name]), able,
             lambda name: f"looking closer at {name}",
@@ -175,6 +176,14 @@ class Search:
         step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted)
         self.steps.append(step)
         return step
+
+    def may_be_added(self, name: str, present: Iterable[str]) -> bool:
+        """Whether an effect is not there yet, and no other one that says the same of the same driver.
+
+        Two laws of one driver in one place are one law of another form: the second would only mend the first.
+        """
+        law = law_of(self.library[name]) if name in self.library else None
+        return name not in present and not any(law and law == law_of(self.library[one]) for one in present if one in self.library)
 
     def probes(self, fitted: Fitted, name: str) -> list[Probe]:
         """Return the probes of a named effect or an unknown beside a fitted model."""
@@ -267,6 +276,15 @@ class Search:
                 break
             model, self.windows.place = best, best.place
         return model
+
+
+def law_of(effect: type[Effect]) -> frozenset[tuple[str, frozenset[str]]] | None:
+    """Return what an effect without memory makes of what: each slot with the names that drive it; none where it has states."""
+    if effect.states or getattr(effect, "made_of", None) is None:
+        return None
+    own = set(effect.parameters)
+    found = frozenset((slot, frozenset(set(term.arguments) - own - {slot})) for slot, term in effect.terms.items())
+    return found if any(drivers for _, drivers in found) else None
 
 
 def critical(chapters: float, level: float = LEVEL) -> float:
