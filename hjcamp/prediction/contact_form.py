@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.port import Port
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.prediction.fitting import Fitted, fit
-from hjcamp.prediction.levels import GRANTED, TRIED_ROUNDS
+from hjcamp.prediction.fitting import Fitted
+from hjcamp.prediction.levels import GRANTED
 from hjcamp.prediction.selection import Scored, Search
 from hjcamp.prediction.starts import rate_of
 
@@ -33,13 +34,13 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             if most <= 0.0:
                 continue
             search.report(f"form of {port.name.replace('_', ' ')}", 0.5)
-            best = min((_begun(search, base.fitted, effect, share * most) for share in TRIED), key=lambda one: one.loss)
+            best = search.best_of([_begun(base.fitted, effect, share * most) for share in TRIED], base.fitted)
             if not np.isfinite(best.loss):
                 continue
             search.begins[name] = dict(best.candidate.effects[name])
             if best.candidate.effects[name][_parameter(effect)] > most:
                 continue
-            found = search.resettled(search.fitted(best.candidate, best))
+            found = search.fitted(best.candidate, best)
             if found.fitted.candidate.effects[name][_parameter(effect)] <= most and search.beats(found, base):
                 base = found
     search.windows.place = base.place
@@ -74,7 +75,6 @@ def _granted(search: Search, fitted: Fitted, port: Port) -> float:
     return GRANTED * (high - low) / friction if friction > 0.0 else 0.0
 
 
-def _begun(search: Search, fitted: Fitted, effect: type[Effect], compliance: float) -> Fitted:
-    """Return a short fit that begins with a compliance."""
-    start = fitted.candidate.with_effect(effect.name, {**effect.defaults(), _parameter(effect): compliance})
-    return fit(search.windows, start, search.free_of(start), TRIED_ROUNDS, fitted, exact=False)
+def _begun(fitted: Fitted, effect: type[Effect], compliance: float) -> Candidate:
+    """Return the model with a contact that gives way by a compliance."""
+    return fitted.candidate.with_effect(effect.name, {**effect.defaults(), _parameter(effect): compliance})

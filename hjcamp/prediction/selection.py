@@ -165,6 +165,8 @@ class Search:
         begun.sort(key=lambda one: one.loss)
         others = [one for name, one in best.items() if name in self.unknowns][:unnamed]
         starts = [*begun[:chosen], *(self.begun_unknown(fitted, one) for one in others)]
+        # what gains no more than chance promises cannot be claimed; two are fitted to be shown
+        starts = [one for one in starts if fitted.loss - one.loss > usual or one in begun[:FITTED_BY_CHANCE]]
         models = self.each(
             lambda start: self.fitted(start.candidate, start), starts,
             lambda start: f"fitting {_added(start.candidate, fitted.candidate)}",
@@ -207,16 +209,17 @@ class Search:
             most.append(refined(self.windows, projection, effect, most[0], self.visited(name)))
             own.append(dict(most[0].candidate.effects[name]))
         starts = [one.candidate for one in most] + [before.candidate.with_effect(name, one) for one in own]
-        starts.sort(key=lambda one: loss(self.windows.features(one)))
-        return self._best_of(starts[:FITTED_STARTS], before)
+        return self.best_of(starts, before)
 
     def begun_unknown(self, before: Fitted, promise: Promise) -> Fitted:
         """Return the better of two starts of an unknown: what is promised, and nothing."""
         name, knots = promise.effect, self.unknowns[promise.effect].amplitudes
         zero = {**promise.candidate.effects[name], **dict.fromkeys(knots, 0.0)}
-        return self._best_of([promise.candidate, before.candidate.with_effect(name, zero)], before)
+        return self.best_of([promise.candidate, before.candidate.with_effect(name, zero)], before)
 
-    def _best_of(self, starts: Sequence[Candidate], before: Fitted) -> Fitted:
+    def best_of(self, starts: Sequence[Candidate], before: Fitted) -> Fitted:
+        """Return the best fit after few rounds from those starts that are best as they are."""
+        starts = sorted(starts, key=lambda one: loss(self.windows.features(one)))[:FITTED_STARTS]
         tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts]
         return min(tried, key=lambda one: one.loss)
 

@@ -53,4 +53,4 @@ def test_two_laws_of_one_driver_in_one_place_are_one(axis: Path) -> None:
     for name in ("hard_stop", "position_friction", "sensor_gain"):
         assert law_of(library[name]) and law_of(library[name]) != law_of(library["spring"]), name
     # no driver, or a memory: nothing to compare
-    assert law_of(library["constant_force"]) is None and law_of(library["backlash"]) is None
+    assert law_of(library["constant_force"]) is None and law_of(library["friction_drift"]) is None
