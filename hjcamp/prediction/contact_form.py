@@ -40,7 +40,7 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             search.begins[name] = dict(best.candidate.effects[name])
             if best.candidate.effects[name][_parameter(effect)] > most:
                 continue
-            found = search.fitted(best.candidate, best)
+            found = search.resettled(search.fitted(best.candidate, best))
             if found.fitted.candidate.effects[name][_parameter(effect)] <= most and search.beats(found, base):
                 base = found
     search.windows.place = base.place
