@@ -163,7 +163,7 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     check_asked(asked.ask, chosen)
     report("compiling, once for this plant and its effects", 0.02)
     number = asked.workers or min(available(), MOST_WORKERS)
-    at = partial(calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number)
+    at = partial(calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number, forms={})
     analysis, verdict = agreed(at(), lambda width: at(width=width))
     analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
     content = answer(analysis, verdict, 0.0)

@@ -96,9 +96,11 @@ def calibrated(
     unknowns: bool = True,
     effort: str = "standard",
     workers: int = 1,
+    forms: dict[str, dict[str, float]] | None = None,
 ) -> Analysis:
     """Return the analysis of tests with a model's base parameters, and its effects', calibrated on them.
 
+    ``forms`` keeps the forms of contacts from one width of the windows to the next.
     Of logs longer than the ``effort`` allows, windows are looked at that are evenly spread over them.
     """
     plant = measured.plant
@@ -134,7 +136,7 @@ def calibrated(
     report("calibrating", 0.1)
     ranges = ranges_of(plant, candidate.base, _filled(joined, windows, candidate), layout.inputs, layout.time)
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
-    search = Search(windows, library, found, chapters_of(layout), free, ranges, seed, report, workers)
+    search = Search(windows, library, found, chapters_of(layout), free, ranges, seed, report, workers, {} if forms is None else forms)
     windows.move_starts(candidate)
     fitted = settled(windows, candidate, search.free_of(candidate), turns=TURNS_OF_BASE)
     if not np.isfinite(fitted.loss):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages
+from hjcamp.prediction.contact_form import give_of
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.selection import Scored, Step, critical
@@ -107,9 +108,13 @@ def worst(analysis: Analysis, model: Scored) -> list[dict[str, Any]]:
 
 
 def calibration(analysis: Analysis) -> dict[str, dict[str, Any]]:
-    """Return every base parameter: as declared, and as these tests have it."""
+    """Return every base parameter: as declared, and as these tests have it; and how far contacts give way, where that is seen."""
     plant, found = analysis.measured.plant, {}
+    forms = {name: analysis.search.library[name] for name in analysis.base.names if name not in analysis.start.effects}
     for one in intervals(analysis.base.fitted, analysis.search.chapters):
+        if one.effect in forms and one.name == give_of(forms[one.effect]):
+            item = forms[one.effect].parameters[one.name]
+            found[f"{one.effect} {one.name}"] = {"published": 0.0, "value": one.value, "unit": item.unit, "ci95": [one.low, one.high]}
         if one.effect or one.name.startswith(ZERO):
             continue
         declared = 0.0 if one.name.startswith(DELAY) else plant.parameters[one.name].default

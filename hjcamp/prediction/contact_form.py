@@ -11,12 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.port import Port
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.prediction.fitting import Fitted
-from hjcamp.prediction.levels import GRANTED
+from hjcamp.prediction.fitting import Fitted, fit
+from hjcamp.prediction.levels import GRANTED, TRIED_ROUNDS
 from hjcamp.prediction.selection import Scored, Search
 from hjcamp.prediction.starts import rate_of
 
@@ -34,15 +33,16 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             if most <= 0.0:
                 continue
             search.report(f"form of {port.name.replace('_', ' ')}", 0.5)
-            best = search.best_of([_begun(base.fitted, effect, share * most) for share in TRIED], base.fitted)
+            best = min(_tried(search, base.fitted, effect, most), key=lambda one: one.loss)
             if not np.isfinite(best.loss):
                 continue
             search.begins[name] = dict(best.candidate.effects[name])
-            if best.candidate.effects[name][_parameter(effect)] > most:
+            if best.candidate.effects[name][give_of(effect)] > most:
                 continue
             found = search.resettled(search.fitted(best.candidate, best))
-            if found.fitted.candidate.effects[name][_parameter(effect)] <= most and search.beats(found, base):
+            if found.fitted.candidate.effects[name][give_of(effect)] <= most and search.beats(found, base):
                 base = found
+                search.begins[name] = dict(found.fitted.candidate.effects[name])
     search.windows.place = base.place
     return base
 
@@ -57,7 +57,7 @@ def _contacts(search: Search, effect: type[Effect]) -> Iterator[Port]:
             yield port
 
 
-def _parameter(effect: type[Effect]) -> str:
+def give_of(effect: type[Effect]) -> str:
     """Return the bound name of the deflection for each unit of force."""
     generic, _, _, _, instance = effect.made_of  # type: ignore[attr-defined]
     for names in instance.at.values() if instance else ():
@@ -75,6 +75,11 @@ def _granted(search: Search, fitted: Fitted, port: Port) -> float:
     return GRANTED * (high - low) / friction if friction > 0.0 else 0.0
 
 
-def _begun(fitted: Fitted, effect: type[Effect], compliance: float) -> Candidate:
-    """Return the model with a contact that gives way by a compliance."""
-    return fitted.candidate.with_effect(effect.name, {**effect.defaults(), _parameter(effect): compliance})
+def _tried(search: Search, before: Fitted, effect: type[Effect], most: float) -> list[Fitted]:
+    """Return short fits: from the form that is known of windows of another length, else from several compliances."""
+    known = search.begins.get(effect.name)
+    values = [known] if known else [{**effect.defaults(), give_of(effect): share * most} for share in TRIED]
+    starts = [before.candidate.with_effect(effect.name, own) for own in values]
+    return [
+        fit(search.windows, one, search.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts
+    ]

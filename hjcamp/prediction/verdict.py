@@ -151,7 +151,7 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...]) -
         for one in step.named:
             [other] = one.beyond(step.before)
             for name in here:
-                if other in model.names or search.beats(_of(step, name), one):
+                if other in model.names or one.left_out >= step.before.left_out or search.beats(_of(step, name), one):
                     continue
                 exchanged = model.fitted.candidate.without([name]).with_effect(
                     other, one.fitted.candidate.effects[other]
