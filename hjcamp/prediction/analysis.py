@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,14 @@ def _correlation(values: Array) -> int:
     return int(below[0]) if len(below) and found[0] > 0.0 else len(values)
 
 
+@dataclass
+class Known:
+    """What windows of one width told, with which those of another begin: base parameters, and the forms of contacts."""
+
+    base: dict[str, float] = field(default_factory=dict)
+    forms: dict[str, dict[str, float]] = field(default_factory=dict)
+
+
 @dataclass(frozen=True)
 class Analysis:
     """Windows of the tests with a model to start from, calibrated; ``published`` are its base parameters before that."""
@@ -96,14 +104,14 @@ def calibrated(
     unknowns: bool = True,
     effort: str = "standard",
     workers: int = 1,
-    forms: dict[str, dict[str, float]] | None = None,
+    known: Known | None = None,
 ) -> Analysis:
     """Return the analysis of tests with a model's base parameters, and its effects', calibrated on them.
 
-    ``forms`` keeps the forms of contacts from one width of the windows to the next.
+    ``known`` is what windows of another width told; it is brought up to date.
     Of logs longer than the ``effort`` allows, windows are looked at that are evenly spread over them.
     """
-    plant = measured.plant
+    plant, known = measured.plant, known or Known()
     full = Layout(measured, width or width_of(measured))
     if not len(full.of_test):
         raise UsageError(f"the tests are shorter than one window of {full.width} samples")
@@ -128,6 +136,7 @@ def calibrated(
             free.append(Free("", ZERO + sensor.field, step, -step, step))
             base[ZERO + sensor.field] = 0.0
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
+    begun = candidate.with_base(known.base)
     kernels = Kernels(plant, dict(library))
     unseen = np.asarray((~np.isfinite(joined)).all(axis=0))
     before = Windows(full, kernels, first_starts(full, full.joined(states)), sizes, lowest)
@@ -136,9 +145,9 @@ def calibrated(
     report("calibrating", 0.1)
     ranges = ranges_of(plant, candidate.base, _filled(joined, windows, candidate), layout.inputs, layout.time)
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
-    search = Search(windows, library, found, chapters_of(layout), free, ranges, seed, report, workers, {} if forms is None else forms)
-    windows.move_starts(candidate)
-    fitted = settled(windows, candidate, search.free_of(candidate), turns=TURNS_OF_BASE)
+    search = Search(windows, library, found, chapters_of(layout), free, ranges, seed, report, workers, known.forms)
+    windows.move_starts(begun)
+    fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if not np.isfinite(fitted.loss):
         raise UsageError(
             f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "
@@ -148,6 +157,7 @@ def calibrated(
     scored = search.scored(fitted)
     if unknowns:
         scored = with_contact_forms(search, scored)
+    known.base = dict(scored.fitted.candidate.base)
     return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
 
 

@@ -40,7 +40,7 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             if best.candidate.effects[name][give_of(effect)] > most:
                 continue
             found = search.resettled(search.fitted(best.candidate, best))
-            if found.fitted.candidate.effects[name][give_of(effect)] <= most and search.beats(found, base):
+            if found.fitted.candidate.effects[name][give_of(effect)] <= most and found.left_out < base.left_out:
                 base = found
                 search.begins[name] = dict(found.fitted.candidate.effects[name])
     search.windows.place = base.place
@@ -80,6 +80,4 @@ def _tried(search: Search, before: Fitted, effect: type[Effect], most: float) ->
     known = search.begins.get(effect.name)
     values = [known] if known else [{**effect.defaults(), give_of(effect): share * most} for share in TRIED]
     starts = [before.candidate.with_effect(effect.name, own) for own in values]
-    return [
-        fit(search.windows, one, search.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts
-    ]
+    return [fit(search.windows, one, search.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts]
