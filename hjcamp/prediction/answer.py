@@ -114,7 +114,12 @@ def calibration(analysis: Analysis) -> dict[str, dict[str, Any]]:
     for one in intervals(analysis.base.fitted, analysis.search.chapters):
         if one.effect in forms and one.name == give_of(forms[one.effect]):
             item = forms[one.effect].parameters[one.name]
-            found[f"{one.effect} {one.name}"] = {"published": 0.0, "value": one.value, "unit": item.unit, "ci95": [one.low, one.high]}
+            found[f"{one.effect} {one.name}"] = {
+                "published": 0.0,
+                "value": one.value,
+                "unit": item.unit,
+                "ci95": [one.low, one.high],
+            }
         if one.effect or one.name.startswith(ZERO):
             continue
         declared = 0.0 if one.name.startswith(DELAY) else plant.parameters[one.name].default

@@ -110,7 +110,9 @@ class Search:
         features = left_out(windows, fitted, self.chapters)
         return Scored(names, fitted, features, size(features), windows.place)
 
-    def each(self, work: Callable[[Given], Found], given: Sequence[Given], words: Callable[[Given], str]) -> list[Found]:
+    def each(
+        self, work: Callable[[Given], Found], given: Sequence[Given], words: Callable[[Given], str]
+    ) -> list[Found]:
         """Return what ``work`` makes of each of ``given``, in order, by ``workers`` threads: a kernel leaves the interpreter free."""
         found: list[Found] = []
         with ThreadPoolExecutor(self.workers) as pool:
@@ -145,7 +147,9 @@ class Search:
         fitted, self.windows.place = before.fitted, before.place
         projection = Projection(fitted)
         names = [name for name in (*self.library, *self.unknowns) if self.may_be_added(name, fitted.candidate.effects)]
-        found = self.each(lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}")
+        found = self.each(
+            lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}"
+        )
         probes = [probe for one in found for probe in one]
         layout = self.windows.layout
         orders = moved_orders(layout.of_test, motion_of(layout), self.seed + len(self.steps))
@@ -185,7 +189,9 @@ class Search:
         Two laws of one driver in one place are one law of another form: the second would only mend the first.
         """
         law = law_of(self.library[name]) if name in self.library else None
-        return name not in present and not any(law and law == law_of(self.library[one]) for one in present if one in self.library)
+        return name not in present and not any(
+            law and law == law_of(self.library[one]) for one in present if one in self.library
+        )
 
     def probes(self, fitted: Fitted, name: str) -> list[Probe]:
         """Return the probes of a named effect or an unknown beside a fitted model."""

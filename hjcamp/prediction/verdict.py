@@ -48,6 +48,8 @@ def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis,
         if times * width > shortest:
             break
         seen = at(times * width)
+        if seen.windows.layout.width < times * width:
+            break  # the plant cannot be predicted so far
         other = judged(seen)
         if other.word == CANNOT_TELL:
             break

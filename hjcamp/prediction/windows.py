@@ -218,6 +218,23 @@ class Windows:
             columns.append(self.layout.coefficients((changed - base) / STEP).reshape(len(self.starts), -1))
         return np.stack(columns, axis=2)
 
+    def growth(self, candidate: Candidate) -> float:
+        """Return how often as large a small change of the start is at a window's end as in its first half: most of the states,
+        the median window.
+        """
+        layout, base, found = self.layout, self.readings(candidate)[0], 0.0
+        for k, size in enumerate(self.sizes):
+            moved = self.starts.copy()
+            moved[:, k] += STEP * size
+            change = (self.readings(candidate, moved)[0] - base) / layout.measured.noise
+            shaped = np.abs(change.reshape(len(moved), layout.width, -1)).max(axis=2)
+            half = shaped[:, : layout.width // 2].max(axis=1)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ratio = shaped[:, -1] / half
+            seen = ratio[np.isfinite(ratio)]
+            found = max(found, float(np.median(seen))) if len(seen) else found
+        return found
+
     def features(self, candidate: Candidate) -> Array:
         """Return what no start explains (windows, features), in units of the sensors' noise; NaN where the model diverges."""
         found = self.layout.coefficients(self.errors(candidate)).reshape(len(self.starts), -1)
