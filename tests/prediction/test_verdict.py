@@ -35,7 +35,7 @@ def asked(force) -> dict:  # type: ignore[no-untyped-def, type-arg]
     return json.loads(json.dumps(answer(*found, 0.0), allow_nan=False))
 
 
-@pytest.mark.parametrize("name", ["spring", "quadratic_drag"])
+@pytest.mark.parametrize("name", ["spring", pytest.param("quadratic_drag", marks=pytest.mark.study)])
 def test_the_hidden_effect_is_named(axis: Path, name: str) -> None:
     found = asked(HIDDEN[name])
     assert (found["verdict"], found["effects"]) == ("effect", [name])
