@@ -108,13 +108,13 @@ def diagnose_pump_joint(
     check_asked(asked.ask, library)
     effects = tuple(library.values())
     number = asked.workers or min(available(), MOST_WORKERS)
+    lacking(data.evidence)  # before anything is compiled: who gave the wrong logs hears it at once
     if work := missing(effects):
         compiling(0, len(work))
         for count, _ in enumerate(side_by_side(work, number), start=1):
             compiling(count, len(work))
     crew = Crew(number, asked.cluster, partial(ready_to_diagnose, tuple(library)))
     try:
-        lacking(data.evidence)
         begin = start if start.base or start.effects else None
         found = diagnose(
             data.evidence, effects, effort=asked.effort, seed=asked.seed, start=begin, crew=crew, report=report

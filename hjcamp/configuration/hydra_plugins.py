@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from hydra._internal.core_plugins.file_config_source import FileConfigSource as HydrasFileConfigSource
 from hydra._internal.sources_registry import SourcesRegistry
@@ -41,7 +43,7 @@ class FileConfigSource(HydrasFileConfigSource):
         file = Path(self.path, self._normalize_file_name(config_path)).resolve()
         ours = (packaged_root() / "conf").resolve()
         if file.is_relative_to(ours):
-            return super().load_config(config_path)
+            return self._shipped(file, config_path)
         check_group(file, config_path)
         check_yaml(file, mapping=True)
         result = super().load_config(config_path)
@@ -50,6 +52,24 @@ class FileConfigSource(HydrasFileConfigSource):
             return replace(result, config=config)
         check_file(file, result.config, result.header["package"])
         return result
+
+    def _shipped(self, file: Path, config_path: str) -> ConfigResult:
+        """Return what a file of ours holds, which is parsed once: Hydra asks for each of them three times in a run."""
+        try:
+            found = file.stat()
+        except OSError:
+            return super().load_config(config_path)  # which says that it is not there
+        content, header = _parsed(file, found.st_mtime_ns, found.st_size)
+        place = f"{self.scheme()}://{self.path}"
+        return ConfigResult(config=OmegaConf.create(content), path=place, provider=self.provider, header=dict(header))
+
+
+@functools.lru_cache(maxsize=512)
+def _parsed(file: Path, changed_ns: int, size: int) -> tuple[Any, dict[str, str | None]]:
+    """Return the plain values of a file and its header, as Hydra reads it; it is read anew once it has changed."""
+    with file.open(encoding="utf-8") as stream:
+        header = ConfigSource._get_header_dict(stream.read(512))
+    return OmegaConf.to_container(OmegaConf.load(file)), header
 
 
 class CampaignSource(ConfigSource):

@@ -58,7 +58,7 @@ class VirtualPlant:
         self._memory = FRESH.copy()
         self._work = self._simulator.scratch()
         # Loaded here: the first sample of a test is no time to compile.
-        self._kernel = load_model(f"{self._simulator.source}\n\n{_tick_text()}\n\n")
+        self._kernel = load_model(f"{self._simulator.bench_source}\n\n{_tick_text()}\n\n")
         self._burst = np.zeros(0, dtype=np.int64)
         self.sample = -1
         self.seen = np.zeros(len(READINGS))
