@@ -14,7 +14,7 @@ DOCUMENTED := $(VENV)/.documented
 unexport PYTHONDONTWRITEBYTECODE
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help setup demo test studies lint catalogue docs bench benchmark hidden_tables any_plant next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
+.PHONY: help setup demo test studies lint catalogue docs bench benchmark hidden_tables any_plant foreign_machines next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
@@ -28,6 +28,7 @@ help:
 	@echo "make benchmark  226 hidden effects on the truth plant (an hour and a half; goes on where it stopped); docs/benchmark.md"
 	@echo "make hidden_tables  effects that hide behind means and deviations (21 cases, some minutes each); docs/hidden_tables.md"
 	@echo "make any_plant  hidden effects on an axis, tanks, a servo and two joints, imported and diagnosed; docs/any_plant.md"
+	@echo "make foreign_machines  hidden effects on eight machines that others might bring; docs/foreign_machines.md"
 	@echo "make next_value  how many tests 'hjcamp next' saves against random choice; docs/next_value.md"
 	@echo "make thesis_gap  what the printed tables of 5.4 say is missing; docs/thesis_gap.md, model=refit"
 	@echo "make tour_data  the sample logs of the tour and its page"
@@ -100,6 +101,9 @@ hidden_tables: $(WARM)
 
 any_plant: $(WARM)
 	$(BIN)/python benchmarks/any_plant.py --page docs/any_plant.md
+
+foreign_machines: $(WARM)
+	$(BIN)/python -m benchmarks.foreign_machines --seeds 1001 1002 1003 --page docs/foreign_machines.md
 
 next_value: $(WARM)
 	$(BIN)/python benchmarks/next_value.py --page docs/next_value.md

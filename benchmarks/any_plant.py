@@ -81,11 +81,10 @@ def hjcamp(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=LONGEST_S, check=False)
 
 
-def run_case(case: AnyCase, effort: str, strength: str) -> dict[str, Any]:
+def run_case(case: AnyCase, effort: str, strength: str, write: Callable[..., Path], plan: str = PLAN) -> dict[str, Any]:
     """Write, import and diagnose one case, and return its line of the ledger."""
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        write, _ = MACHINES[case.plant]
         answer = write(folder, case.effect, case.form, case.seed, case.one_log, strength=strength)
         truth = json.loads(answer.read_text(encoding="utf-8"))
         answer.unlink()  # nobody can look it up
@@ -102,7 +101,7 @@ def run_case(case: AnyCase, effort: str, strength: str) -> dict[str, Any]:
             message = " ".join(call.stderr.split())[-300:] or f"exit code {call.returncode}"
     verdict, effects = said.get("verdict", "failed"), said.get("effects", [])
     return {
-        "plan": PLAN,
+        "plan": plan,
         "name": case.name,
         "effort": effort,
         "tag": code_version(),
@@ -133,7 +132,7 @@ def main(arguments: list[str] | None = None) -> int:
     wanted = list(cases(options.plants, options.count, options.shift))
     finished = ledger.finished(tag, options.effort)
     for case in [case for case in wanted if case.name not in finished][: options.limit]:
-        line = run_case(case, options.effort, options.strength)
+        line = run_case(case, options.effort, options.strength, MACHINES[case.plant][0])
         ledger.add(line)
         print(f"{line['name']:60} {line['outcome']:12} {', '.join(line['effects'])} {line['message'][:80]}", flush=True)
     if options.page:

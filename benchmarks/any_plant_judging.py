@@ -66,12 +66,17 @@ def groups(lines: Sequence[Line]) -> dict[str, list[Line]]:
     return found
 
 
-def page(lines: Sequence[Line], tag: str, command: str) -> str:
+OPENING = (
+    "# Any plant: what is said of hidden effects on other machines",
+    "",
+    "Made by `make any_plant`; no line is written by hand. The machines of `tests/truth` share no code with the program.",
+)
+
+
+def page(lines: Sequence[Line], tag: str, command: str, opening: Sequence[str] = OPENING) -> str:
     """Return the page: by plant and group, then by form, then what was named falsely."""
     parts = [
-        "# Any plant: what is said of hidden effects on other machines",
-        "",
-        "Made by `make any_plant`; no line is written by hand. The machines of `tests/truth` share no code with the program.",
+        *opening,
         f"Code {tag}, command `{command}`, {len(lines)} cases. Intervals are Wilson's, 95 %.",
         "",
         "## By plant",

@@ -23,7 +23,7 @@ DECISION = re.compile(r"(?<![\w/`])(?<!\]\()(`?)docs/decisions/(\d{4})(?:-[\w-]+
 PARTS = {
     "Begin": ("tour", "own_plant", "rig", "sweeps", "tables", "next", "ci"),
     "What was found": ("fidelity", "thesis_gap", "published_inconsistencies", "identification", "further_plants", "pump_cost"),
-    "How well it works": ("benchmark", "any_plant", "next_value", "identification_recovery", "validation", "convergence",
+    "How well it works": ("benchmark", "any_plant", "foreign_machines", "next_value", "identification_recovery", "validation", "convergence",
                           "rig_faults", "bad_calls"),
     "Reference": ("catalogue", "schemas/README", "decisions/README", "changelog"),
 }  # fmt: skip

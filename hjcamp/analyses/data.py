@@ -59,11 +59,15 @@ class Data:
     @cached_property
     def measured(self) -> Measured:
         """The tests of another plant; what is doubtful is said on stderr."""
+        from hjcamp.model.plant_checks import check_users_plant, other_period
         from hjcamp.prediction.measured import measured_tests
 
+        check_users_plant(self.plant)
         doubtful = _doubtful(self.logs)
         found = measured_tests(self.logs)
         print(doubtful, end="", file=sys.stderr)
+        if note := other_period(self.plant, found.period):
+            print(note, file=sys.stderr)
         return found
 
 

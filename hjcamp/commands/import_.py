@@ -51,10 +51,11 @@ def import_table(
     """Turn measurements from elsewhere into test logs."""
     from hjcamp.analyses.data import joined
     from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.model.plant_checks import other_period
     from hjcamp.plants import DEFAULT
-    from hjcamp.records.find import ANALYSED
     from hjcamp.records.import_map import read_import_map
     from hjcamp.records.importing import import_files
+    from hjcamp.records.of_plant import PERIOD_KEY
 
     check_answer_file(json)
     targets = targets_of(files, into, output)
@@ -77,10 +78,12 @@ def import_table(
         print(f"{target}: {log.samples} samples, {log.duration:.3f} s, fields {' '.join(log.fields)}")
         if target in left:
             print(f"  {target.name}.part, left by an import that was cut off, is gone")
+    periods = {float(log.metadata[PERIOD_KEY]) for log in logs if PERIOD_KEY in log.metadata}
+    for note in sorted({other_period(rules.plant, period) for period in periods} - {""}):
+        print(note, file=sys.stderr)
     for name in rules.lacking([log.metadata for log in logs]):
         print(f"{mapping}: warning: the metadata do not give '{name}'; the plant's default is used", file=sys.stderr)
-    command = "compare" if rules.plant.name in ANALYSED else "log info"
-    print(f"next  hjcamp {command} {joined([into] if into and len(targets) > 1 else targets)}")
+    print(f"next  hjcamp compare {joined([into] if into and len(targets) > 1 else targets)}")
 
 
 def targets_of(files: Sequence[Path], into: Path | None, output: Path | None) -> list[Path]:

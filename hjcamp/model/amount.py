@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 from typing import Any
 
 from hjcamp.errors import UsageError
@@ -19,6 +20,21 @@ def _registry() -> Any:
     return pint.UnitRegistry()
 
 
+def _meant(unit: str) -> str:
+    """Return a hint at the unit that is probably meant: kg*m2 is kg*m^2, and Nm, which is read as nanometres, N*m."""
+    written = re.sub(
+        r"([A-Za-z])(-?\d)", r"\1^\2", re.sub(r"\bNm(s?)\b", lambda one: "N*m*s" if one[1] else "N*m", unit)
+    )
+    written = re.sub(r"(?<=[A-Za-z0-9])[ .·](?=[A-Za-z])", "*", written)
+    if written == unit:
+        return ""
+    try:
+        dimension(written)
+    except UsageError:
+        return ""
+    return f" (did you mean '{written}'?)"
+
+
 @functools.cache
 def dimension(unit: str) -> Any:
     """Return the dimension of ``unit``; refuse an unknown unit and one that is not SI (mm, deg, bar)."""
@@ -26,9 +42,13 @@ def dimension(unit: str) -> Any:
     try:
         one = registry.Quantity(1.0, registry.parse_units(unit if unit != "1" else ""))
     except Exception:
-        raise UsageError(f"unknown unit '{unit}'; write SI units, such as m, rad, N, Pa*s/m^3, 1") from None
+        raise UsageError(
+            f"unknown unit '{unit}'{_meant(unit)}; write SI units, such as m, rad, N, Pa*s/m^3, 1"
+        ) from None
     if not math.isclose(one.to_base_units().magnitude, 1.0):
-        raise UsageError(f"unit '{unit}' is not an SI unit; inside the model everything is in SI units (m, rad, Pa, s)")
+        raise UsageError(
+            f"unit '{unit}' is not an SI unit{_meant(unit)}; inside the model everything is in SI units (m, rad, Pa, s)"
+        )
     return one.dimensionality
 
 

@@ -191,7 +191,8 @@ def expand(call: ast.Call, target: str, state: str, several: bool, where: str, p
     element = ELEMENTS[called(call)]
     if bool(element.rate) != bool(state):
         form = "rate.STATE = " if element.rate else "NAME = "
-        raise UsageError(f"{where}: write {form}{element.name}(...)")
+        more = "; lines below may read it as rate.STATE" if element.rate else ""
+        raise UsageError(f"{where}: write {form}{element.name}(...){more}")
     given, options = _given(element, call, where)
     name = options.get("name", target)
     pieces = dict.fromkeys(element.arguments, "") | given

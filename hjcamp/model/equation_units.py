@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.amount import Amount, dimension, text
-from hjcamp.model.amount_formula import evaluated, names
+from hjcamp.model.amount_formula import MATHEMATICS, evaluated, names
 from hjcamp.model.plant import Plant
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ USUAL = (
     "W",
     "K",
 )
+MODULES = ("np", "numpy", "math", "jnp", "scipy")
+FUNCTIONS = ", ".join(("abs", "min", "max", *MATHEMATICS))
 _PREFIXES = {"s_": "state", "p_": "parameter", "u_": "input"}
 
 
@@ -77,6 +79,7 @@ class Units:
             amount = self.value(one.expression, f"{where}, '{one.target}'")
             if one.mark == "rate":
                 self._rate(one, amount, where)
+                self.scope[f"d_{one.target}"] = amount
                 continue
             if one.unit and one.unit != text(amount.dims):
                 wanted = dimension(one.unit)
@@ -122,8 +125,19 @@ class Units:
             return unknown("parameter", name[2:], self.plant.parameters, where)
         if kind == "input":
             return unknown("input", name[2:], self.plant.inputs, where)
-        own = [one for one in list(self.scope)[self._known :] if one[:2] not in _PREFIXES]
-        return unknown("name", name, own, f"{where} (a name must be computed in a line above: no algebraic loops)")
+        if name.startswith("d_"):
+            return UsageError(
+                f"{where}: rate.{name[2:]} must be given in a line above, where it is read (no algebraic loops)"
+            )
+        if name in MODULES:
+            return UsageError(
+                f"{where}: '{name}.' is not needed: write sin(...), sqrt(...) alone; known are {FUNCTIONS}"
+            )
+        own = [
+            one for one in list(self.scope)[self._known :] if one[:2] not in _PREFIXES and one[:2] not in ("d_", "__")
+        ]
+        known = f"a name must be computed in a line above: no algebraic loops; functions are {FUNCTIONS}"
+        return unknown("name", name, own, f"{where} ({known})")
 
     def of_rule(self, rule: str, given: Mapping[str, str], where: str) -> str:
         """Return the unit that a product of arguments has, such as ``push/velocity``."""

@@ -13,9 +13,11 @@ from hjcamp.model.amount_formula import plain_functions
 from hjcamp.model.equation_units import Units
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.plant import ALWAYS, Plant
+from hjcamp.model.user_file import is_users
 from hjcamp.model.vocabulary import Statement, read_vocabulary
 
 DRAWS = 200
+SEVERAL = 5.0
 
 
 def check_equations(plant: type[Plant]) -> str:
@@ -61,7 +63,8 @@ def check_measured(plant: type[Plant]) -> str:
         if item.sensor not in vocabulary.signals:
             raise unknown("sensor", item.sensor, vocabulary.signals, f"{where}, {name}")
         if item.of and item.of not in plant.states:
-            raise unknown("state", item.of, plant.states, f"{where}, {name}")
+            hint = f"{where}, {name}: leave of= out where the sensor shows no state"
+            raise unknown("state", item.of, plant.states, hint)
         field = unit_of_field(name, f"{where}, Measured")
         dims = units.value(item.sensor, where).dims
         if dimension(field.si) != dims:
@@ -116,6 +119,22 @@ def check_plant(plant: type[Plant]) -> None:
     """Refuse a plant that fails one of the checks that need no simulation."""
     for check in CHECKS.values():
         check(plant)
+
+
+def check_users_plant(plant: type[Plant]) -> None:
+    """Refuse a plant of a user's file as `check_plant` does; those of the package are tested."""
+    if is_users(plant.__module__):
+        check_plant(plant)
+
+
+def other_period(plant: type[Plant], period: float) -> str:
+    """Return a note where logs are sampled several times faster or slower than the plant says; empty where they are not."""
+    if 1.0 / SEVERAL <= period / plant.period <= SEVERAL:
+        return ""
+    return (
+        f"plant {plant.name}: the logs have one sample each {period:g} s, the plant says {plant.period:g} s: write "
+        f"'period = {period:g}' beside its parameters; delays and lags are looked for in multiples of it"
+    )
 
 
 def evaluate(plant: type[Plant], statements: tuple[Statement, ...], place: dict[str, float]) -> dict[str, Any]:

@@ -89,7 +89,8 @@ def usual_sizes(plant: type[Plant]) -> Mapping[str, float]:
     """Return how large each name of a plant usually is, SI: what is declared as typical, else the rms over such states."""
     vocabulary = read_vocabulary(plant)
     lines = [
-        (one.target, compile(one.expression, "<plant>", "eval")) for one in vocabulary.statements if one.mark != "rate"
+        (f"d_{one.target}" if one.mark == "rate" else one.target, compile(one.expression, "<plant>", "eval"))
+        for one in vocabulary.statements
     ]
     generator = np.random.default_rng(20090403)
     regimes = {f"u_{port.names['direction']}" for port in vocabulary.ports.values() if "direction" in port.names}

@@ -278,7 +278,9 @@ class _Reader:
             one.target == statement.target and (one.mark == "rate") == (statement.mark == "rate")
             for one in self.statements
         ):
-            raise UsageError(f"{where}: '{statement.target}' is assigned twice")
+            raise UsageError(
+                f"{where}: '{statement.target}' is assigned twice; give what the second line computes a name of its own"
+            )
         self.statements.append(statement)
 
     def _unit_of(self, rule: str, given: Mapping[str, str], where: str) -> str:

@@ -14,6 +14,7 @@ from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.field_unit import unit_of_field
 from hjcamp.model.parameter import Parameter, finite_number
 from hjcamp.model.plant import Plant
+from hjcamp.model.plant_checks import check_users_plant
 from hjcamp.plants import DEFAULT, find_plant, load_plants
 from hjcamp.records.check import check_names
 from hjcamp.records.of_plant import LONGEST_PERIOD_S, PERIOD_KEY, PLANT_KEY
@@ -94,6 +95,7 @@ def read_import_map(path: Path) -> ImportMap:
     content = read_yaml(path)
     _only_known(content, KEYS, "key", where)
     plant = find_plant(_text(content, "plant", where) or DEFAULT, where)
+    check_users_plant(plant)
     table = fields_of(plant)
     fields = content.get("fields")
     _only_fields(fields, table, where)

@@ -17,7 +17,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
 from hjcamp.model.function_sources import rates_source, signals_source
 from hjcamp.model.parameter import Parameter, State
-from hjcamp.model.plant_checks import check_plant
+from hjcamp.model.plant_checks import check_plant, other_period
 from hjcamp.model.quantities import usual_sizes
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.plants import find_plant
@@ -48,6 +48,15 @@ MISTAKES = {
         "line",
     ),
     "nothing measured": ('    position_m = Measured("encoder", of="position")\n', "", "nothing is measured"),
+    "a module": ("gain * drive.voltage)", "gain * np.sin(drive.voltage / 3.0))", "write sin(...)"),
+    "a rate that is given below": (
+        "gain * drive.voltage)",
+        "gain * drive.voltage + rate.velocity)",
+        "given in a line above",
+    ),
+    "a sensor of no state": ('of="position"', 'of="force"', "leave of= out"),
+    "a unit without its power sign": ('"N*s/m"', '"N*s/m1"', "did you mean 'N*s/m^1'"),
+    "newton metres": ('"N*s/m"', '"Nm"', "did you mean 'N*m'"),
     "no SI unit": ('"N*s/m"', '"N*s/mm"', "is not an SI unit"),
 }
 
@@ -87,6 +96,30 @@ def test_rates_are_those_of_the_equations(folder: Path) -> None:
     for direction, acceleration in ((1.0, (70.0 - 20.0 - 200.0 * 0.1) / 95.0), (0.0, 0.0)):
         rates(-1, 0.0, direction, np.array([0.3, 0.1]), u, p, out)
         assert out == pytest.approx([0.1, acceleration])
+
+
+def test_a_line_may_read_a_rate_above_it_at_rest_too(folder: Path) -> None:
+    path = folder / "plants" / "axis.py"
+    state = '    follower = State("m/s")\n    voltage = '
+    line = "        rate.follower = 2.0 * rate.velocity\n        encoder = "
+    path.write_text(path.read_text().replace("    voltage = ", state, 1).replace("        encoder = ", line, 1))
+    plant = find_plant("axis")
+    check_plant(plant)
+    assert usual_sizes(plant)["velocity_acceleration"] > 0.0
+    rates = plain_functions(rates_source(composition := Composition(plant)))["rates"]
+    u = np.zeros(len(composition.inputs))
+    u[composition.inputs.index("voltage")], u[composition.inputs.index("friction_scatter")] = 2.0, 1.0
+    p = np.array([item.default for item in plant.parameters.values()])
+    out = np.zeros(3)
+    for direction, acceleration in ((1.0, (70.0 - 20.0 - 200.0 * 0.1) / 95.0), (0.0, 0.0)):
+        rates(-1, 0.0, direction, np.array([0.3, 0.1, 0.0]), u, p, out)
+        assert out[2] == pytest.approx(2.0 * acceleration)
+
+
+def test_logs_of_another_period_are_told_which_line_to_write(folder: Path) -> None:
+    plant = find_plant("tanks")
+    assert "write 'period = 4'" in other_period(plant, 4.0)
+    assert other_period(plant, plant.period * 4.9) == other_period(plant, plant.period / 4.9) == ""
 
 
 def test_friction_may_differ_between_the_directions(folder: Path) -> None:

@@ -105,7 +105,7 @@ def test_several_files_have_their_own_metadata(folder: Path, capsys: pytest.Capt
     files = {"light.csv": {"mass_kg": 95}, "heavy": {"mass_kg": 120, "condition": "loaded"}}
     write_map(folder, files=files)
     assert cli.run(["import", "light.csv", "heavy.csv", "--map", "map.yaml", "--into", "logs"]) == 0
-    assert "next  hjcamp log info logs" in capsys.readouterr().out
+    assert "next  hjcamp compare logs" in capsys.readouterr().out
     light, heavy = (read_log(f"logs/{name}.mcap") for name in ("light", "heavy"))
     assert (light.metadata["condition"], light.metadata["mass_kg"]) == ("light", "95")
     assert (heavy.metadata["condition"], heavy.metadata["mass_kg"]) == ("loaded", "120")

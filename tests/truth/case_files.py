@@ -24,13 +24,14 @@ def write_case_files(
     folder: Path | str,
     plant: str,
     source: str,
-    fields: Mapping[str, str],
+    fields: Mapping[str, str | Mapping[str, Any]],
     logs: Sequence[MeasuredLog],
     answer: Mapping[str, Any],
 ) -> Path:
     """Write a case and return the path of its answer.
 
-    `measured/*.csv` and `heldout/*.csv`, `import.yaml` (field: column) for both, the user's `plants/<plant>.py`, and
+    `measured/*.csv` and `heldout/*.csv`, `import.yaml` (field: column, or what a map says of it) for both, the user's
+    `plants/<plant>.py`, and
     `truth.json`, which whoever diagnoses must not read. In that folder: `hjcamp import measured/*.csv --map import.yaml
     --into logs`, then `hjcamp diagnose logs`.
     """
@@ -44,7 +45,9 @@ def write_case_files(
         np.savetxt(path, table, "%.9g", delimiter=",", header=",".join(log.columns), comments="")
     mapping = {
         "plant": plant,
-        "fields": {field: {"column": column} for field, column in fields.items()},
+        "fields": {
+            field: {"column": column} if isinstance(column, str) else dict(column) for field, column in fields.items()
+        },
         "files": {f"{log.name}.csv": dict(log.metadata) for log in logs},
     }
     (folder / "import.yaml").write_text(yaml.safe_dump(mapping, sort_keys=False), encoding="utf-8")
