@@ -6,10 +6,12 @@ other kinds bend towards that error. Where it is seen and small, the base has it
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjcamp.model.effect import Effect
 from hjcamp.model.port import Port
@@ -19,8 +21,10 @@ from hjcamp.prediction.levels import GRANTED, TRIED_ROUNDS
 from hjcamp.prediction.selection import Scored, Search
 from hjcamp.prediction.starts import rate_of
 
+# Of the usual speed: below it a contact may come to rest.
+AT_REST = 0.05
 # What is tried, in shares of the travel per friction that is granted.
-TRIED = (0.03, 0.1, 0.3, 1.0, 5.0, 25.0)
+TRIED = (0.1, 0.3, 1.0, 5.0)
 
 
 def with_contact_forms(search: Search, base: Scored) -> Scored:
@@ -34,15 +38,19 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
                 continue
             search.report(f"form of {port.name.replace('_', ' ')}", 0.5)
             best = min(_tried(search, base.fitted, effect, most), key=lambda one: one.loss)
-            if not np.isfinite(best.loss):
+            if not best.loss < base.fitted.loss:
                 continue
             search.begins[name] = dict(best.candidate.effects[name])
             if best.candidate.effects[name][give_of(effect)] > most:
                 continue
+            windows, before = search.windows, (search.windows.forms, search.windows.slides)
+            windows.forms, windows.slides = windows.forms | {name}, _slides(search, best, port)
             found = search.resettled(search.fitted(best.candidate, best))
             if found.fitted.candidate.effects[name][give_of(effect)] <= most and found.left_out < base.left_out:
                 base = found
                 search.begins[name] = dict(found.fitted.candidate.effects[name])
+            else:
+                windows.forms, windows.slides = before
     search.windows.place = base.place
     return base
 
@@ -73,6 +81,17 @@ def _granted(search: Search, fitted: Fitted, port: Port) -> float:
     low, high = search.ranges.get(travel, (0.0, 0.0))
     friction = max((abs(one) for one in search.ranges.get(port.names["static"], (0.0, 0.0))), default=0.0)
     return GRANTED * (high - low) / friction if friction > 0.0 else 0.0
+
+
+def _slides(search: Search, fitted: Fitted, port: Port) -> NDArray[np.bool_]:
+    """Return in which windows (windows,) this contact and those before it slide all the time, one way."""
+    windows = search.windows
+    plant = windows.layout.measured.plant
+    speed = windows.readings(fitted.candidate)[1][:, list(plant.states).index(port.names["velocity"])]
+    each = speed.reshape(len(windows.starts), -1)
+    least = AT_REST * math.sqrt(float(np.mean(speed**2)))
+    found = (each.min(axis=1) > least) | (each.max(axis=1) < -least)
+    return found if windows.slides is None else found & windows.slides
 
 
 def _tried(search: Search, before: Fitted, effect: type[Effect], most: float) -> list[Fitted]:
