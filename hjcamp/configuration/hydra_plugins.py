@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from hydra._internal.core_plugins.file_config_source import FileConfigSource as HydrasFileConfigSource
+from hydra._internal.hydra import Hydra
 from hydra._internal.sources_registry import SourcesRegistry
 from hydra.core.config_search_path import ConfigSearchPath, SearchPathQuery
 from hydra.core.object_type import ObjectType
@@ -207,12 +208,24 @@ def _installed_only() -> Iterator[None]:
         sys.path[:] = before
 
 
+_composed_mode = Hydra.get_mode
+
+
+def _mode(self: Hydra, config_name: str | None, overrides: list[str]) -> Any:
+    """Return the mode that Hydra would find by composing everything once more: none where no override names ``hydra.mode``.
+
+    Files cannot name it (`hjcamp.configuration.trust`).
+    """
+    return _composed_mode(self, config_name, overrides) if any("hydra.mode" in one for one in overrides) else None
+
+
 def register() -> None:
     """Make the plugins known to Hydra; harmless when repeated."""
     with _installed_only():
         plugins = Plugins.instance()
     # Hydra has no way to exchange a source; under another name it would take its own for a second one.
     SourcesRegistry.instance().types["file"] = FileConfigSource
+    Hydra.get_mode = _mode  # type: ignore[method-assign]
     plugins.register(CampaignSource)
     plugins.register(PlantSource)
     plugins.register(UserFoldersFirst)
