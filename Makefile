@@ -69,7 +69,7 @@ lint: $(TESTABLE)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# one process for each of up to four cores; a file's tests stay together, since they share kernels and logs
+# as many processes as tests/conftest.py says, four at most; a file's tests stay together, since they share kernels and logs
 test: $(TESTABLE) lint
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 

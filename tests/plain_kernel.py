@@ -13,9 +13,14 @@ MARKS = "entry = hot = inlined = once = lambda function: function\n"
 
 def uncompiled(simulator: Simulator) -> Simulator:
     """Return the simulator with a kernel that is not compiled."""
+    simulator.__dict__["kernel"] = plain(simulator.source)
+    return simulator
+
+
+def plain(source: str) -> types.ModuleType:
+    """Return a kernel's text as a module that is not compiled."""
     shared = shared_source()
-    text = simulator.source.replace(f"from {kernel_name(shared)} import lead, mend, propagators", "")
+    text = source.replace(f"from {kernel_name(shared)} import lead, mend, propagators", "")
     kernel = types.ModuleType("plain_kernel")
     exec(shared.replace("{decorator}", MARKS) + text.replace("{decorator}", MARKS), vars(kernel))
-    simulator.__dict__["kernel"] = kernel
-    return simulator
+    return kernel

@@ -67,7 +67,7 @@ def _add_plant(data: Data, names: list[str], name: str, model: str, report: Repo
     from hjcamp.configuration.saved_model import check_new_name, write_model
     from hjcamp.errors import unknown
     from hjcamp.prediction.addition import added, answer, provenance
-    from hjcamp.prediction.model_file import load_model
+    from hjcamp.prediction.model_file import load_model, savable
 
     library = library_of_data(data)
     measured = data.measured
@@ -84,7 +84,7 @@ def _add_plant(data: Data, names: list[str], name: str, model: str, report: Repo
     found = added(measured, library, start, names, report)
     comment = [f"{model} with {', '.join(names)}, fitted to {len(measured.tests)} tests of plant {measured.plant.name}"]
     origin = provenance(found, _command(data, names, name, model))
-    write_model(path, found.model.fitted.candidate, comment, origin, measured.plant.name)
+    write_model(path, savable(found.model.fitted.candidate), comment, origin, measured.plant.name)
     return Added(found, answer(found, name, str(path)), path)
 
 

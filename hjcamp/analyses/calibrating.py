@@ -56,6 +56,7 @@ def fit_plant(data: Data, name: str, report: Report = silent) -> Fitted:
     from hjcamp.configuration.saved_model import check_new_name, log_hashes, write_model
     from hjcamp.prediction.analysis import calibrated
     from hjcamp.prediction.answer import calibration
+    from hjcamp.prediction.model_file import savable
 
     path = check_new_name(name)
     measured = data.measured
@@ -64,7 +65,7 @@ def fit_plant(data: Data, name: str, report: Report = silent) -> Fitted:
     comment = [f"base parameters of plant {measured.plant.name}, fitted to {len(measured.tests)} tests"]
     hashes = log_hashes(test.log.path for test in measured.tests)
     origin = {"command": f"hjcamp calibrate {joined(data.paths)} --as {name}", "logs_sha256": hashes}
-    write_model(path, analysis.base.fitted.candidate, comment, origin, measured.plant.name)
+    write_model(path, savable(analysis.base.fitted.candidate), comment, origin, measured.plant.name)
     return Fitted(analysis, calibration(analysis), path)
 
 

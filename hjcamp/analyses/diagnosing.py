@@ -108,13 +108,13 @@ def diagnose_pump_joint(
     check_asked(asked.ask, library)
     effects = tuple(library.values())
     number = asked.workers or min(available(), MOST_WORKERS)
+    lacking(data.evidence)  # before anything is compiled: who gave the wrong logs hears it at once
     if work := missing(effects):
         compiling(0, len(work))
         for count, _ in enumerate(side_by_side(work, number), start=1):
             compiling(count, len(work))
     crew = Crew(number, asked.cluster, partial(ready_to_diagnose, tuple(library)))
     try:
-        lacking(data.evidence)
         begin = start if start.base or start.effects else None
         found = diagnose(
             data.evidence, effects, effort=asked.effort, seed=asked.seed, start=begin, crew=crew, report=report
@@ -151,7 +151,7 @@ def looks_at_final(found: Diagnosis, error: float | None) -> bool:
 def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDiagnosed:
     """Return what the model of any plant misses (`hjcamp.prediction.verdict`)."""
     from hjcamp.discrepancy.workers.pool import available
-    from hjcamp.prediction.analysis import calibrated
+    from hjcamp.prediction.analysis import Known, calibrated
     from hjcamp.prediction.answer import answer, asked_candidates
     from hjcamp.prediction.floor import not_above
     from hjcamp.prediction.verdict import agreed
@@ -163,7 +163,7 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     check_asked(asked.ask, chosen)
     report("compiling, once for this plant and its effects", 0.02)
     number = asked.workers or min(available(), MOST_WORKERS)
-    at = partial(calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number)
+    at = partial(calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number, known=Known())
     analysis, verdict = agreed(at(), lambda width: at(width=width))
     analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
     content = answer(analysis, verdict, 0.0)

@@ -9,6 +9,8 @@ from __future__ import annotations
 import ast
 import importlib
 import os
+import tokenize
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +25,7 @@ FOLDER = Path(__file__).parent
 COMPLETING = "_HJCAMP_COMPLETE"
 
 
+@cache
 def command_files() -> dict[str, Path]:
     """Return the name and file of every command."""
     files = sorted(path for path in FOLDER.glob("*.py") if not path.name.startswith("_"))
@@ -31,8 +34,12 @@ def command_files() -> dict[str, Path]:
 
 def one_line(path: Path) -> str:
     """Return the first line of a file's docstring without importing the file."""
-    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
-    return text.partition("\n")[0]
+    with tokenize.open(path) as stream:
+        # The docstring is the first token that is text; the rest of the file is not read.
+        for word in tokenize.generate_tokens(stream.readline):
+            if word.type == tokenize.STRING:
+                return str(ast.literal_eval(word.string)).partition("\n")[0]
+    return ""
 
 
 class Commands(TyperGroup):
@@ -45,7 +52,10 @@ class Commands(TyperGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a stand-in with the command's one line, for help and completion; nothing is imported."""
         path = command_files().get(cmd_name)
-        return None if path is None else TyperCommand(cmd_name, short_help=one_line(path), help=one_line(path))
+        if path is None:
+            return None
+        line = one_line(path)
+        return TyperCommand(cmd_name, short_help=line, help=line)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that the arguments name; an unknown one is refused with the nearest match."""

@@ -30,10 +30,12 @@ from omegaconf.errors import OmegaConfBaseException
 
 from hjcamp.configuration import hydra_plugins
 from hjcamp.configuration.search_path import packaged_root
+from hjcamp.configuration.shared_parts import parts_of
 from hjcamp.configuration.trust import check_overrides
 from hjcamp.configuration.variation import Loaded, NotJoinedError, Variations
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.field_unit import FIELD_UNITS
+from hjcamp.plants import OWN_PLANTS
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
 COMPOSE_ERRORS = (
@@ -54,9 +56,12 @@ class Composition:
 class _FilesReadOnce(ConfigRepository):
     """Hydra's repository, but a file is parsed once for all conditions: half the time of composing."""
 
-    def __init__(self, config_search_path: ConfigSearchPath) -> None:
-        super().__init__(config_search_path)
-        self._read: dict[str, ConfigResult | None] = {}
+    _read: dict[str, ConfigResult | None]
+
+    def initialize_sources(self, config_search_path: ConfigSearchPath) -> None:
+        super().initialize_sources(config_search_path)
+        # Other places hold other files.
+        self._read = {}
 
     def load_config(self, config_path: str) -> ConfigResult | None:
         if config_path not in self._read:
@@ -116,7 +121,8 @@ class Composer:
         self._models: dict[str, dict[str, Any]] = {}
         self._loader = ConfigLoaderImpl(path)
         self._loader.repository = _FilesReadOnce(path)
-        self._variations = Variations(self._load, self.is_group)
+        shared = parts_of(self._loader.repository.get_sources())
+        self._variations = Variations(self._load, self.is_group, shared)
 
     def compose(self, overrides: Sequence[str]) -> Composition:
         """Return the configuration under ``overrides`` (Hydra's grammar).
@@ -258,7 +264,7 @@ class Composer:
 
     def _users_files(self) -> bool:
         """Return whether there is a folder of configuration beside our own."""
-        folders = [Path(place.partition("://")[2]) for place in self.places()]
+        folders = {Path(place.partition("://")[2]) for place in self.places()} - {OWN_PLANTS}
         return any(folder.is_dir() and not folder.resolve().is_relative_to(packaged_root()) for folder in folders)
 
     def places(self) -> list[str]:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from hydra._internal.core_plugins.file_config_source import FileConfigSource as HydrasFileConfigSource
+from hydra._internal.hydra import Hydra
 from hydra._internal.sources_registry import SourcesRegistry
 from hydra.core.config_search_path import ConfigSearchPath, SearchPathQuery
 from hydra.core.object_type import ObjectType
@@ -41,7 +44,7 @@ class FileConfigSource(HydrasFileConfigSource):
         file = Path(self.path, self._normalize_file_name(config_path)).resolve()
         ours = (packaged_root() / "conf").resolve()
         if file.is_relative_to(ours):
-            return super().load_config(config_path)
+            return self._shipped(file, config_path)
         check_group(file, config_path)
         check_yaml(file, mapping=True)
         result = super().load_config(config_path)
@@ -50,6 +53,24 @@ class FileConfigSource(HydrasFileConfigSource):
             return replace(result, config=config)
         check_file(file, result.config, result.header["package"])
         return result
+
+    def _shipped(self, file: Path, config_path: str) -> ConfigResult:
+        """Return what a file of ours holds, which is parsed once: Hydra asks for each of them three times in a run."""
+        try:
+            found = file.stat()
+        except OSError:
+            return super().load_config(config_path)  # which says that it is not there
+        content, header = _parsed(file, found.st_mtime_ns, found.st_size)
+        place = f"{self.scheme()}://{self.path}"
+        return ConfigResult(config=OmegaConf.create(content), path=place, provider=self.provider, header=dict(header))
+
+
+@functools.lru_cache(maxsize=512)
+def _parsed(file: Path, changed_ns: int, size: int) -> tuple[Any, dict[str, str | None]]:
+    """Return the plain values of a file and its header, as Hydra reads it; it is read anew once it has changed."""
+    with file.open(encoding="utf-8") as stream:
+        header = ConfigSource._get_header_dict(stream.read(512))
+    return OmegaConf.to_container(OmegaConf.load(file)), header
 
 
 class CampaignSource(ConfigSource):
@@ -187,12 +208,24 @@ def _installed_only() -> Iterator[None]:
         sys.path[:] = before
 
 
+_composed_mode = Hydra.get_mode
+
+
+def _mode(self: Hydra, config_name: str | None, overrides: list[str]) -> Any:
+    """Return the mode that Hydra would find by composing everything once more: none where no override names ``hydra.mode``.
+
+    Files cannot name it (`hjcamp.configuration.trust`).
+    """
+    return _composed_mode(self, config_name, overrides) if any("hydra.mode" in one for one in overrides) else None
+
+
 def register() -> None:
     """Make the plugins known to Hydra; harmless when repeated."""
     with _installed_only():
         plugins = Plugins.instance()
     # Hydra has no way to exchange a source; under another name it would take its own for a second one.
     SourcesRegistry.instance().types["file"] = FileConfigSource
+    Hydra.get_mode = _mode  # type: ignore[method-assign]
     plugins.register(CampaignSource)
     plugins.register(PlantSource)
     plugins.register(UserFoldersFirst)

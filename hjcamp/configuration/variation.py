@@ -15,6 +15,7 @@ from omegaconf import OmegaConf
 PLAIN_KEY = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 INTERPOLATED = "${"
 PLANT = "plant"
+CAMPAIGN = "campaign"
 
 
 class NotJoinedError(Exception):
@@ -29,16 +30,25 @@ class Loaded:
     choices: dict[str, str]
 
 
+#: Parts of a configuration by the overrides that they are composed of, with the keys that differ from the base.
+Parts = dict[tuple[str, ...], tuple[Loaded, frozenset[str]]]
+
+
 class Variations:
     """Configurations of one search path, joined from the base and from what choices of groups change in it.
 
     ``load`` composes overrides by Hydra; ``is_group`` tells a group from a parameter. Choices that change the same part
-    of the configuration are composed together, once.
+    of the configuration are composed together, once. ``shared`` are the parts without a plant that others composed of
+    the same files.
     """
 
-    def __init__(self, load: Callable[[Sequence[Override]], Loaded], is_group: Callable[[str], bool]) -> None:
+    def __init__(
+        self, load: Callable[[Sequence[Override]], Loaded], is_group: Callable[[str], bool], shared: Parts | None = None
+    ) -> None:
         self._load, self._is_group = load, is_group
-        self._loaded: dict[tuple[str, ...], tuple[Loaded, frozenset[str]]] = {}
+        self._shared: Parts = {} if shared is None else shared
+        # what a plant brings is made by its Python file
+        self._of_plants: Parts = {}
 
     def compose(self, overrides: Sequence[Override]) -> Loaded:
         """Return the resolved configuration and the choices; raises ``NotJoinedError`` and Hydra's errors."""
@@ -47,6 +57,8 @@ class Variations:
         for override in overrides:
             if override.package is not None or override.is_hydra_override() or override.is_sweep_override():
                 raise NotJoinedError
+            if override.key_or_group == CAMPAIGN:
+                raise NotJoinedError  # what a campaign says is the business of every part
             if not self._is_group(override.key_or_group):
                 values.append(override)
             elif override.type == OverrideType.CHANGE and isinstance(override.value(), str):
@@ -82,7 +94,8 @@ class Variations:
     def _part(self, plant: Sequence[Override], overrides: Sequence[Override]) -> tuple[Loaded, frozenset[str]]:
         """Return what is composed of a plant and overrides, and the keys that differ from the base: the plant alone."""
         key = tuple(override.input_line or "" for override in (*plant, *overrides))
-        if key not in self._loaded:
+        known = self._of_plants if plant else self._shared
+        if key not in known:
             loaded = self._load([*plant, *overrides])
             changed: frozenset[str] = frozenset()
             if overrides:
@@ -92,8 +105,8 @@ class Variations:
                 changed = frozenset(
                     key for key, part in loaded.config.items() if _text(part) != _text(base.config[key])
                 )
-            self._loaded[key] = loaded, changed
-        return self._loaded[key]
+            known[key] = loaded, changed
+        return known[key]
 
 
 def _group(name: str) -> str:

@@ -28,6 +28,7 @@ class Presliding(Effect):
     """
 
     acts_on = "contact"
+    granted = "compliance"
     compliance = Parameter(
         "velocity*period/static",
         1.0,

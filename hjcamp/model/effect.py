@@ -74,6 +74,8 @@ class Effect:
     states: ClassVar[dict[str, State]] = {}
     # Effects that some setting of this one equals: always fitted as rivals.
     same_as: ClassVar[tuple[str, ...]] = ()
+    # Parameter, a deflection for each unit of force, of which every contact has a little: that is its form, no effect.
+    granted: ClassVar[str] = ""
     # Drivers in which the law is exact: where what it leaves still depends on one, it was not this effect.
     exact_in: ClassVar[tuple[str, ...]] = ()
     terms: ClassVar[dict[str, Term]] = {}

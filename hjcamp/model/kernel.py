@@ -152,7 +152,8 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
     step += correct_source(composition, direct, reach, curved[:rows])
     effects = ", ".join(effect.name for effect in composition.effects) or "no effect"
     header = HEADER.format(
-        title=f"plant {composition.plant.name} with {effects}, cut {composition.cut.name}",
+        # not the plant's name: a plant that is copied or renamed has the kernels that are there
+        title=f"a plant with {effects}, cut {composition.cut.name}",
         mathematics=", ".join(MATHEMATICS),
         decorator="{decorator}",
         shared=kernel_name(shared_source()),

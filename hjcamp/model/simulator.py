@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
@@ -52,10 +52,13 @@ class Simulator:
     @cached_property
     def source(self) -> str:
         """The text of the kernel, for which its equations are called as Python."""
+        return self._looked_at(self._text)
+
+    def _looked_at(self, write: Callable[[], str]) -> str:
         if self.users_files:
             with time_limit(term_checks.LOOKING_S, self.users_files):
-                return self._text()
-        return self._text()
+                return write()
+        return write()
 
     def _text(self) -> str:
         composition = self.composition

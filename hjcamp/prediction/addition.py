@@ -14,7 +14,7 @@ from hjcamp.prediction.answer import calibration, channel_rows, floor_size, remo
 from hjcamp.prediction.floor import not_above
 from hjcamp.prediction.intervals import intervals
 from hjcamp.prediction.measured import Measured
-from hjcamp.prediction.screening import Projection, probes_of
+from hjcamp.prediction.screening import Projection
 from hjcamp.prediction.selection import Scored
 
 
@@ -46,8 +46,7 @@ def added(
     for done, name in enumerate(names):
         report(f"fitting {name}", 0.3 + 0.6 * done / len(names))
         projection = Projection(model.fitted)
-        probes = probes_of(analysis.windows, model.fitted.candidate, model.fitted.features, library[name])
-        promises = [projection.promise(probe, library[name]) for probe in probes]
+        promises = [projection.promise(probe, library[name]) for probe in search.probes(model.fitted, name)]
         begun = search.begun(projection, name, promises)
         model = search.resettled(search.fitted(begun.candidate, begun))
     floor = not_above(analysis.floor, model.fitted.features)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chapters import FEWEST, chapters_of
+from hjcamp.prediction.contact_form import with_contact_forms
 from hjcamp.prediction.fitting import TURNS_OF_BASE, Free, settled
 from hjcamp.prediction.floor import Floor, floor_of
 from hjcamp.prediction.kernels import Kernels
@@ -20,7 +21,7 @@ from hjcamp.prediction.measured import Measured
 from hjcamp.prediction.selection import Scored, Search
 from hjcamp.prediction.starts import estimated
 from hjcamp.prediction.unknowns import Unknown, ranges_of, unknowns_of
-from hjcamp.prediction.windows import DELAY, Layout, Windows
+from hjcamp.prediction.windows import DELAY, ZERO, Layout, Windows
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
@@ -31,6 +32,8 @@ WINDOWS = 96
 # Four windows in the time after which a reading has little in common with itself.
 OF_CORRELATION = 0.25
 MOST_DELAY = 2.0
+# Of what a start brings, at the end of a window over that in its first half: a constant jerk makes it 8; more grows by itself.
+MOST_GROWTH = 10.0
 # Samples that are looked at: time and memory do not grow with the length of the logs.
 MOST_SAMPLES = {"quick": 12_000, "standard": 32_000, "thorough": 10_000_000}
 
@@ -52,6 +55,14 @@ def _correlation(values: Array) -> int:
     found = np.fft.irfft(power)[: len(values)]
     below = np.flatnonzero(found < found[0] / np.e)
     return int(below[0]) if len(below) and found[0] > 0.0 else len(values)
+
+
+@dataclass
+class Known:
+    """What windows of one width told, with which those of another begin: base parameters, and the forms of contacts."""
+
+    base: dict[str, float] = field(default_factory=dict)
+    forms: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -95,21 +106,14 @@ def calibrated(
     unknowns: bool = True,
     effort: str = "standard",
     workers: int = 1,
+    known: Known | None = None,
 ) -> Analysis:
     """Return the analysis of tests with a model's base parameters, and its effects', calibrated on them.
 
+    ``known`` is what windows of another width told; it is brought up to date.
     Of logs longer than the ``effort`` allows, windows are looked at that are evenly spread over them.
     """
-    plant = measured.plant
-    full = Layout(measured, width or width_of(measured))
-    if not len(full.of_test):
-        raise UsageError(f"the tests are shorter than one window of {full.width} samples")
-    layout = Layout(measured, full.width, math.ceil(len(full.of_test) * full.width / MOST_SAMPLES[effort]))
-    states, _ = estimated(measured)
-    joined = layout.joined(states)
-    declared = list(plant.states.values())
-    sizes = np.array([_usual(joined[:, k], item.typical) for k, item in enumerate(declared)])
-    lowest = np.array([item.low for item in declared])
+    plant, known = measured.plant, known or Known()
     given = {name for test in measured.tests for name, _ in test.given}
     base = {name: plant.parameters[name].default for name in plant.base_parameters if name not in given}
     free = [_free(plant.parameters[name], (start.base if start else {}).get(name)) for name in base]
@@ -120,25 +124,73 @@ def calibrated(
         ):
             free.append(Free("", DELAY + name, measured.period, 0.0, MOST_DELAY * measured.period))
             base[DELAY + name] = 0.0
+    for sensor, step in zip(measured.sensors, measured.steps, strict=True):
+        if step > 0.0:  # where a counter begins to count is known to a step
+            free.append(Free("", ZERO + sensor.field, step, -step, step))
+            base[ZERO + sensor.field] = 0.0
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
+    begun = candidate.with_base(known.base)
     kernels = Kernels(plant, dict(library))
-    unseen = np.asarray((~np.isfinite(joined)).all(axis=0))
-    before = Windows(full, kernels, first_starts(full, full.joined(states)), sizes, lowest)
-    begin_hidden(before, candidate, joined)
-    windows = Windows(layout, kernels, before.starts[layout.looked_at], sizes, lowest, bool(unseen.any()))
+    windows, begun = predictable(measured, kernels, begun, free, width or width_of(measured), effort)
+    layout = windows.layout
     report("calibrating", 0.1)
-    ranges = ranges_of(plant, candidate.base, _filled(joined, windows, candidate), layout.inputs, layout.time)
+    ranges = ranges_of(plant, candidate.base, _filled(windows, candidate), layout.inputs, layout.time)
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
-    search = Search(windows, library, found, chapters_of(layout), free, seed, report, workers)
-    windows.move_starts(candidate)
-    fitted = settled(windows, candidate, search.free_of(candidate), turns=TURNS_OF_BASE)
+    search = Search(windows, library, found, chapters_of(layout), free, ranges, seed, report, workers, known.forms)
+    windows.move_starts(begun)
+    fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if not np.isfinite(fitted.loss):
         raise UsageError(
             f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "
             "check their values and the units of the logs"
         )
     kernels.add({name: one.effect for name, one in found.items()})
-    return Analysis(windows, search, candidate, search.scored(fitted), floor_of(layout, fitted.features))
+    scored = search.scored(fitted)
+    if unknowns:
+        scored = with_contact_forms(search, scored)
+    known.base = dict(scored.fitted.candidate.base)
+    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
+
+
+def predictable(
+    measured: Measured, kernels: Kernels, candidate: Candidate, free: Sequence[Free], width: int, effort: str
+) -> tuple[Windows, Candidate]:
+    """Return windows of ``width`` samples, or of a half, a quarter, ... where a start grows beyond any prediction in them.
+
+    The model is fitted to the shortest first, and goes on from there: about a path that has left the measured one nothing is
+    told, neither of growth nor of parameters.
+    """
+    widths = [width]
+    while widths[0] >= 2 * SHORTEST_OF_ALL:
+        widths.insert(0, widths[0] // 2)
+    found = _begun(measured, kernels, candidate, widths[0], effort)
+    if len(widths) > 1:
+        found.move_starts(candidate)
+        fitted = settled(found, candidate, free)
+        candidate = fitted.candidate if np.isfinite(fitted.loss) else candidate
+    for one in widths[1:]:
+        longer = _begun(measured, kernels, candidate, one, effort)
+        if longer.growth(candidate) > MOST_GROWTH:
+            break
+        found = longer
+    return found, candidate
+
+
+def _begun(measured: Measured, kernels: Kernels, candidate: Candidate, width: int, effort: str) -> Windows:
+    """Return the windows, each begun as measured, a state that nothing measures where the window before left it."""
+    full = Layout(measured, width)
+    if not len(full.of_test):
+        raise UsageError(f"the tests are shorter than one window of {width} samples")
+    layout = Layout(measured, width, math.ceil(len(full.of_test) * width / MOST_SAMPLES[effort]))
+    states, _ = estimated(measured)
+    joined = layout.joined(states)
+    declared = list(measured.plant.states.values())
+    sizes = np.array([_usual(joined[:, k], item.typical) for k, item in enumerate(declared)])
+    lowest = np.array([item.low for item in declared])
+    unseen = bool((~np.isfinite(joined)).all(axis=0).any())
+    before = Windows(full, kernels, first_starts(full, full.joined(states)), sizes, lowest)
+    begin_hidden(before, candidate, joined)
+    return Windows(layout, kernels, before.starts[layout.looked_at], sizes, lowest, unseen)
 
 
 def _free(item: object, value: float | None) -> Free:
@@ -181,8 +233,9 @@ def begin_hidden(windows: Windows, candidate: Candidate, joined: Array) -> None:
     windows.starts = np.maximum(windows.starts, windows.lowest)
 
 
-def _filled(joined: Array, windows: Windows, candidate: Candidate) -> Array:
+def _filled(windows: Windows, candidate: Candidate) -> Array:
     """Return the states (n, states) with what nothing measures as the model has it."""
+    joined = windows.layout.joined(estimated(windows.layout.measured)[0])
     if np.all(np.isfinite(joined)):
         return joined
     passed = windows.readings(candidate)[1]

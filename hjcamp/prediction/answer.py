@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages
+from hjcamp.prediction.contact_form import give_of
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
-from hjcamp.prediction.selection import Scored, Step, critical, error_ratio
+from hjcamp.prediction.selection import Scored, Step, critical
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
-from hjcamp.prediction.windows import DELAY
+from hjcamp.prediction.windows import DELAY, ZERO
 
 Array = NDArray[np.float64]
 SCHEMA = "hjcamp.diagnosis/2"
@@ -107,10 +108,19 @@ def worst(analysis: Analysis, model: Scored) -> list[dict[str, Any]]:
 
 
 def calibration(analysis: Analysis) -> dict[str, dict[str, Any]]:
-    """Return every base parameter: as declared, and as these tests have it."""
+    """Return every base parameter: as declared, and as these tests have it; and how far contacts give way, where that is seen."""
     plant, found = analysis.measured.plant, {}
+    forms = {name: analysis.search.library[name] for name in analysis.base.names if name not in analysis.start.effects}
     for one in intervals(analysis.base.fitted, analysis.search.chapters):
-        if one.effect:
+        if one.effect in forms and one.name == give_of(forms[one.effect]):
+            item = forms[one.effect].parameters[one.name]
+            found[f"{one.effect} {one.name}"] = {
+                "published": 0.0,
+                "value": one.value,
+                "unit": item.unit,
+                "ci95": [one.low, one.high],
+            }
+        if one.effect or one.name.startswith(ZERO):
             continue
         declared = 0.0 if one.name.startswith(DELAY) else plant.parameters[one.name].default
         unit = "s" if one.name.startswith(DELAY) else plant.parameters[one.name].unit
@@ -152,23 +162,23 @@ def asked_candidates(analysis: Analysis, verdict: Verdict, names: Sequence[str])
 def _candidate(analysis: Analysis, name: str, model: Scored, step: Step, named: bool) -> dict[str, Any]:
     effect = analysis.search.library[name]
     found = [one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name]
-    t, count = analysis.search.t(model, step.before), len(np.unique(analysis.search.chapters))
+    t, count = analysis.search.t(model, step.before)
     weight = _weight(t, count) if not named else 1.0
     return {
         "effect": name,
         "posterior": weight,
         "t": float(np.clip(t, -1e3, 1e3)),
         "t_needed": critical(count, step.level),
-        "heldout_error_ratio": error_ratio(model, step.before),
+        "heldout_error_ratio": analysis.search.error_ratio(model, step.before),
         "parameters": {one.name: _row(one, effect.parameters[one.name].unit) for one in found},
     }
 
 
-def _weight(t: float, chapters: int) -> float:
+def _weight(t: float, chapters: float) -> float:
     """Return the probability of Student's t below the comparison: 0 where a model is clearly no better than without."""
     from scipy.special import stdtr
 
-    return float(max(0.0, 2.0 * stdtr(max(chapters - 1, 1), t) - 1.0))
+    return float(max(0.0, 2.0 * stdtr(max(chapters - 1.0, 1.0), t) - 1.0))
 
 
 def _row(one: Interval, unit: str) -> dict[str, Any]:

@@ -7,13 +7,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.fitting import Fitted
+from hjcamp.prediction.fitting import Fitted, whole_loss
 from hjcamp.prediction.likelihood import covariance, whitener
 from hjcamp.prediction.windows import Layout, Windows
 
 Array = NDArray[np.float64]
 FEWEST = 8
 MOST = 16
+# Of a step that makes worse what it should make better, a shorter one is tried, and in the end none is taken.
+SHARES = (1.0, 0.5, 0.25)
 
 
 def chapters_of(layout: Layout) -> NDArray[np.int64]:
@@ -36,7 +38,7 @@ def left_out(windows: Windows, fitted: Fitted, chapters: NDArray[np.int64]) -> A
     """Return the features (windows, d) of each chapter by the fit of the others.
 
     The parameters without a chapter are one Gauss-Newton step of the others' loss from those of all (approximate cross-validation;
-    Beirami et al. 2017); what they predict is simulated.
+    Beirami et al. 2017), a shorter one where the whole makes that loss larger; what they predict is simulated.
     """
     w = whitener(fitted.features)
     white, left = np.einsum("wfp,fg->wgp", fitted.slopes, w), fitted.features @ w
@@ -51,11 +53,16 @@ def left_out(windows: Windows, fitted: Fitted, chapters: NDArray[np.int64]) -> A
     for chapter in np.unique(chapters):
         out = chapters == chapter
         step = ahead - np.linalg.lstsq(whole - each[out].sum(axis=0), pull[~out].sum(axis=0) + known, rcond=1e-10)[0]
-        moved = fitted.candidate
-        for one, x in zip(fitted.free, step, strict=True):
-            moved = one.into(moved, one.of(moved) + float(x))
-        found = windows.features(moved)[out]
-        features[out] = found if np.all(np.isfinite(found)) else fitted.features[out] + fitted.slopes[out] @ step
+        least = whole_loss(fitted.features[~out], fitted.candidate, fitted.free)
+        for share in SHARES:
+            moved = fitted.candidate
+            for one, x in zip(fitted.free, step, strict=True):
+                moved = one.into(moved, one.of(moved) + share * float(x))
+            found = windows.features(moved)
+            # what the others know is no worse for them than what all know
+            if whole_loss(found[~out], moved, fitted.free) <= least and np.all(np.isfinite(found[out])):
+                features[out] = found[out]
+                break
     return features
 
 
@@ -74,8 +81,33 @@ def advantages(one: Array, other: Array, chapters: NDArray[np.int64]) -> Array:
     return np.array([gains[chapters == chapter].sum() for chapter in np.unique(chapters)])
 
 
-def t_value(values: Array) -> float:
-    """Return Student's t of the mean of ``values`` (chapters,)."""
-    spread = float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else math.inf
-    mean = float(np.mean(values))
-    return mean / spread if spread > 0.0 else math.copysign(math.inf, mean) if mean else 0.0
+def told_apart(one: Array, other: Array, chapters: NDArray[np.int64]) -> Array:
+    r"""Return how much each chapter (chapters,) would speak for either model against the other, were it right.
+
+    .. math:: e_c = \sum_{w \in c} \tfrac{d}{2} \log\Bigl(1 + \frac{\Delta_w^T M^{-1} \Delta_w}{2 d}\Bigr), \quad \Delta_w = g_w - f_w
+
+    for features f and g (windows, d), M as in `advantages`.
+    """
+    d, apart = one.shape[1], other - one
+    inverse = np.linalg.inv(0.5 * (covariance(one) + covariance(other)))
+    each = 0.5 * d * np.log1p(np.einsum("wi,ij,wj->w", apart, inverse, apart) / (2.0 * d))
+    return np.array([each[chapters == chapter].sum() for chapter in np.unique(chapters)])
+
+
+def ratio_t(values: Array, weights: Array) -> tuple[float, float]:
+    r"""Return Student's t of the ratio of ``values`` to ``weights`` (chapters,), and the number of chapters that it stands on.
+
+    .. math:: b = \frac{\sum a_c}{\sum e_c}, \quad s^2 = \sum \Bigl(\frac{a_c - b\,e_c}{\sum e - e_c}\Bigr)^2, \quad t = \frac{b}{s},
+              \quad n = \frac{(\sum e_c)^2}{\sum e_c^2}
+
+    An advantage grows with what the chapter tells two models apart by: one in which both say the same speaks neither for nor
+    against. The spread is the jackknife's (Cochran 1977, Sampling Techniques, sections 6.3 and 6.16).
+    """
+    whole = float(weights.sum())
+    if len(weights) < 2 or whole <= 0.0:
+        return 0.0, 1.0
+    count = whole**2 / float(np.sum(weights**2))
+    share = float(values.sum()) / whole
+    rest = np.maximum(whole - weights, 1e-12 * whole)
+    spread = math.sqrt(float(np.sum(((values - share * weights) / rest) ** 2)))
+    return (share / spread if spread > 0.0 else math.copysign(math.inf, share) if share else 0.0), count

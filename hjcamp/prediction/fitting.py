@@ -119,13 +119,14 @@ def fit(
     """Return the fit from ``start`` within its bounds; it never is worse than that. Window starts stay as they are.
 
     Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6) and are computed afresh
-    where a step gains nothing. ``near`` lends its slopes; ``exact`` asks for fresh ones at the end.
+    where a step gains little. ``near`` lends its slopes; ``exact`` asks for fresh ones at the end, and where it is not asked for a
+    fit ends where lent ones gain little.
     """
     candidate, damping = start, 1e-3
     for one in free:
         candidate = one.within(candidate)
     features = windows.features(candidate)
-    current = _whole(features, candidate, free)
+    current = whole_loss(features, candidate, free)
     slopes, fresh = _lent(windows, candidate, free, features, near)
     for _ in range(rounds):
         if not free or not np.isfinite(current):
@@ -144,7 +145,7 @@ def fit(
             for one, x in zip(free, step, strict=True):
                 tried = one.into(tried, one.of(candidate) + float(np.clip(x, -2.0, 2.0)))
             seen = windows.features(tried)
-            value = _whole(seen, tried, free)
+            value = whole_loss(seen, tried, free)
             if value < current:
                 gained = current - value
                 move = np.array([one.of(tried) - one.of(candidate) for one in free])
@@ -155,7 +156,7 @@ def fit(
             damping *= 10.0
             if not fresh and damping > FARTHEST:
                 break
-        if gained < GAINED and fresh:
+        if gained < (GAINED if fresh else ENOUGH) and (fresh or not exact):
             break
         fresh = gained < ENOUGH
         if fresh:
@@ -195,5 +196,6 @@ def settled(
     return found
 
 
-def _whole(features: Array, candidate: Candidate, free: Sequence[Free]) -> float:
+def whole_loss(features: Array, candidate: Candidate, free: Sequence[Free]) -> float:
+    """Return the loss of features (windows, d), and of what is known of the free parameters beforehand."""
     return loss(features) + 0.5 * sum(one.surprise(candidate) ** 2 for one in free)

@@ -22,7 +22,7 @@ class Floor:
     """Second moments (d, d) of what cannot be explained, in units of the sensors' noise, and where they come from.
 
     ``source`` is "repetitions", "near_replicates", or "sensor" where neither is there: then it is a lower bound only.
-    ``usual`` is what most windows of repetitions differ by (`usual_size`), not a number where there are none.
+    ``usual`` is what most windows of repetitions differ by (`usual_size`), and the sensors' noise; not a number where there are none.
     """
 
     source: str
@@ -59,7 +59,9 @@ def floor_of(layout: Layout, features: Array) -> Floor:
     repeated = _of_repetitions(layout, features)
     if repeated is not None:
         moments = repeated.T @ repeated / len(repeated) + np.eye(d)
-        return Floor("repetitions", moments, usual_size(repeated, moments))
+        # repetitions of one course may be rounded alike: what they differ by is no less than the sensors' noise
+        rounded = float(np.trace(np.linalg.inv(moments))) / d
+        return Floor("repetitions", moments, math.hypot(usual_size(repeated, moments), math.sqrt(rounded)))
     near = _of_neighbours(layout, features)
     if near is not None:
         return Floor("near_replicates", near + np.eye(d))

@@ -15,7 +15,7 @@ from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.selection import Scored
 from hjcamp.prediction.unknowns import Unknown
-from hjcamp.prediction.windows import DELAY
+from hjcamp.prediction.windows import DELAY, ZERO
 
 Array = NDArray[np.float64]
 LOOKED_AT = 240
@@ -101,7 +101,7 @@ def _moments(
 
 
 def _parameters(candidate: Candidate) -> dict[str, float]:
-    return {name: value for name, value in candidate.base.items() if not name.startswith(DELAY)}
+    return {name: value for name, value in candidate.base.items() if not name.startswith((DELAY, ZERO))}
 
 
 def _moment(

@@ -99,11 +99,9 @@ class Measured:
         return [[said or step_of(test.readings[:, k]) for k, said in enumerate(declared)] for test in self.tests]
 
     @cached_property
-    def steps(self) -> dict[str, float]:
-        """The step of each sensor that counts, SI, by the name of its place: as most tests have it."""
-        median = np.median(np.array(self._counted), axis=0)
-        places = [self.plant.measured[one.field].sensor for one in self.sensors]
-        return {place: float(step) for place, step in zip(places, median, strict=True) if step > 0.0}
+    def steps(self) -> Array:
+        """The step of each sensor (sensors,), SI, as most tests have it; 0 where none counts."""
+        return np.asarray(np.median(np.array(self._counted), axis=0))
 
     def only(self, keep: Sequence[int]) -> Measured:
         """Return the tests at these positions alone."""

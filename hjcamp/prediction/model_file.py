@@ -11,7 +11,7 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.plant import Plant
-from hjcamp.prediction.windows import DELAY
+from hjcamp.prediction.windows import DELAY, ZERO
 from hjcamp.storage import named_file
 from hjcamp.yaml_file import read_yaml
 
@@ -36,6 +36,11 @@ def load_model(name: str, plant: type[Plant], library: Mapping[str, type[Effect]
     if other != plant.name:
         raise UsageError(f"{path}: a model of plant {other}; these tests are of plant {plant.name}")
     return Candidate(_base(content, plant, path), _effects(content, plant, library, path))
+
+
+def savable(candidate: Candidate) -> Candidate:
+    """Return a candidate without what is of these logs alone: where their counters begin to count."""
+    return Candidate({k: v for k, v in candidate.base.items() if not k.startswith(ZERO)}, candidate.effects)
 
 
 def _base(content: Mapping[str, Any], plant: type[Plant], path: Path) -> dict[str, float]:

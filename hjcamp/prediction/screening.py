@@ -16,6 +16,7 @@ from hjcamp.model.parameter import Parameter
 from hjcamp.prediction.fitting import Fitted, Free
 from hjcamp.prediction.likelihood import loss, whitener
 from hjcamp.prediction.unknowns import Unknown
+from hjcamp.prediction.visited import Range
 from hjcamp.prediction.windows import Windows
 
 Array = NDArray[np.float64]
@@ -53,20 +54,26 @@ class Promise:
 
 
 def amplitudes_of(effect: type[Effect]) -> tuple[str, ...]:
-    """Return the parameters at whose ``off`` value the effect is absent; all that are no shape where it declares none."""
-    found = tuple(name for name, item in effect.parameters.items() if item.off is not None)
-    return found or tuple(name for name, item in effect.parameters.items() if not item.shape)
+    """Return the parameters at whose ``off`` value the effect is absent, the first and all that are no shape beside it.
+
+    All that are no shape where it declares none.
+    """
+    found = [name for name, item in effect.parameters.items() if item.off is not None]
+    kept = [name for name in found if name == found[0] or not effect.parameters[name].shape]
+    return tuple(kept or [name for name, item in effect.parameters.items() if not item.shape][:1])
 
 
-def shape_grid(effect: type[Effect]) -> Iterator[dict[str, float]]:
-    """Yield settings of the effect's shapes: its usual values, and a grid about them."""
+def shape_grid(effect: type[Effect], visited: Mapping[str, Range]) -> Iterator[dict[str, float]]:
+    """Yield settings of the effect's shapes: its usual values, and a grid over what the tests visit, or about them."""
     shapes = [item for item in effect.parameters.values() if item.shape][:MOST_SHAPES]
     yield {}
-    for values in itertools.product(*(_tried(item) for item in shapes)) if shapes else ():
+    for values in itertools.product(*(_tried(item, visited) for item in shapes)) if shapes else ():
         yield {item.name: value for item, value in zip(shapes, values, strict=True)}
 
 
-def neighbours_of(effect: type[Effect], setting: Mapping[str, float], share: float) -> Iterator[dict[str, float]]:
+def neighbours_of(
+    effect: type[Effect], setting: Mapping[str, float], share: float, visited: Mapping[str, Range]
+) -> Iterator[dict[str, float]]:
     """Yield settings with one shape moved to either side by a share of the range that is tried of it."""
     for item in effect.parameters.values():
         if not item.shape:
@@ -78,7 +85,7 @@ def neighbours_of(effect: type[Effect], setting: Mapping[str, float], share: flo
             elif _is_log(item):
                 moved = now * FACTOR ** (2.0 * sign * share)
             else:
-                moved = now + sign * share * (max(_tried(item)) - min(_tried(item)))
+                moved = now + sign * share * (max(_tried(item, visited)) - min(_tried(item, visited)))
             if low <= moved <= high:
                 yield {**setting, item.name: moved}
 
@@ -88,51 +95,70 @@ def _is_log(item: Parameter) -> bool:
     return item.prior != "uniform" or (low > 0.0 and high / low > 30.0)
 
 
-def _tried(item: Parameter) -> list[float]:
+def _tried(item: Parameter, visited: Mapping[str, Range]) -> list[float]:
     low, high = item.bounds
     if item.cyclic:
         return [0.0, math.pi / 2.0, -math.pi / 2.0, 0.999 * math.pi]
+    if item.name in visited:
+        first, last = visited[item.name]
+        if _is_log(item):
+            bottom, top = (last - first) / FACTOR, max(abs(first), abs(last), last - first)
+        else:
+            bottom, top = first, last
+    elif _is_log(item):
+        bottom, top = item.default / FACTOR, item.default * FACTOR
+    else:
+        reach = FACTOR / 2.0 * abs(item.default) if item.default else high
+        bottom, top = item.default - reach, item.default + reach
+    bottom, top = (min(max(one, low), high) for one in (bottom, top))
     if _is_log(item):
-        bottom, top = max(low, item.default / FACTOR), min(high, item.default * FACTOR)
         return [float(x) for x in np.geomspace(bottom, top, SHAPES)]
-    reach = FACTOR / 2.0 * abs(item.default) if item.default else high
-    bottom, top = max(low, item.default - reach), min(high, item.default + reach)
     return [float(x) for x in np.linspace(bottom, top, SHAPES + 2)[1:-1]]
 
 
-def probes_of(windows: Windows, start: Candidate, base: Array, effect: type[Effect]) -> Iterator[Probe]:
-    """Yield the probes of a named effect, of its first amplitude, about a model whose features are ``base``."""
-    for setting in shape_grid(effect):
+def probes_of(
+    windows: Windows, start: Candidate, base: Array, effect: type[Effect], visited: Mapping[str, Range]
+) -> Iterator[Probe]:
+    """Yield the probes of a named effect about a model whose features are ``base``; ``visited`` is as in `visited_shapes`."""
+    for setting in shape_grid(effect, visited):
         yield from _probe(windows, start, base, effect, setting)
 
 
 def _probe(
     windows: Windows, start: Candidate, base: Array, effect: type[Effect], setting: Mapping[str, float]
 ) -> Iterator[Probe]:
-    """Yield the probe at one setting of the shapes; none where the model diverges."""
-    name = amplitudes_of(effect)[0]
-    item = effect.parameters[name]
-    off, values = item.off or 0.0, {**effect.defaults(), **setting}
-    size = values[name] - off or 0.1 * _reach(item)
-    for _ in range(SCALINGS):
-        response = windows.features(start.with_effect(effect.name, {**values, name: off + size})) - base
-        larger = float(np.linalg.norm(response) / np.linalg.norm(base))
-        if larger <= LARGE:
-            break
-        size /= larger if math.isfinite(larger) else UNSTABLE
-    if np.all(np.isfinite(response)):
-        sided = item.bounds[0] >= off
-        yield Probe(effect.name, values, (name,), np.array([size]), sided, response[:, :, None])
+    """Yield the probe at one setting of the shapes, of each amplitude alone; none where the model diverges."""
+    names, sizes, responses = amplitudes_of(effect), [], []
+    values = {**effect.defaults(), **setting}
+    absent = {name: effect.parameters[name].off or 0.0 for name in names[1:]}
+    for name in names:
+        item = effect.parameters[name]
+        off = item.off or 0.0
+        size = values[name] - off or 0.1 * _reach(item)
+        for _ in range(SCALINGS):
+            own = {**values, **absent, names[0]: effect.parameters[names[0]].off or 0.0, name: off + size}
+            response = windows.features(start.with_effect(effect.name, own)) - base
+            larger = float(np.linalg.norm(response) / np.linalg.norm(base))
+            if larger <= LARGE:
+                break
+            size /= larger if math.isfinite(larger) else UNSTABLE
+        sizes.append(size)
+        responses.append(response)
+    if np.all(np.isfinite(responses)):
+        sided = len(names) == 1 and effect.parameters[names[0]].bounds[0] >= (effect.parameters[names[0]].off or 0.0)
+        yield Probe(effect.name, values, names, np.array(sizes), sided, np.stack(responses, axis=2))
 
 
-def refined(windows: Windows, projection: Projection, effect: type[Effect], first: Promise, base: Array) -> Promise:
+def refined(
+    windows: Windows, projection: Projection, effect: type[Effect], first: Promise, visited: Mapping[str, Range]
+) -> Promise:
     """Return a promise with the effect's shapes moved to where it promises most, in ever smaller steps (pattern search)."""
-    start, best = projection.fitted.candidate, first
+    start, base, best = projection.fitted.candidate, projection.fitted.features, first
     for share in (0.25, 0.12, 0.06):
         setting = {
             name: best.candidate.effects[effect.name][name] for name, item in effect.parameters.items() if item.shape
         }
-        for tried in neighbours_of(effect, setting, share):
+        for tried in neighbours_of(effect, setting, share, visited):
             for probe in _probe(windows, start, base, effect, tried):
                 promise = projection.promise(probe, effect)
                 best = promise if promise.gain > best.gain else best
@@ -197,13 +223,19 @@ class Projection:
         """Return what a probe promises, its amplitudes within their bounds."""
         left = self.free_of_base(self.fitted.features)[:, 0]
         columns = self.free_of_base(probe.responses)
-        found = np.linalg.lstsq(columns, -left, rcond=1e-6)[0]
-        parameters, share = dict(probe.setting), np.zeros(len(found))
-        for k, name in enumerate(probe.amplitudes):
-            item = effect.parameters[name]
-            off = item.off or 0.0
-            parameters[name] = min(max(off + found[k] * probe.sizes[k], item.bounds[0]), item.bounds[1])
-            share[k] = (parameters[name] - off) / probe.sizes[k]
+        parameters, share = dict(probe.setting), np.zeros(len(probe.sizes))
+        free = np.ones(len(share), dtype=bool)
+        for _ in range(len(share)):
+            found = np.linalg.lstsq(columns[:, free], -left - columns[:, ~free] @ share[~free], rcond=1e-6)[0]
+            share[free] = found
+            bounded = np.array([_within(effect.parameters[name], x, size)
+                                for name, x, size in zip(probe.amplitudes, share, probe.sizes, strict=True)])  # fmt: skip
+            free &= bounded == share
+            share = bounded
+            if free.all() or not free.any():
+                break
+        for name, x, size in zip(probe.amplitudes, share, probe.sizes, strict=True):
+            parameters[name] = (effect.parameters[name].off or 0.0) + float(x) * float(size)
         if np.all(np.abs(share) < NEGLIGIBLE):
             share[:] = 0.0
         after = left + columns @ share
@@ -225,6 +257,12 @@ class Projection:
     def _loss(self, white: Array) -> float:
         # in white coordinates the sensors' noise is (whitener' whitener): the loss is that of the features
         return loss(white.reshape(self.fitted.features.shape) @ self._back)
+
+
+def _within(item: Parameter, share: float, size: float) -> float:
+    """Return the share of a probed size, no farther than the parameter's bounds."""
+    off = item.off or 0.0
+    return (min(max(off + share * size, item.bounds[0]), item.bounds[1]) - off) / size
 
 
 def best_promises(promises: Sequence[Promise]) -> dict[str, Promise]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import TypeVar
@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
-from hjcamp.prediction.chapters import advantages, left_out, t_value
+from hjcamp.prediction.chapters import advantages, left_out, ratio_t, told_apart
 from hjcamp.prediction.fitting import TURNS, Fitted, Free, fit, settled
 from hjcamp.prediction.floor import motion_of
 from hjcamp.prediction.levels import (
     FITTED,
+    FITTED_BY_CHANCE,
     FITTED_STARTS,
     FITTED_UNKNOWNS,
     LEVEL,
@@ -41,6 +42,7 @@ from hjcamp.prediction.screening import (
     refined,
 )
 from hjcamp.prediction.unknowns import Unknown
+from hjcamp.prediction.visited import Range, visited_shapes
 from hjcamp.prediction.windows import Windows
 
 Array = NDArray[np.float64]
@@ -93,9 +95,11 @@ class Search:
     unknowns: Mapping[str, Unknown]
     chapters: NDArray[np.int64]
     base_free: Sequence[Free]
+    ranges: Mapping[str, Range]
     seed: int = 1
     report: Report = lambda text, share: None
     workers: int = 1
+    begins: dict[str, dict[str, float]] = field(default_factory=dict)
     steps: list[Step] = field(default_factory=list)
 
     def scored(self, fitted: Fitted, windows: Windows | None = None) -> Scored:
@@ -106,7 +110,9 @@ class Search:
         features = left_out(windows, fitted, self.chapters)
         return Scored(names, fitted, features, size(features), windows.place)
 
-    def each(self, work: Callable[[Given], Found], given: Sequence[Given], words: Callable[[Given], str]) -> list[Found]:
+    def each(
+        self, work: Callable[[Given], Found], given: Sequence[Given], words: Callable[[Given], str]
+    ) -> list[Found]:
         """Return what ``work`` makes of each of ``given``, in order, by ``workers`` threads: a kernel leaves the interpreter free."""
         found: list[Found] = []
         with ThreadPoolExecutor(self.workers) as pool:
@@ -140,8 +146,10 @@ class Search:
         """Return what a model may miss: screen everything, then fit what promises most."""
         fitted, self.windows.place = before.fitted, before.place
         projection = Projection(fitted)
-        names = [name for name in (*self.library, *self.unknowns) if name not in fitted.candidate.effects]
-        found = self.each(lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}")
+        names = [name for name in (*self.library, *self.unknowns) if self.may_be_added(name, fitted.candidate.effects)]
+        found = self.each(
+            lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}"
+        )
         probes = [probe for one in found for probe in one]
         layout = self.windows.layout
         orders = moved_orders(layout.of_test, motion_of(layout), self.seed + len(self.steps))
@@ -149,46 +157,51 @@ class Search:
         effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
         promises = [projection.promise(probe, effects[probe.effect]) for probe in probes]
         best = best_promises(promises)
-        able = [name for name, one in best.items() if name in self.library and one.gain > 0.0][: 2 * FITTED]
+        chosen, unnamed = (FITTED, FITTED_UNKNOWNS) if p_value(gain, chance) <= LEVEL else (FITTED_BY_CHANCE, 0)
+        usual = float(np.median(chance)) if len(chance) else 0.0
+        able = [name for name in self.begins if name in names]
+        able += [name for name, one in best.items() if name in self.library and one.gain > 0.0 and name not in able]
+        able = [name for k, name in enumerate(able[: 2 * chosen]) if k < chosen // 2 or best[name].gain > usual]
         begun = self.each(
             lambda name: self.begun(projection, name, [one for one in promises if one.effect == name]), able,
             lambda name: f"looking closer at {name}",
         )  # fmt: skip
         begun.sort(key=lambda one: one.loss)
-        others = [one for name, one in best.items() if name in self.unknowns][:FITTED_UNKNOWNS]
-        starts = [*begun[:FITTED], *(self.begun_unknown(fitted, one) for one in others)]
+        others = [one for name, one in best.items() if name in self.unknowns][:unnamed]
+        starts = [*begun[:chosen], *(self.begun_unknown(fitted, one) for one in others)]
+        # what gains no more than chance promises cannot be claimed; two are fitted to be shown
+        starts = [one for one in starts if fitted.loss - one.loss > usual or one in begun[:FITTED_BY_CHANCE]]
         models = self.each(
             lambda start: self.fitted(start.candidate, start), starts,
             lambda start: f"fitting {_added(start.candidate, fitted.candidate)}",
         )  # fmt: skip
         models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.left_out)
         added = [_added(one.fitted.candidate, fitted.candidate) for one in models]
-        in_library = [(one, name) for one, name in zip(models, added, strict=True) if name in self.library]
-        read = [one for one, name in in_library if self.is_read(one, name)]
-        unread = [one for one, _ in in_library if not any(one is each for each in read)]
-        # what the unknown zero of a counter explains as well is no effect
-        named = tuple(one for one in read if all(self.matters(one, each) for each in unread))
+        named = tuple(one for one, name in zip(models, added, strict=True) if name in self.library)
         others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
         step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted)
         self.steps.append(step)
         return step
 
+    def may_be_added(self, name: str, present: Iterable[str]) -> bool:
+        """Whether an effect is not there yet, and no other one that says the same of the same driver.
+
+        Two laws of one driver in one place are one law of another form: the second would only mend the first.
+        """
+        law = law_of(self.library[name]) if name in self.library else None
+        return name not in present and not any(
+            law and law == law_of(self.library[one]) for one in present if one in self.library
+        )
+
     def probes(self, fitted: Fitted, name: str) -> list[Probe]:
         """Return the probes of a named effect or an unknown beside a fitted model."""
         if name in self.unknowns:
             return list(probes_of_unknown(self.windows, fitted.candidate, fitted.features, self.unknowns[name]))
-        return list(probes_of(self.windows, fitted.candidate, fitted.features, self.library[name]))
+        return list(probes_of(self.windows, fitted.candidate, fitted.features, self.library[name], self.visited(name)))
 
-    def is_read(self, model: Scored, name: str) -> bool:
-        """Whether an effect adds a step at least to the reading of a sensor that counts: its zero is known no better."""
-        effect = self.library[name]
-        steps = [self.windows.layout.measured.steps.get(slot, 0.0) for slot in effect.terms]
-        generic = getattr(effect, "made_of", (None,))[0]
-        constant = generic is not None and [item.unit for item in generic.parameters.values()] == ["reading"]
-        if not constant or not all(steps):
-            return True
-        [offset] = model.fitted.candidate.effects[name].values()
-        return abs(offset) >= min(steps)
+    def visited(self, name: str) -> dict[str, Range]:
+        """Return what the tests visit of the shapes of an effect."""
+        return visited_shapes(self.library[name], self.windows.layout.measured.plant, self.ranges)
 
     def begun(self, projection: Projection, name: str, promises: Sequence[Promise]) -> Fitted:
         """Return the best fit after few rounds: from where a named effect promises most, and from its usual values.
@@ -197,37 +210,48 @@ class Search:
         """
         before, effect = projection.fitted, self.library[name]
         most = sorted((one for one in promises if one.gain > 0.0), key=lambda one: -one.gain)[:TRIED_STARTS]
-        own = [dict(effect.defaults())]
+        own = [dict(effect.defaults()), *([self.begins[name]] if name in self.begins else [])]
         if most:
-            most.append(refined(self.windows, projection, effect, most[0], before.features))
+            most.append(refined(self.windows, projection, effect, most[0], self.visited(name)))
             own.append(dict(most[0].candidate.effects[name]))
         starts = [one.candidate for one in most] + [before.candidate.with_effect(name, one) for one in own]
-        starts.sort(key=lambda one: loss(self.windows.features(one)))
-        return self._best_of(starts[:FITTED_STARTS], before)
+        return self.best_of(starts, before)
 
     def begun_unknown(self, before: Fitted, promise: Promise) -> Fitted:
         """Return the better of two starts of an unknown: what is promised, and nothing."""
         name, knots = promise.effect, self.unknowns[promise.effect].amplitudes
         zero = {**promise.candidate.effects[name], **dict.fromkeys(knots, 0.0)}
-        return self._best_of([promise.candidate, before.candidate.with_effect(name, zero)], before)
+        return self.best_of([promise.candidate, before.candidate.with_effect(name, zero)], before)
 
-    def _best_of(self, starts: Sequence[Candidate], before: Fitted) -> Fitted:
+    def best_of(self, starts: Sequence[Candidate], before: Fitted) -> Fitted:
+        """Return the best fit after few rounds from those starts that are best as they are."""
+        starts = sorted(starts, key=lambda one: loss(self.windows.features(one)))[:FITTED_STARTS]
         tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts]
         return min(tried, key=lambda one: one.loss)
 
     def matters(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
         """Whether a model takes a share of the error that matters, and does so chapter by chapter."""
-        return self.beats(model, before, level) and error_ratio(model, before) <= 1.0 - MATTERS
+        return self.beats(model, before, level) and self.error_ratio(model, before) <= 1.0 - MATTERS
+
+    def error_ratio(self, model: Scored, before: Scored) -> float:
+        """Return what a model leaves of another's rms on chapters left out, in the sensor in which it takes most."""
+        sensors = len(self.windows.layout.measured.sensors)
+        left, whole = (
+            np.mean(one.features**2, axis=0).reshape(sensors, -1).mean(axis=1) + 1.0 for one in (model, before)
+        )
+        return math.sqrt(float(np.min(left / whole)))
 
     def beats(self, model: Scored, other: Scored, level: float = LEVEL) -> bool:
         """Whether a model is better on chapters that it does not know, at a level."""
         if not math.isfinite(model.left_out) or not math.isfinite(other.left_out):
             return math.isfinite(model.left_out)
-        return self.t(model, other) > critical(len(np.unique(self.chapters)), level)
+        t, chapters = self.t(model, other)
+        return t > critical(chapters, level)
 
-    def t(self, model: Scored, other: Scored) -> float:
-        """Return Student's t of a model's advantage over another, over the chapters."""
-        return t_value(advantages(model.features, other.features, self.chapters))
+    def t(self, model: Scored, other: Scored) -> tuple[float, float]:
+        """Return Student's t of a model's advantage over another, and the number of chapters that it stands on."""
+        found = advantages(model.features, other.features, self.chapters)
+        return ratio_t(found, told_apart(model.fitted.features, other.fitted.features, self.chapters))
 
     def resettled(self, model: Scored) -> Scored:
         """Return a model with the windows' starts moved to where it fits best, if that is better, and leave them there."""
@@ -263,16 +287,20 @@ class Search:
         return model
 
 
-def error_ratio(model: Scored, before: Scored) -> float:
-    """Return what a model leaves of another's error on chapters left out."""
-    return model.left_out / before.left_out
+def law_of(effect: type[Effect]) -> frozenset[tuple[str, frozenset[str]]] | None:
+    """Return what an effect without memory makes of what: each slot with the names that drive it; none where it has states."""
+    if effect.states or getattr(effect, "made_of", None) is None:
+        return None
+    own = set(effect.parameters)
+    found = frozenset((slot, frozenset(set(term.arguments) - own - {slot})) for slot, term in effect.terms.items())
+    return found if any(drivers for _, drivers in found) else None
 
 
-def critical(chapters: int, level: float = LEVEL) -> float:
-    """Return the one-sided critical value of Student's t over chapters at a level."""
+def critical(chapters: float, level: float = LEVEL) -> float:
+    """Return the one-sided critical value of Student's t over a number of chapters at a level."""
     from scipy.special import stdtrit
 
-    return float(stdtrit(chapters - 1, 1.0 - level)) if chapters > 1 else math.inf
+    return float(stdtrit(chapters - 1.0, 1.0 - level)) if chapters > 1.0 + 1e-9 else math.inf
 
 
 def _added(candidate: Candidate, before: Candidate) -> str:

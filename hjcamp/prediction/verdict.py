@@ -10,7 +10,7 @@ import numpy as np
 
 from hjcamp.prediction.analysis import SHORTEST, Analysis, what_lacks
 from hjcamp.prediction.floor import usual_size
-from hjcamp.prediction.levels import LEVEL, MOST_OF_IT
+from hjcamp.prediction.levels import LEVEL, LONGER, MOST_OF_IT
 from hjcamp.prediction.selection import Scored, Step
 
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
@@ -38,16 +38,23 @@ class Verdict:
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width.
 
-    Where nothing is seen, windows twice as long are looked at: what acts slowly or in few places hardly shows in short ones.
+    Where nothing is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones.
     Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
     set, both are what the tests leave.
     """
     verdict, width = judged(analysis), analysis.windows.layout.width
-    if verdict.word == NOTHING and 2 * width <= min(test.samples for test in analysis.measured.tests):
-        longer = at(2 * width)
-        other = judged(longer)
-        if other.word not in (NOTHING, CANNOT_TELL):
-            return longer, other
+    shortest = min(test.samples for test in analysis.measured.tests)
+    for times in LONGER if verdict.word == NOTHING else ():
+        if times * width > shortest:
+            break
+        seen = at(times * width)
+        if seen.windows.layout.width < times * width:
+            break  # the plant cannot be predicted so far
+        other = judged(seen)
+        if other.word == CANNOT_TELL:
+            break
+        if other.word != NOTHING:
+            return seen, other
     half = min(max(width // 2, SHORTEST), width)
     if verdict.word != EFFECT or analysis.measured.repeated or half == width:
         return analysis, verdict
@@ -146,7 +153,7 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...]) -
         for one in step.named:
             [other] = one.beyond(step.before)
             for name in here:
-                if other in model.names or search.beats(_of(step, name), one):
+                if other in model.names or one.left_out >= step.before.left_out or search.beats(_of(step, name), one):
                     continue
                 exchanged = model.fitted.candidate.without([name]).with_effect(
                     other, one.fitted.candidate.effects[other]

@@ -26,6 +26,7 @@ STEP = 1e-3
 # A start is free in directions that the window tells at all.
 TOLD = 1e-6
 DELAY = "delay."
+ZERO = "zero."
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,8 @@ class Layout:
 class Windows:
     """The residuals of models over the windows of a layout; ``starts`` (windows, states) are moved as the tests tell.
 
-    ``unseen``: the plant has states that nothing measures.
+    ``unseen``: the plant has states that nothing measures. ``forms`` are effects that change nothing where a contact slides, in
+    the windows of which ``slides`` (windows,) is true: they are left out there, and the time that they take.
     """
 
     layout: Layout
@@ -148,6 +150,8 @@ class Windows:
     sizes: Array
     lowest: Array
     unseen: bool = False
+    forms: frozenset[str] = frozenset()
+    slides: NDArray[np.bool_] | None = None
 
     @property
     def place(self) -> tuple[Array, Array]:
@@ -163,15 +167,30 @@ class Windows:
         layout, measured = self.layout, self.layout.measured
         begin = self.starts if starts is None else starts
         inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
-        model, values = self.kernels.model(candidate)
         out, states = np.empty((len(layout.time), len(measured.sensors))), np.empty((len(layout.time), begin.shape[1]))
-        for given, windows in layout.groups:
-            rows = np.repeat(windows, layout.width)
-            p = model.vector({**values, **given})
-            course = Given(measured.period, layout.begins[rows], layout.time[rows], inputs[rows], begin[windows])
-            shown, passed = model.run_free(p, course)
-            out[rows], states[rows] = shown[:, measured.columns], passed[:, : begin.shape[1]]
-        return out, states
+        for simpler, part in self._parts(candidate):
+            model, values = self.kernels.model(simpler)
+            marks = layout.begins.copy()
+            alone = part & ~np.concatenate([[False], part[:-1]])
+            marks[:: layout.width][alone] = 1
+            for given, group in layout.groups:
+                windows = group & part
+                if not windows.any():
+                    continue
+                rows = np.repeat(windows, layout.width)
+                p = model.vector({**values, **given})
+                course = Given(measured.period, marks[rows], layout.time[rows], inputs[rows], begin[windows])
+                shown, passed = model.run_free(p, course)
+                out[rows], states[rows] = shown[:, measured.columns], passed[:, : begin.shape[1]]
+        zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
+        return out + np.array(zeros), states
+
+    def _parts(self, candidate: Candidate) -> list[tuple[Candidate, NDArray[np.bool_]]]:
+        """Return the model of each part of the windows: without forms where contacts slide, unless another effect has a memory."""
+        memory = any(self.kernels.effects[name].states for name in candidate.effects if name not in self.forms)
+        if self.slides is None or memory or not self.forms & set(candidate.effects):
+            return [(candidate, np.ones(len(self.starts), dtype=bool))]
+        return [(candidate.without(self.forms), self.slides), (candidate, ~self.slides)]
 
     def errors(self, candidate: Candidate) -> Array:
         """Return measured less predicted readings (n, sensors), SI, from the present starts."""
@@ -215,6 +234,23 @@ class Windows:
             changed = self.readings(candidate, moved)[0]
             columns.append(self.layout.coefficients((changed - base) / STEP).reshape(len(self.starts), -1))
         return np.stack(columns, axis=2)
+
+    def growth(self, candidate: Candidate) -> float:
+        """Return how often as large a small change of the start is at a window's end as in its first half: most of the states,
+        the median window.
+        """
+        layout, base, found = self.layout, self.readings(candidate)[0], 0.0
+        for k, size in enumerate(self.sizes):
+            moved = self.starts.copy()
+            moved[:, k] += STEP * size
+            change = (self.readings(candidate, moved)[0] - base) / layout.measured.noise
+            shaped = np.abs(change.reshape(len(moved), layout.width, -1)).max(axis=2)
+            half = shaped[:, : layout.width // 2].max(axis=1)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ratio = shaped[:, -1] / half
+            seen = ratio[np.isfinite(ratio)]
+            found = max(found, float(np.median(seen))) if len(seen) else found
+        return found
 
     def features(self, candidate: Candidate) -> Array:
         """Return what no start explains (windows, features), in units of the sensors' noise; NaN where the model diverges."""

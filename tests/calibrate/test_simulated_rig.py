@@ -23,12 +23,14 @@ def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_random_rig_is_recovered() -> None:
     rig, composer = draw_rig(4), Composer()
+    # without its leak, which none of these tests reads: with it a kernel would be compiled for this test alone
+    tight = [line for line in rig.overrides if "effects.leakage" not in line]
     asked = {
         "compliance": "",
         "pump_step": "",
         "friction": "[040_deg_per_s,160_deg_per_s,640_deg_per_s,1280_deg_per_s]",
     }
-    logs = [log for name, some in asked.items() for log in run_campaign(name, rig.overrides, composer, 2, some)]
+    logs = [log for name, some in asked.items() for log in run_campaign(name, tight, composer, 2, some)]
     found = identify(logs, configuration_for)
     allowed = {"viscous": 0.25, "static": 0.1, "coulomb": 0.1, "pump": 0.02, "line": 0.01}
     compared = 0

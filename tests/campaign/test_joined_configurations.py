@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
 
 from hjcamp.campaign.campaign_file import read_campaign
 from hjcamp.campaign.conditions import draft_conditions
+from hjcamp.configuration import composer as composer_module
+from hjcamp.configuration import hydra_plugins, search_path, shared_parts
 from hjcamp.configuration.composer import Composer, Composition, parse_overrides
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.configuration.variation import NotJoinedError, Variations
+from hjcamp.errors import UsageError
 
 CAMPAIGNS = sorted(path.stem for path in (packaged_root() / "campaigns").glob("*.yaml"))
 OTHERS = {
@@ -104,3 +108,41 @@ def test_what_one_group_brings_by_the_choice_of_another_is_left_to_hydra(tmp_pat
         composer._variations.compose(parse_overrides(["tubing=mine"]))
     found = composer.compose(["tubing=mine", "payload=brass_8p5g"]).config["tubing"]
     assert found["stiffness_mpa_per_mm3"] == 0.03
+
+
+def test_composers_over_the_same_files_compose_a_part_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    first = Composer().compose(["payload=brass_8p5g", "joint.travel_stop_deg=90"])
+
+    def never(*given: object) -> None:
+        raise AssertionError("composed anew")
+
+    monkeypatch.setattr(Composer, "_load", never)
+    again = Composer()
+    same(again.compose(["payload=brass_8p5g", "joint.travel_stop_deg=90"]), first)
+    assert again.compose(["payload=brass_8p5g"]).config["joint"]["travel_stop_deg"] != 90
+
+
+def test_a_file_that_changed_is_composed_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for group in ("conf", "campaigns"):
+        shutil.copytree(packaged_root() / group, tmp_path / group)
+    monkeypatch.setattr(composer_module, "packaged_root", lambda: tmp_path)
+    monkeypatch.setattr(shared_parts, "packaged_root", lambda: tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(hydra_plugins, "packaged_root", lambda: tmp_path)
+    monkeypatch.setattr(search_path, "packaged_root", lambda: tmp_path)
+    file = tmp_path / "conf" / "payload" / "brass_8p5g.yaml"
+    before = Composer().compose(["payload=brass_8p5g"]).config
+    file.write_text(file.read_text().replace("mass_g: 8.5", "mass_g: 8.25"))
+    after = Composer().compose(["payload=brass_8p5g"]).config
+    assert before["payload"] != after["payload"]
+
+
+def test_a_part_made_with_further_places_is_not_kept_for_others(tmp_path: Path) -> None:
+    (tmp_path / "payload").mkdir()
+    (tmp_path / "payload" / "mine.yaml").write_text("name: mine\n")
+    composer = Composer()
+    composer.compose([f"hydra.searchpath=[file://{tmp_path}]", "payload=mine"])
+    with pytest.raises(UsageError, match="payload"):
+        composer.compose(["payload=mine"])
+    with pytest.raises(UsageError, match="payload"):
+        Composer().compose(["payload=mine"])

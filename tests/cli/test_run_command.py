@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
+from hydra._internal.hydra import Hydra
 
 if TYPE_CHECKING:
     from conftest import Call
@@ -52,6 +53,29 @@ def test_bad_input_is_one_message_and_nothing_is_written(
     assert err.count("\n") == 1
     assert out == ""
     assert written(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("overrides", "modes"),
+    [
+        (["repetitions=0"], ["RUN"]),
+        (["repetitions=0", "hydra.mode=RUN"], ["MULTIRUN", "RUN"]),
+    ],
+)
+def test_hydra_composes_to_find_the_mode_only_where_one_is_given(
+    call: Call, monkeypatch: pytest.MonkeyPatch, overrides: list[str], modes: list[str]
+) -> None:
+    asked: list[str] = []
+    compose = Hydra.compose_config
+
+    def counted(self: Hydra, *given: Any, **named: Any) -> Any:
+        asked.append(named["run_mode"].name)
+        return compose(self, *given, **named)
+
+    monkeypatch.setattr(Hydra, "compose_config", counted)
+    code, _, err = call("run", *overrides)
+    assert code == 2 and "repetitions is 0" in err
+    assert asked == modes
 
 
 @pytest.mark.parametrize(

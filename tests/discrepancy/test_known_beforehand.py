@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
+import plain_kernel
 import pytest
 
 from hjcamp.analyses.data import evidence_of
@@ -14,15 +15,18 @@ from hjcamp.discrepancy.models.saved import complete
 from hjcamp.discrepancy.residuals.views import HOME, Views
 from hjcamp.discrepancy.screening.normal_equations import Gram, Group, Known, all_gains
 from hjcamp.effects import load_effects
+from hjcamp.model import simulator
 from hjcamp.model.candidate import Candidate
 
 SCALED = ("static", "coulomb", "viscous", "moving_mass", "line_stiffness")
 
 
 @pytest.mark.parametrize("scale", [0.2, -0.1])
-def test_forces_are_read_in_the_units_of_the_sensors(leak: Path, scale: float) -> None:
-    library = load_effects([])
-    views = Views(evidence_of([leak]), (library["leakage"], library["pressure_gain"]))
+def test_forces_are_read_in_the_units_of_the_sensors(leak: Path, scale: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    # one test in plain Python: a kernel with this effect would be compiled for nothing else
+    monkeypatch.setattr(simulator, "load_model", plain_kernel.plain)
+    monkeypatch.setattr(Views, "_needed", lambda self, candidate, hardware: self.effects)
+    views = Views(evidence_of([leak / "ramp_hold_r1.mcap"]), (load_effects([])["pressure_gain"],))
     plain = complete(Candidate({}), views.evidence)
     scaled = {name: value / (1.0 + scale) if name.startswith(SCALED) else value for name, value in plain.base.items()}
     both = Candidate(scaled, {"pressure_gain": {"error1": scale, "error2": scale}})

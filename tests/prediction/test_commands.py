@@ -20,6 +20,7 @@ from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.verdict import ONE_OF, Verdict, judged
 
 SAMPLES = Path(__file__).parents[2] / "docs" / "own_plant"
+ONLY = "spring,constant_force,quadratic_drag"  # those of the verdict's tests and of the notebook: one kernel
 run = CliRunner().invoke
 
 
@@ -40,7 +41,7 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
             "diagnose",
             "logs/train.mcap",
             "--only",
-            "spring,constant_force,quadratic_drag",
+            ONLY,
             "--json",
             "a.json",
             "--ask",
@@ -83,7 +84,7 @@ def test_a_group_has_its_page_though_the_model_has_one_of_it(stage: Path, monkey
         return analysis, replace(found, word=ONE_OF, effects=("spring", "constant_force"), confidence_set=sets)
 
     monkeypatch.setattr("hjcamp.prediction.verdict.agreed", group)
-    done = run(app, ["diagnose", "logs/train.mcap", "--only", "spring,constant_force", "--json", "a.json"])
+    done = run(app, ["diagnose", "logs/train.mcap", "--only", ONLY, "--json", "a.json"])
     assert done.exit_code == 0, done.exception
     answer = json.loads((stage / "a.json").read_text(encoding="utf-8"))
     assert (answer["verdict"], answer["effects"]) == ("one_of", ["spring", "constant_force"])
@@ -100,7 +101,7 @@ def test_calibrate_saves_the_base_of_any_plant(stage: Path) -> None:
 
 
 def test_next_takes_the_diagnosis_of_the_same_logs_and_sets_its_group_apart(stage: Path) -> None:
-    data, asked = Data(["logs/train.mcap"]), Asked(only="spring,constant_force,quadratic_drag")
+    data, asked = Data(["logs/train.mcap"]), Asked(only=ONLY)
     known = {"spring": {"stiffness": 140.0, "rest_position": 0.02}, "constant_force": {"strength": 4.0}}
     kept = {
         "schema": "hjcamp.diagnosis/2", "verdict": "one_of", "effects": list(known), "unknowns": [],

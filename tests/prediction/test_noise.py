@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 from carriage import COUNT, measured_log
 
-from hjcamp.effects import load_effects
-from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.measured import measured_tests
 from hjcamp.prediction.noise import noise_of, step_of
-from hjcamp.prediction.selection import Search
 
 TIME = np.linspace(0.0, 10.0, 5000)
 DRAWN = np.random.default_rng(1).normal(0.0, 1.0, 12000)
@@ -53,19 +49,12 @@ def test_motion_of_nine_samples_a_period_is_no_noise() -> None:
     assert noise_of(fast + 0.01 * DRAWN[:6000]) == pytest.approx(0.01, rel=0.3)
 
 
-def test_an_offset_below_one_count_is_none(axis: Path) -> None:
+def test_a_counter_begins_to_count_within_a_step(axis: Path) -> None:
     measured = measured_tests([measured_log()])
-    assert measured.steps == {"encoder": pytest.approx(COUNT)}
-    library = load_effects(plant=measured.plant)
-    search: Any = SimpleNamespace(
-        library=library, windows=SimpleNamespace(layout=SimpleNamespace(measured=measured))
-    )
-    for name, size, read in (
-        ("sensor_offset", 0.7, False), ("sensor_offset", 1.2, True), ("sensor_gain", 1e-9, True), ("spring", 1e-9, True)
-    ):  # fmt: skip
-        effects = {name: dict.fromkeys(library[name].parameters, size * COUNT)}
-        model: Any = SimpleNamespace(fitted=SimpleNamespace(candidate=Candidate({}, effects)))
-        assert Search.is_read(search, model, name) == read, name
+    assert measured.steps == pytest.approx([COUNT])
+    free = {one.name: one for one in calibrated(measured, {}, unknowns=False).base.fitted.free}
+    zero = free["zero.position_m"]
+    assert (zero.low, zero.high) == (pytest.approx(-COUNT), pytest.approx(COUNT))
 
 
 def test_a_declared_step_is_taken_as_it_is() -> None:

@@ -15,6 +15,7 @@ from hjcamp.prediction.fitting import Free
 from hjcamp.prediction.intervals import intervals
 from hjcamp.prediction.measured import measured_tests
 from hjcamp.prediction.windows import Layout
+from hjcamp.records.log import TestLog
 
 
 @pytest.fixture
@@ -94,3 +95,50 @@ def test_declared_values_may_be_far_off(axis: Path) -> None:
     found = calibrated(measured_tests([measured_log()]), {}, far, unknowns=False).base.fitted.candidate.base
     for name, true in (("mass", MASS), ("coulomb", COULOMB), ("viscous", VISCOUS)):
         assert found[name] == pytest.approx(true, rel=0.02), name
+
+
+def test_windows_are_no_longer_than_a_start_can_be_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("plants").mkdir()
+    Path("plants/falling.py").write_text(FALLING, encoding="utf-8")
+    # x'' = 400 x + u, held by somebody's loop: a start is 20 times as large after 0.15 s
+    time, x, v = np.arange(24000) * PERIOD, 1e-3, 0.0
+    places, pushes = np.empty(24000), np.empty(24000)
+    for k, wanted in enumerate(2e-3 * np.sin(0.5 * time) + 5e-4 * np.sin(2.1 * time)):
+        places[k] = np.round(x / 1e-7) * 1e-7
+        pushes[k] = -900.0 * (x - wanted) - 40.0 * v
+        for _ in range(20):
+            v += PERIOD / 20 * (400.0 * x + pushes[k])
+            x += PERIOD / 20 * v
+    columns = {"time_s": time, "place_m": places, "push_m_per_s2": pushes}
+    measured = measured_tests([TestLog(columns, {"plant": "falling", "period_s": str(PERIOD), "condition": "held"})])
+    found = calibrated(measured, {}, unknowns=False)
+    assert found.windows.layout.width * PERIOD < 0.2 < width_of(measured) * PERIOD
+    assert found.base.fitted.candidate.base["growth"] == pytest.approx(400.0, rel=0.01)
+
+
+FALLING = '''
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
+
+
+class Falling(Plant):
+    r"""A body that falls away from where it is.
+
+    .. math:: \\ddot x = k x + u
+    """
+
+    place = State("m", typical=2e-3)
+    velocity = State("m/s", typical=0.01)
+    push = Input("m/s^2", typical=1.0, text="what holds it")
+    growth = Parameter("1/s^2", 250.0, (1.0, 2e3), base=True, text="square of the rate at which it falls away")
+    place_m = Measured("eye", of="place")
+    loop = "foreign"
+    period = 0.002
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        """Fall."""
+        rate.place = state.velocity
+        rate.velocity = parameter.growth * state.place + drive.push
+        eye = sensor(state.place)
+'''

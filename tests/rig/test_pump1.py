@@ -12,15 +12,19 @@ from hjcamp.backends.nidaqmx import check_test
 from hjcamp.backends.virtual_rig.device import VirtualDevice
 
 PUMP1 = ("pump=pump1", "amplifier=low_gain")
+FASTEST = ("sine_1hz", "cycloid_neg", "mixed")
+OTHERS = ("ramp_pos", "ramp_neg", "sine_0p5hz", "cycloid_pos")
 TRAJECTORIES = {
-    "pid": ("ramp_pos", "ramp_neg", "sine_0p5hz", "sine_1hz", "cycloid_pos", "cycloid_neg", "mixed"),
-    "ffwd_pid": ("sine_1hz", "mixed"),  # its command jumps most
+    "pid": ("pid", FASTEST),
+    "pid, all": ("pid", (*OTHERS, *FASTEST)),
+    "ffwd_pid": ("ffwd_pid", ("sine_1hz", "mixed")),  # its command jumps most
 }
 
 
-@pytest.mark.parametrize("controller", TRAJECTORIES)
-def test_every_trajectory_ends_and_is_followed(compose: Any, device: VirtualDevice, controller: str) -> None:
-    for trajectory in TRAJECTORIES[controller]:
+@pytest.mark.parametrize("case", ["pid", pytest.param("pid, all", marks=pytest.mark.study), "ffwd_pid"])
+def test_every_trajectory_ends_and_is_followed(compose: Any, device: VirtualDevice, case: str) -> None:
+    controller, trajectories = TRAJECTORIES[case]
+    for trajectory in trajectories:
         config = compose(*PUMP1, f"trajectory={trajectory}", f"controller={controller}")
         check_test(config)
         columns, _ = backends.run_test(config, 1)

@@ -23,7 +23,9 @@ from hjcamp.records.recover import recover_log
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="SIGSTOP")
 READ_TIMEOUT_S = 0.1
 LOADED_S = 6.0  # for what a loaded computer does besides: it is far less than a call that never ends
-LINES = ("backend=nidaqmx", "rig=virtual", "trajectory=ramp_pos", "repetitions=2", "run_dir=run")
+# The command phase is soon reached.
+SOON = ("procedure.adjustment.enabled=false", "procedure.rest_ms=20")
+LINES = ("backend=nidaqmx", "rig=virtual", "trajectory=ramp_pos", *SOON, "repetitions=2", "run_dir=run")
 OUTPUTS = r"pump Dev1/ao0 \S+ V, preload Dev1/ao1 \S+ V, dither Dev1/ao2 \S+ V"
 
 

@@ -4,10 +4,11 @@ import math
 
 from numba import njit
 
+from truth.compiled import within
 from truth.plant import PULLEY_RADIUS, Plant
 
 
-@njit
+@within
 def arm_load(travel: float, speed: float, time: float, plant: Plant) -> float:
     """Return the sum of outside forces at the pulley's pitch line (N, positive in positive direction).
 

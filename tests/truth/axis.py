@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from truth.compiled import fingerprint_of
+from truth.compiled import fingerprint_of, within
 from truth.contact import contact_step, falling
 
 SAMPLE = 1e-3
@@ -94,7 +94,7 @@ class Axis(NamedTuple):
     swing_frequency: float = 8.0
 
 
-@njit
+@within
 def strength(
     place: float, speed: float, time: float, travelled: float, level: float, axis: Axis
 ) -> tuple[float, float]:
@@ -116,7 +116,7 @@ def strength(
     return max(upper, 1e-3 * axis.coulomb_positive), max(lower, 1e-3 * axis.coulomb_negative)
 
 
-@njit
+@within
 def outside_force(place: float, speed: float, time: float, axis: Axis) -> float:
     """Return the force on the carriage from outside (N).
 
@@ -143,7 +143,7 @@ def outside_force(place: float, speed: float, time: float, axis: Axis) -> float:
     return force
 
 
-@njit
+@within
 def drive_volt(volt: float, speed: float, time: float, axis: Axis) -> float:
     """Return the voltage that still makes force: dead band, saturation, loss by heat and by speed.
 
@@ -163,7 +163,7 @@ def drive_volt(volt: float, speed: float, time: float, axis: Axis) -> float:
     return volt * max(1 - axis.speed_loss * abs(speed), 0.0)
 
 
-@njit
+@within
 def encoder(place: float, time: float, axis: Axis) -> float:
     """Return what the scale shows at a place and time: scale error (steady and growing), drift, pitch error."""
     shown = place * (1 + axis.scale_error + axis.scale_drift * time)
@@ -177,7 +177,7 @@ def encoder(place: float, time: float, axis: Axis) -> float:
     return shown
 
 
-@njit
+@within
 def simulate(
     axis: Axis, reference: np.ndarray, pulses: np.ndarray, profile: np.ndarray, wander: np.ndarray, counted: float
 ) -> np.ndarray:
@@ -188,7 +188,9 @@ def simulate(
     """
     rows = np.zeros((reference.shape[0], 5))
     law, stretch = int(axis.law), np.zeros(6)
-    start, low, high = reference[0], reference.min(), reference.max()
+    start = low = high = reference[0]
+    for value in reference:
+        low, high = min(low, value), max(high, value)
     place, speed, travelled = start, 0.0, 0.0
     behind, behind_speed = start, 0.0
     seen, carried, bend = start, start, 0.0

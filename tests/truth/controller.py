@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from truth.compiled import within
 
 DIFFERENCE_SAMPLES = 5
 SAMPLE = 1e-3
@@ -35,7 +36,7 @@ class Procedure(NamedTuple):
     scale: float = 8.5
 
 
-@njit
+@within
 def pid_step(memory: np.ndarray, error: float, reference_change: float, procedure: Procedure) -> float:
     """Return the PID part of the pump command (deg) and update the memory (integral, direction, five past errors).
 
@@ -58,7 +59,7 @@ def pid_step(memory: np.ndarray, error: float, reference_change: float, procedur
     return procedure.scale * (kp * error + memory[0] + kd * slope)
 
 
-@njit
+@within
 def next_phase(phase: int, elapsed: float, adjusted: bool, samples_left: int, procedure: Procedure) -> int:
     """Return the phase of the next sample: 0 preload, 1 adjustment, 2 rest, 3 command, 4 release, 5 finished."""
     if phase == 0 and elapsed >= procedure.preload_time - 1e-9:

@@ -9,6 +9,7 @@ import math
 import numpy as np
 from numba import njit
 
+from truth.compiled import within
 from truth.plant import Plant
 
 # Four asperity groups of equal strength that yield at growing travel (relative to `bristle_travel`).
@@ -48,7 +49,7 @@ def asperity_step(
     return force, abs(yielded) == count
 
 
-@njit
+@within
 def bristle_step(bend: float, speed: float, strength: float, stiffness: float, step: float) -> float:
     """Return the bend of the bristles (m) after a step: z' = v - k |v| z / F (Canudas de Wit et al. 1995).
 
@@ -57,7 +58,7 @@ def bristle_step(bend: float, speed: float, strength: float, stiffness: float, s
     return (bend + step * speed) / (1 + step * stiffness * abs(speed) / strength)
 
 
-@njit
+@within
 def smooth_speed(
     speed: float, push: float, upper: float, lower: float, viscous: float, mass: float, step: float
 ) -> float:
@@ -76,7 +77,7 @@ def smooth_speed(
     return 0.5 * (low + high)
 
 
-@njit
+@within
 def sharp_speed(
     speed: float, push: float, upper: float, lower: float, viscous: float, mass: float, step: float
 ) -> tuple[float, float]:
@@ -108,7 +109,7 @@ def contact_step(contact: float, age: float, slip_speed: float, plant: Plant, st
     return contact, age
 
 
-@njit
+@within
 def surface_level(angle: float, worked: float, plant: Plant) -> float:
     """Return the factor on all dry friction at an arm angle (rad) after `worked` joules of friction.
 
@@ -128,7 +129,7 @@ def surface_level(angle: float, worked: float, plant: Plant) -> float:
     return level
 
 
-@njit
+@within
 def added_force(angle: float, pressure_sum: float, plant: Plant) -> float:
     """Return what adds to the dry friction of either direction (N).
 
@@ -142,7 +143,7 @@ def added_force(angle: float, pressure_sum: float, plant: Plant) -> float:
     return extra
 
 
-@njit
+@within
 def dry_strength(
     coulomb: float, static: float, contact: float, age: float, level: float, extra: float, relief: float, plant: Plant
 ) -> float:

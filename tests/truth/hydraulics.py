@@ -1,8 +1,8 @@
 """Both lines together: volumes in, pressures out, at the pump end and at the joint end."""
 
 import numpy as np
-from numba import njit
 
+from truth.compiled import within
 from truth.lines import creep_step, cross_leak, line_pressure, line_volume, outside_leak, tube_flow
 from truth.plant import Plant
 
@@ -14,13 +14,13 @@ PUMP_VOLUME, JOINT_VOLUME, FLOW, SLOW_CREEP, FAST_CREEP, PUMP_PRESSURE, JOINT_PR
 FAST_SHARE, FAST_RATIO = 0.2, 6.0
 
 
-@njit
+@within
 def has_tube(plant: Plant) -> bool:
     """Say whether the two ends of a line are kept apart (pi section); otherwise the line is one volume."""
     return (plant.tube_resistance + plant.tube_orifice + plant.tube_inertance + plant.kink_resistance) > 0.0
 
 
-@njit
+@within
 def fill_lines(state: np.ndarray, pressures: np.ndarray, stiffness: np.ndarray, plant: Plant) -> None:
     """Set the volumes of both lines so that they hold the given gauge pressures (Pa) with the creep they have."""
     share = JOINT_END_SHARE if has_tube(plant) else 0.0
@@ -32,7 +32,7 @@ def fill_lines(state: np.ndarray, pressures: np.ndarray, stiffness: np.ndarray, 
         state[FLOW, line] = 0.0
 
 
-@njit
+@within
 def lines_step(
     state: np.ndarray, pump_in: float, joint_in: float, stiffness: np.ndarray, angle: float, plant: Plant, step: float
 ) -> None:
@@ -76,7 +76,7 @@ def lines_step(
         state[JOINT_PRESSURE, line] = far_pressure
 
 
-@njit
+@within
 def wall_creep(state: np.ndarray, stiffness: np.ndarray, plant: Plant, span: float) -> None:
     """Let the wall creep for `span` seconds: a slow and a fast Kelvin-Voigt element in series with the elastic wall."""
     if plant.creep_share == 0.0:

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from truth.arm import arm_load
+from truth.compiled import within
 from truth.friction import (
     BRISTLE_DAMPING_SPEED,
     SMOOTH_SPEED,
@@ -28,7 +28,7 @@ PROFILE_STEP = 0.1e-3
 MICRO_DAMPING = 0.3
 
 
-@njit
+@within
 def asperity_stiffness(plant: Plant) -> np.ndarray:
     """Return the stiffness (N/m) of each asperity group of sliders and pulley, shape (2, 4), then their sums, (2, 5).
 
@@ -42,11 +42,13 @@ def asperity_stiffness(plant: Plant) -> np.ndarray:
         whole = mean / count / (plant.bristle_travel * YIELD_TRAVEL[group])
         stiffness[0, group] = (1 - pulley) * whole
         stiffness[1, group] = pulley * whole
-    stiffness[:, count] = np.sum(stiffness, axis=1)
+        # numba takes seconds to compile a sum along an axis
+        stiffness[0, count] += stiffness[0, group]
+        stiffness[1, count] += stiffness[1, group]
     return stiffness
 
 
-@njit
+@within
 def travel_fluctuation(profile: np.ndarray, travel: float) -> float:
     """Return this test's friction fluctuation at a travel (m), interpolated on its 0.1 mm grid."""
     place = travel / PROFILE_STEP + 0.5 * (profile.shape[0] - 1)
@@ -56,7 +58,7 @@ def travel_fluctuation(profile: np.ndarray, travel: float) -> float:
     return (1 - share) * profile[index] + share * profile[index + 1]
 
 
-@njit
+@within
 def joint_step(
     body: np.ndarray,
     stretch: np.ndarray,

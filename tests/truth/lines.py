@@ -4,6 +4,7 @@ import math
 
 from numba import njit
 
+from truth.compiled import within
 from truth.plant import ATMOSPHERE, VAPOUR, Plant
 
 
@@ -41,7 +42,7 @@ def outside_leak(pressure: float, plant: Plant) -> float:
     return plant.leak_conductance * pressure * gap * gap * gap
 
 
-@njit
+@within
 def cross_leak(difference: float, plant: Plant) -> float:
     """Return the flow from line 1 to line 2 (m^3/s): laminar when small, orifice-like when large.
 
@@ -50,7 +51,7 @@ def cross_leak(difference: float, plant: Plant) -> float:
     return plant.cross_conductance * difference / math.sqrt(1 + abs(difference) / plant.cross_turbulent_pressure)
 
 
-@njit
+@within
 def tube_flow(flow: float, drop: float, resistance: float, stiffness: float, plant: Plant, step: float) -> float:
     """Return the flow (m^3/s) in the tube between the two compliant ends of a line, implicit in its own drop.
 
@@ -61,7 +62,7 @@ def tube_flow(flow: float, drop: float, resistance: float, stiffness: float, pla
     return (flow * inertia + drop) / (inertia + resistance + plant.tube_orifice * abs(flow) + step * stiffness)
 
 
-@njit
+@within
 def creep_step(extra: float, target: float, time_constant: float, step: float) -> float:
     """Advance one Kelvin-Voigt element of the wall (m^3): w' = (c p/K - w)/tau (Flugge, Viscoelasticity, 1975)."""
     return extra + step * (target - extra) / time_constant

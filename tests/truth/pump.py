@@ -2,6 +2,7 @@
 
 from numba import njit
 
+from truth.compiled import within
 from truth.plant import PUMP_AREA, Plant
 
 FULL_SCALE_VOLT = 10.0
@@ -26,7 +27,7 @@ def servo_step(
     return position + step * speed, speed, drive
 
 
-@njit
+@within
 def carriage_step(
     carriage: float, nut: float, nut_change: float, pressure_difference: float, plant: Plant, step: float
 ) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from truth.axis import PROFILE_POINTS, RING, Axis, drive_volt, encoder, outside_force, strength
-from truth.compiled import fingerprint_of
+from truth.compiled import fingerprint_of, within
 from truth.contact import contact_step
 
 PERIOD = 2e-3
@@ -37,7 +37,7 @@ class Swing(NamedTuple):
     stop_form: float = 0.0
 
 
-@njit
+@within
 def swing_torque(angle: float, speed: float, time: float, swing: Swing) -> float:
     """Return the torque of the weight and of a stop on the joint that bears them (N m)."""
     moment = swing.weight * (1 + swing.sliding * speed * speed)
@@ -51,7 +51,7 @@ def swing_torque(angle: float, speed: float, time: float, swing: Swing) -> float
     return torque
 
 
-@njit
+@within
 def rope_torque(stretch: float, rate: float, swing: Swing) -> float:
     """Return what the rope passes on (N m): k (s + h s^3) + d s'; below `slack` (rad) to each side it hangs loose."""
     if abs(stretch) <= swing.slack:
@@ -60,7 +60,7 @@ def rope_torque(stretch: float, rate: float, swing: Swing) -> float:
     return swing.rope * taut * (1 + swing.hardening * taut * taut) + swing.rope_damping * rate
 
 
-@njit
+@within
 def simulate(
     motor: Axis, arm: Axis, swing: Swing, torque: np.ndarray, profile: np.ndarray, wander: np.ndarray, counted: float
 ) -> np.ndarray:

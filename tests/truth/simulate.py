@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from truth.arm import disc_reading
+from truth.compiled import within
 from truth.controller import SAMPLE, Procedure, next_phase, pid_step
 from truth.hydraulics import PUMP_PRESSURE, fill_lines, lines_step, wall_creep
 from truth.joint import BODY_ROWS, asperity_stiffness, joint_step
@@ -39,7 +40,7 @@ CONVERTER_PA = 0.689e6 / 2**14
 METRES_PER_DEGREE = 1e-3 / 360
 
 
-@njit
+@within
 def simulate(
     plant: Plant,
     procedure: Procedure,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hjcamp.backends.simulation import prepare
 from hjcamp.backends.virtual_rig import tick
 from hjcamp.model.kernel import load_model
-from hjcamp.model.simulator import PERIOD
+from hjcamp.model.simulator import PERIOD, Propagators
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.loop import FRESH
 from hjcamp.plants.pump_joint.procedure import Procedure
@@ -57,11 +57,22 @@ class VirtualPlant:
         self._history = np.zeros(LONGEST_DELAY)
         self._memory = FRESH.copy()
         self._work = self._simulator.scratch()
-        # Loaded here: the first sample of a test is no time to compile.
-        self._kernel = load_model(f"{self._simulator.source}\n\n{_tick_text()}\n\n")
+        self._kernel = load_model(f"{self._simulator.bench_source}\n\n{_tick_text()}\n\n")
         self._burst = np.zeros(0, dtype=np.int64)
         self.sample = -1
         self.seen = np.zeros(len(READINGS))
+        if not getattr(self._kernel.rig_tick, "signatures", True):
+            self._compile()
+
+    def _compile(self) -> None:
+        # By a sample of a twin: in the first sample of a test a client on another computer would give up waiting.
+        twin = copy.copy(self)
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray):
+                setattr(twin, name, value.copy())
+        plan, space, steps = self._propagators
+        twin._propagators = Propagators(plan.copy(), space.copy(), steps.copy())
+        twin.advance(np.zeros(3))
 
     def advance(self, outputs: Array) -> Array:
         """Go on to the next sample under ``outputs`` (pump command rad, dither V, preload speed m/s).

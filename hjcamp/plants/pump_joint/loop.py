@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from hjcamp.plants.pump_joint.procedure import Procedure
 
 Array = NDArray[np.float64]
 FUNCTIONS = ("measure", "sense", "decide", "act", "closed_loop")
+BENCH = ("measure", "sense", "act")
 RECORDED = ("phase", "reference", "command", "pid", "feedforward", "dither")
 FRESH = np.array([0.0, -1.0, 0.0, 0.0])  # what `sample.sense` remembers before the first sample
 
@@ -59,7 +61,20 @@ class JointSimulator(Simulator):
         """The controller."""
         return (self.controller,)
 
+    @cached_property
+    def bench_source(self) -> str:
+        """The text of a kernel with plant, sensors and procedure: whatever controls is elsewhere, so all controllers share it."""
+        return self._looked_at(
+            lambda: kernel_source(
+                self.composition, self._places() + law_source(self.procedure, "procedure") + copied(sample, BENCH)
+            )
+        )
+
     def _text(self) -> str:
+        text = self._places() + law_source(self.controller, "control") + law_source(self.procedure, "procedure")
+        return kernel_source(self.composition, text + copied(sample, FUNCTIONS))
+
+    def _places(self) -> str:
         composition, inputs = self.composition, self.composition.inputs
         fields = [channel.field for channel in composition.plant.channels]
         lines = [
@@ -72,9 +87,7 @@ class JointSimulator(Simulator):
             f"PRELOAD = {inputs.index('preload_flow')}",
             f"SCATTER = {inputs.index('friction_scatter')}",
         ]
-        text = "\n".join(lines) + "\n\n\n"
-        text += law_source(self.controller, "control") + law_source(self.procedure, "procedure")
-        return kernel_source(composition, text + copied(sample, FUNCTIONS))
+        return "\n".join(lines) + "\n\n\n"
 
     @limited
     def run(

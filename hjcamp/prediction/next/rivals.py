@@ -13,7 +13,7 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.next.draws import draws
-from hjcamp.prediction.screening import Projection, probes_of, probes_of_unknown
+from hjcamp.prediction.screening import Projection
 from hjcamp.prediction.selection import Scored
 from hjcamp.prediction.verdict import CANNOT_TELL, EFFECT, NOTHING, ONE_OF
 
@@ -143,12 +143,10 @@ def _added(analysis: Analysis, model: Scored, name: str) -> Scored:
     place, windows.place = windows.place, model.place
     fitted, projection = model.fitted, Projection(model.fitted)
     if name in search.unknowns:
-        unknown_one = search.unknowns[name]
-        [probe] = probes_of_unknown(windows, fitted.candidate, fitted.features, unknown_one)
-        begun = search.begun_unknown(fitted, projection.promise(probe, unknown_one.effect))
+        [probe] = search.probes(fitted, name)
+        begun = search.begun_unknown(fitted, projection.promise(probe, search.unknowns[name].effect))
     else:
-        effect = search.library[name]
-        probes = probes_of(windows, fitted.candidate, fitted.features, effect)
+        effect, probes = search.library[name], search.probes(fitted, name)
         begun = search.begun(projection, name, [projection.promise(probe, effect) for probe in probes])
     found = search.fitted(begun.candidate, begun)
     windows.place = place
@@ -164,7 +162,7 @@ def _hidden(analysis: Analysis, seed: int) -> Question:
     for name, effect in search.library.items():
         if name in base.names:
             continue
-        probe = next(iter(probes_of(windows, base.fitted.candidate, base.fitted.features, effect)), None)
+        probe = next(iter(search.probes(base.fitted, name)), None)
         if probe is None:
             continue
         seen = float(np.linalg.norm(projection.free_of_base(probe.responses)))

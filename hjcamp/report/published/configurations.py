@@ -138,8 +138,12 @@ def _published(campaign: str, key: tuple[str, ...]) -> dict[str, Any] | None:
 @lru_cache(maxsize=1)
 def _composer() -> Composer:
     # Our own files alone: a user's group of the same name must not pass for the published one.
-    folders = ("pkg://hydra.conf", f"file://{packaged_root() / 'conf'}", f"plants://{OWN_PLANTS}", "structured://")
-    return Composer(zip(("hydra", "main", "plants", "schema"), folders, strict=True))
+    root = packaged_root()
+    folders = (
+        "pkg://hydra.conf", f"file://{root / 'conf'}", f"campaigns://{root / 'campaigns'}", f"plants://{OWN_PLANTS}",
+        "structured://",
+    )  # fmt: skip
+    return Composer(zip(("hydra", "main", "hjcamp", "plants", "schema"), folders, strict=True))
 
 
 @lru_cache(maxsize=16)

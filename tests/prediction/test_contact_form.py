@@ -1,0 +1,76 @@
+"""A contact that gives way by micrometres is how contacts are; where more is asked than that, it is an effect."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from carriage import COULOMB, GAIN, MASS, PERIOD, VISCOUS
+
+from hjcamp.effects import load_effects
+from hjcamp.prediction import contact_form
+from hjcamp.prediction.analysis import Analysis, calibrated
+from hjcamp.prediction.answer import calibration
+from hjcamp.prediction.measured import Measured, measured_tests
+from hjcamp.prediction.verdict import judged
+from hjcamp.records.log import TestLog
+
+SMALL = 40
+COUNT, BEND = 1e-7, 4e-6
+
+
+def bristled_log(bend: float, seconds: float = 16.0) -> TestLog:
+    """Return a log of a carriage whose friction is Dahl's, with ``bend`` (m) to full slip, solved by small steps."""
+    time = np.arange(round(seconds / PERIOD)) * PERIOD
+    wanted = 0.06 * np.sin(1.4 * time) + 0.03 * np.sin(3.7 * time + 1.0) - 0.03 * np.sin(1.0)
+    x = v = z = 0.0
+    h = PERIOD / SMALL
+    places, volts = np.empty(len(time)), np.empty(len(time))
+    for k in range(len(time)):
+        places[k] = np.round(x / COUNT) * COUNT
+        volts[k] = 160.0 * (wanted[k] - x) - 6.0 * v
+        for _ in range(SMALL):
+            z = (z + h * v) / (1.0 + h * abs(v) / bend)
+            v += h * (GAIN * volts[k] - VISCOUS * v - COULOMB * z / bend) / MASS
+            x += h * v
+    columns = {"time_s": time, "position_m": places, "voltage_v": volts}
+    return TestLog(columns, {"plant": "axis", "period_s": str(PERIOD), "condition": "swing"})
+
+
+@pytest.fixture
+def measured(axis: Path) -> Measured:
+    return measured_tests([bristled_log(BEND)])
+
+
+def analysed(measured: Measured) -> Analysis:
+    library = load_effects(plant=measured.plant)
+    return calibrated(measured, {name: library[name] for name in ("presliding", "spring")})
+
+
+def test_the_form_of_a_contact_is_the_bases_where_it_is_small(measured: Measured) -> None:
+    analysis = analysed(measured)
+    found = judged(analysis)
+    assert analysis.base.names == ("presliding",) and found.word == "nothing_missing" and found.effects == ()
+    own = analysis.base.fitted.candidate
+    # Dahl's law has another curve: its slope at full slip is a third of ours
+    assert 1.0 < own.effects["presliding"]["compliance"] * COULOMB / BEND < 2.5
+    assert own.base["mass"] == pytest.approx(MASS, rel=0.01) and own.base["coulomb"] == pytest.approx(COULOMB, rel=0.02)
+    rows = calibration(analysis)
+    assert rows["presliding compliance"]["unit"] == "m/N" and "zero.position_m" not in rows
+    # where the carriage slides all the time the form is left out, and predicts no worse
+    windows, slides = analysis.windows, analysis.windows.slides
+    assert slides is not None and 0.3 < np.mean(slides) < 1.0
+    split = windows.features(own)
+    windows.slides = None
+    assert np.sum(split[slides] ** 2) < np.sum(windows.features(own)[slides] ** 2)
+    assert np.allclose(split[slides], windows.features(own.without(["presliding"]))[slides], atol=1e-6)
+
+
+@pytest.mark.study
+def test_what_is_larger_than_granted_is_an_effect(measured: Measured, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(contact_form, "GRANTED", 2e-5)
+    analysis = analysed(measured)
+    assert analysis.base.names == () and analysis.search.begins["presliding"]["compliance"] > 1e-7
+    named = judged(analysis)
+    assert (named.word, named.effects) == ("effect", ("presliding",))
