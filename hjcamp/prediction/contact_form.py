@@ -36,6 +36,7 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             most = _granted(search, base.fitted, port)
             if most <= 0.0:
                 continue
+            known = name in search.begins
             search.report(f"form of {port.name.replace('_', ' ')}", 0.5)
             best = min(_tried(search, base.fitted, effect, most), key=lambda one: one.loss)
             if not best.loss < base.fitted.loss:
@@ -46,7 +47,9 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             windows, before = search.windows, (search.windows.forms, search.windows.slides)
             windows.forms, windows.slides = windows.forms | {name}, _slides(search, best, port)
             found = search.resettled(search.fitted(best.candidate, best))
-            if found.fitted.candidate.effects[name][give_of(effect)] <= most and found.left_out < base.left_out:
+            small = found.fitted.candidate.effects[name][give_of(effect)] <= most
+            # windows of one width must show it chapter by chapter; those of another need not say it again
+            if small and found.left_out < base.left_out and (known or search.beats(found, base)):
                 base = found
                 search.begins[name] = dict(found.fitted.candidate.effects[name])
             else:
