@@ -46,7 +46,9 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             windows, before = search.windows, (search.windows.forms, search.windows.slides)
             windows.forms, windows.slides = windows.forms | {name}, _slides(search, best, port)
             found = search.resettled(search.fitted(best.candidate, best))
-            if found.fitted.candidate.effects[name][give_of(effect)] <= most and found.left_out < base.left_out:
+            small = found.fitted.candidate.effects[name][give_of(effect)] <= most
+            # it is claimed of nobody: what predicts chapters left out better is taken
+            if small and found.left_out < base.left_out:
                 base = found
                 search.begins[name] = dict(found.fitted.candidate.effects[name])
             else:

@@ -119,8 +119,7 @@ def fit(
     """Return the fit from ``start`` within its bounds; it never is worse than that. Window starts stay as they are.
 
     Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6) and are computed afresh
-    where a step gains little. ``near`` lends its slopes; ``exact`` asks for fresh ones at the end, and where it is not asked for a
-    fit ends where lent ones gain little.
+    where a step gains nothing. ``near`` lends its slopes; ``exact`` asks for fresh ones at the end.
     """
     candidate, damping = start, 1e-3
     for one in free:
@@ -156,7 +155,7 @@ def fit(
             damping *= 10.0
             if not fresh and damping > FARTHEST:
                 break
-        if gained < (GAINED if fresh else ENOUGH) and (fresh or not exact):
+        if gained < GAINED and fresh:
             break
         fresh = gained < ENOUGH
         if fresh:
