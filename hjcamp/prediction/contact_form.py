@@ -38,7 +38,7 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
                 continue
             search.report(f"form of {port.name.replace('_', ' ')}", 0.5)
             best = min(_tried(search, base.fitted, effect, most), key=lambda one: one.loss)
-            if not best.loss < base.fitted.loss:
+            if not np.isfinite(best.loss):
                 continue
             search.begins[name] = dict(best.candidate.effects[name])
             if best.candidate.effects[name][give_of(effect)] > most:
