@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
+from plain_kernel import uncompiled
 
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import MOST_GATED, Composition
 from hjcamp.model.effect import Effect
-from hjcamp.model.kernel import kernel_source, shared_source
-from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.shared import CURVED, PRESENT, STATES
 from hjcamp.model.simulator import Simulator
 from hjcamp.model.source_text import behind_one_test
@@ -31,11 +27,8 @@ class Plain:
 
     def __init__(self, effects: tuple[type[Effect], ...], gated: bool) -> None:
         self.simulator = Simulator(Composition(PumpJoint, effects, CUT, gated=gated))
-        load_kernel(shared_source())
-        text = kernel_source(self.simulator.composition)
-        self.functions: dict[str, Any] = {}
-        exec(text.replace("{decorator}", "entry = hot = inlined = once = lambda function: function"), self.functions)
-        self.simulator.__dict__["kernel"] = SimpleNamespace(**self.functions)
+        uncompiled(self.simulator)
+        self.functions = vars(self.simulator.kernel)
 
     def step(
         self, direction: float, values: dict[str, float], state: dict[str, float], gate: str = ""
