@@ -40,8 +40,8 @@ def compare_plant(data: Data, names: Sequence[str], report: Report = silent) -> 
     from hjcamp.prediction.model_file import load_model
 
     check_models(names)
-    library = load_effects(plant=data.plant)
-    models = {name: load_model(name, data.plant, library) for name in names}
+    library = load_effects(plant=data.measured.plant)
+    models = {name: load_model(name, data.measured.plant, library) for name in names}
     report("compiling, once for these models", 0.05)
     return compared(data.measured, library, models, report)
 

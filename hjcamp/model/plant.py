@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from hjcamp.model.cached import cached
 from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.field_table import Field
 from hjcamp.model.instance import Instance
@@ -83,6 +84,11 @@ class Plant:
             cls.base_parameters = tuple(name for name, item in cls.parameters.items() if item.base)
 
     @classmethod
+    def sampled(cls, period: float) -> type[Plant]:
+        """Return the plant with another usual time between samples, s: itself where that is its own."""
+        return cls if period == cls.period else _sampled(cls, period)
+
+    @classmethod
     def sentence(cls) -> str:
         """Return the first sentence of the docstring."""
         return docstring_sentence(cls)
@@ -125,3 +131,9 @@ class Plant:
     def cut(cls, name: str) -> Cut:
         """Return the cut called ``name``."""
         return next(cut for cut in cls.cuts if cut.name == name)
+
+
+@cached
+def _sampled(plant: type[Plant], period: float) -> type[Plant]:
+    own = {"period": period, "__doc__": plant.__doc__, "__module__": plant.__module__}
+    return type(plant.__name__, (plant,), own)

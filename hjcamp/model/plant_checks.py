@@ -132,8 +132,8 @@ def other_period(plant: type[Plant], period: float) -> str:
     if 1.0 / SEVERAL <= period / plant.period <= SEVERAL:
         return ""
     return (
-        f"plant {plant.name}: the logs have one sample each {period:g} s, the plant says {plant.period:g} s: write "
-        f"'period = {period:g}' beside its parameters; delays and lags are looked for in multiples of it"
+        f"plant {plant.name}: the logs have one sample each {period:g} s, the plant says {plant.period:g} s: they are "
+        f"analysed as they are; write 'period = {period:g}' beside its parameters, so that it is simulated alike"
     )
 
 

@@ -121,6 +121,9 @@ def measured_tests(logs: Sequence[TestLog]) -> Measured:
                 f"{log.path}: one sample each {log.period:g} s, but each {period:g} s in {logs[0].path}; "
                 "analyse tests of one sampling period together"
             )
+    # effects have their times in samples of the logs, whatever the plant's file says of its own
+    if abs(period / plant.period - 1.0) > RATE_TOLERANCE:
+        plant = plant.sampled(period)
     present = [name for name in plant.measured if all(name in log.columns for log in logs)]
     if not present:
         raise UsageError(f"{logs[0].path}: none of the channels of plant {plant.name}: {', '.join(plant.measured)}")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from carriage import COUNT, measured_log
 
+from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.plants import find_plant
 from hjcamp.prediction.measured import measured_tests
@@ -50,3 +51,16 @@ def test_what_cannot_be_analysed_is_refused(axis: Path) -> None:
     bad[7] = np.nan
     with pytest.raises(UsageError, match="sample 7"):
         measured_tests([replace(log, columns={**log.columns, "position_m": bad})])
+
+
+def test_effects_have_their_times_in_samples_of_the_logs(axis: Path) -> None:
+    log = measured_log(seconds=2.0)
+    slow = replace(
+        log,
+        columns={**log.columns, "time_s": 1000.0 * log.columns["time_s"]},
+        metadata={**log.metadata, "period_s": "2"},
+    )
+    quick, late = measured_tests([log]).plant, measured_tests([slow]).plant
+    assert late.name == quick.name and late.period == 2.0 and late is measured_tests([slow]).plant
+    delays = [load_effects(plant=plant)["command_delay"].parameters["delay"] for plant in (quick, late)]
+    assert delays[1].bounds[1] == pytest.approx(1000.0 * delays[0].bounds[1])
