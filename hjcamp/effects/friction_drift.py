@@ -30,6 +30,7 @@ class FrictionDrift(Effect):
     """
 
     acts_on = "contact"
+    scatters = True
     drift = Parameter("1/period", 5e-5, (-1e-3, 2e-3), text="share of friction gained in each second at first", off=0.0)
     settling_time = Parameter(
         "period", 1e4, (200.0, 1e5), "log-uniform", "time after which the rate has fallen to 37 %", shape=True

@@ -20,6 +20,7 @@ class PositionFriction(Effect):
     """
 
     acts_on = "contact"
+    scatters = True
     amplitude = Parameter("1", 0.2, (0.0, 0.9), text="largest change of friction over its mean", off=0.0)
     period = Parameter("travel", 1.0, (0.02, 4.0), "log-uniform", "travel of one period", shape=True)
     phase = Parameter("rad", 0.0, (-3.15, 3.15), text="phase at travel 0", shape=True)

@@ -149,6 +149,7 @@ def _bound(
         "__module__": effect.__module__,
         "subsystem": ports[0].subsystem or ports[0].kind,
         "same_as": instance.same_as if instance else effect.same_as,
+        "scatters": effect.scatters,
         "exact_in": instance.exact_in if instance else effect.exact_in,
         **groups,
     }
@@ -158,6 +159,8 @@ def _bound(
         called |= {own: f"{own}_{port.name}" if len(ports) > 1 else own for own in effect.states}
         if instance:
             called |= {own: new for own, new in instance.at[port.name].items() if own in called}
+        if effect.granted:
+            body["granted"] = called[effect.granted]
         quantities = Quantities(plant, port)
         for parameter in effect.parameters.values():
             own = called[parameter.name]

@@ -76,6 +76,8 @@ class Effect:
     same_as: ClassVar[tuple[str, ...]] = ()
     # Parameter, a deflection for each unit of force, of which every contact has a little: that is its form, no effect.
     granted: ClassVar[str] = ""
+    # Whether it is friction that differs from place to place or in time, as every contact's does by a little.
+    scatters: ClassVar[bool] = False
     # Drivers in which the law is exact: where what it leaves still depends on one, it was not this effect.
     exact_in: ClassVar[tuple[str, ...]] = ()
     terms: ClassVar[dict[str, Term]] = {}

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages
-from hjcamp.prediction.contact_form import give_of
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.selection import Scored, Step, critical
@@ -112,7 +111,7 @@ def calibration(analysis: Analysis) -> dict[str, dict[str, Any]]:
     plant, found = analysis.measured.plant, {}
     forms = {name: analysis.search.library[name] for name in analysis.base.names if name not in analysis.start.effects}
     for one in intervals(analysis.base.fitted, analysis.search.chapters):
-        if one.effect in forms and one.name == give_of(forms[one.effect]):
+        if one.effect in forms and one.name == forms[one.effect].granted:
             item = forms[one.effect].parameters[one.name]
             found[f"{one.effect} {one.name}"] = {
                 "published": 0.0,

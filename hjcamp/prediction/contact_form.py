@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.port import Port
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.prediction.fitting import Fitted, fit
-from hjcamp.prediction.levels import GRANTED, TRIED_ROUNDS
+from hjcamp.prediction.fitting import Fitted
+from hjcamp.prediction.levels import GRANTED
 from hjcamp.prediction.selection import Scored, Search
 from hjcamp.prediction.starts import rate_of
 
@@ -37,43 +38,32 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             if most <= 0.0:
                 continue
             search.report(f"form of {port.name.replace('_', ' ')}", 0.5)
-            best = min(_tried(search, base.fitted, effect, most), key=lambda one: one.loss)
-            if not np.isfinite(best.loss):
-                continue
-            search.begins[name] = dict(best.candidate.effects[name])
-            if best.candidate.effects[name][give_of(effect)] > most:
-                continue
             windows, before = search.windows, (search.windows.forms, search.windows.slides)
-            windows.forms, windows.slides = windows.forms | {name}, _slides(search, best, port)
-            found = search.resettled(search.fitted(best.candidate, best))
-            small = found.fitted.candidate.effects[name][give_of(effect)] <= most
-            # it is claimed of nobody: what predicts chapters left out better is taken
-            if small and found.left_out < base.left_out:
-                base = found
-                search.begins[name] = dict(found.fitted.candidate.effects[name])
-            else:
-                windows.forms, windows.slides = before
+            windows.forms, windows.slides = windows.forms | {name}, None
+            best = search.best_of(list(_tried(search, base.fitted, effect, most)), base.fitted)
+            if np.isfinite(best.loss):
+                search.begins[name] = dict(best.candidate.effects[name])
+                if best.candidate.effects[name][effect.granted] <= most:
+                    windows.slides = _slides(search, best, port, before[1])
+                    found = search.resettled(search.fitted(best.candidate, best))
+                    small = found.fitted.candidate.effects[name][effect.granted] <= most
+                    # it is claimed of nobody: what predicts chapters left out better is taken
+                    if small and found.left_out < base.left_out:
+                        base = found
+                        search.begins[name] = dict(found.fitted.candidate.effects[name])
+                        continue
+            windows.forms, windows.slides = before
     search.windows.place = base.place
     return base
 
 
 def _contacts(search: Search, effect: type[Effect]) -> Iterator[Port]:
     """Yield the contact whose form an effect is, where it is one."""
-    generic = getattr(effect, "made_of", (None,))[0]
-    if generic is None or not generic.granted:
+    if not effect.granted:
         return
     for port in read_vocabulary(search.windows.layout.measured.plant).ports.values():
-        if port.kind == generic.acts_on and port.names.get("friction") in effect.terms:
+        if port.names.get("friction") in effect.terms:
             yield port
-
-
-def give_of(effect: type[Effect]) -> str:
-    """Return the bound name of the deflection for each unit of force."""
-    generic, _, _, _, instance = effect.made_of  # type: ignore[attr-defined]
-    for names in instance.at.values() if instance else ():
-        if generic.granted in names:
-            return str(names[generic.granted])
-    return str(generic.granted)
 
 
 def _granted(search: Search, fitted: Fitted, port: Port) -> float:
@@ -85,20 +75,26 @@ def _granted(search: Search, fitted: Fitted, port: Port) -> float:
     return GRANTED * (high - low) / friction if friction > 0.0 else 0.0
 
 
-def _slides(search: Search, fitted: Fitted, port: Port) -> NDArray[np.bool_]:
-    """Return in which windows (windows,) this contact and those before it slide all the time, one way."""
+def _slides(search: Search, fitted: Fitted, port: Port, others: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+    """Return in which windows (windows,) this contact slides all the time, one way, and so do ``others``."""
     windows = search.windows
     plant = windows.layout.measured.plant
     speed = windows.readings(fitted.candidate)[1][:, list(plant.states).index(port.names["velocity"])]
     each = speed.reshape(len(windows.starts), -1)
     least = AT_REST * math.sqrt(float(np.mean(speed**2)))
     found = (each.min(axis=1) > least) | (each.max(axis=1) < -least)
-    return found if windows.slides is None else found & windows.slides
+    return found if others is None else found & others
 
 
-def _tried(search: Search, before: Fitted, effect: type[Effect], most: float) -> list[Fitted]:
-    """Return short fits: from the form that is known of windows of another length, else from several compliances."""
-    known = search.begins.get(effect.name)
-    values = [known] if known else [{**effect.defaults(), give_of(effect): share * most} for share in TRIED]
-    starts = [before.candidate.with_effect(effect.name, own) for own in values]
-    return [fit(search.windows, one, search.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts]
+def _tried(search: Search, before: Fitted, effect: type[Effect], most: float) -> Iterator[Candidate]:
+    """Yield the model with the form that is known of windows of another length, else with several compliances.
+
+    Each with the other shapes as usual, and with one of them least.
+    """
+    known, usual = search.begins.get(effect.name), effect.defaults()
+    others = [item for item in effect.parameters.values() if item.shape and item.name != effect.granted]
+    shapes = [{}, *({item.name: item.bounds[0]} for item in others)]
+    for own in (
+        [known] if known else [{**usual, effect.granted: share * most, **one} for share in TRIED for one in shapes]
+    ):
+        yield before.candidate.with_effect(effect.name, own)

@@ -20,7 +20,7 @@ ROUNDS = 12
 SETTLED = 0.5
 # So many turns at most; more from declared values, which may be far off.
 TURNS, TURNS_OF_BASE = 3, 20
-GAINED = 0.02
+GAINED = 0.05
 WORST_DAMPING = 1e6
 # Slopes that are followed by secants are computed afresh where a step gains less, or must be damped more.
 ENOUGH = 2.0
@@ -60,6 +60,11 @@ class Free:
         """Return the candidate with this value moved onto the nearer bound where it lies beyond one."""
         value = candidate.effects[self.effect][self.name] if self.effect else candidate.base[self.name]
         return candidate if self.low <= value <= self.high else self.into(candidate, self.of(candidate))
+
+    def bounded(self, candidate: Candidate) -> bool:
+        """Whether it stands at one of its bounds."""
+        value = candidate.effects[self.effect][self.name] if self.effect else candidate.base[self.name]
+        return value in (self.low, self.high)
 
     def surprise(self, candidate: Candidate) -> float:
         """Return how many standard deviations it is from where it was known to be."""
@@ -118,8 +123,9 @@ def fit(
 ) -> Fitted:
     """Return the fit from ``start`` within its bounds; it never is worse than that. Window starts stay as they are.
 
-    Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6) and are computed afresh
-    where a step gains nothing. ``near`` lends its slopes; ``exact`` asks for fresh ones at the end.
+    Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6). They are computed afresh
+    where a step gains little, and once more where it gains nothing; ``near`` lends its own, ``exact`` asks for fresh ones at
+    the end.
     """
     candidate, damping = start, 1e-3
     for one in free:
@@ -127,6 +133,7 @@ def fit(
     features = windows.features(candidate)
     current = whole_loss(features, candidate, free)
     slopes, fresh = _lent(windows, candidate, free, features, near)
+    close = fresh  # whether no step since they were computed has gained much
     for _ in range(rounds):
         if not free or not np.isfinite(current):
             break
@@ -157,10 +164,12 @@ def fit(
                 break
         if gained < GAINED and fresh:
             break
-        fresh = gained < ENOUGH
-        if fresh:
-            slopes, damping = slopes_of(windows, candidate, free, features), min(damping, 1e-3)
-    if exact and not fresh and np.isfinite(current):
+        fresh = False
+        if gained >= ENOUGH:
+            close = False
+        elif gained < GAINED or not close:
+            slopes, damping, fresh, close = slopes_of(windows, candidate, free, features), min(damping, 1e-3), True, True
+    if exact and not close and np.isfinite(current):
         slopes = slopes_of(windows, candidate, free, features)
     return Fitted(candidate, tuple(free), features, slopes, current)
 

@@ -19,6 +19,7 @@ class Kernels:
 
     plant: type[Plant]
     effects: Mapping[str, type[Effect]]
+    _held: tuple[str, ...] = ()
     _chunks: list[tuple[str, ...]] = field(default_factory=list)
     _made: dict[tuple[str, ...], Simulator] = field(default_factory=dict)
 
@@ -30,9 +31,21 @@ class Kernels:
         self.effects = {**self.effects, **effects}
         self._cut()
 
+    def hold(self, names: Collection[str]) -> None:
+        """Let these effects be part of models beside any other one without a further kernel."""
+        self._held = tuple(names)
+        self._cut()
+
     def _cut(self) -> None:
-        names = list(self.effects)
-        self._chunks = [tuple(names[k : k + MOST_GATED]) for k in range(0, len(names), MOST_GATED)]
+        """Cut the effects into chunks for one kernel each; the forms of contacts and what is held belong to every chunk."""
+        kept = {name for name, effect in self.effects.items() if effect.granted} | set(self._held)
+        rest = list(self.effects)
+        first, rest = rest[:MOST_GATED], rest[MOST_GATED:]
+        size = MOST_GATED - len(kept)
+        self._chunks = [tuple(first)] if first else []
+        for k in range(0, len(rest), size):
+            part = kept.union(rest[k : k + size])
+            self._chunks.append(tuple(name for name in self.effects if name in part))
 
     def model(self, candidate: Candidate) -> tuple[Simulator, dict[str, float]]:
         """Return the simulator for a candidate and its parameters by full name, gates among them."""

@@ -9,6 +9,9 @@ MATTERS = 0.10
 # Every dry contact gives way before it slips, by micrometres where it travels centimetres (Armstrong-Helouvry et al. 1994,
 # doi:10.1016/0005-1098(94)90209-7, section 2.1): up to this share of its travel that is how a contact is, no effect.
 GRANTED = 2e-4
+# Dry friction differs by this share from place to place and from time to time: the repetitions of the reference rig
+# (`hjcamp.model.scatter.Scatter`); friction over place or time that is no more is how friction is, no effect.
+SCATTER = 0.03
 # A law is that kind where it takes most of what the freest law over the same driver takes.
 MOST_OF_IT = 0.5
 # Fits per step: the named effects that promise most, and the unknowns.

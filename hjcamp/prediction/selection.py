@@ -25,12 +25,14 @@ from hjcamp.prediction.levels import (
     FITTED_UNKNOWNS,
     LEVEL,
     MATTERS,
+    SCATTER,
     STEPS,
     TRIED_ROUNDS,
     TRIED_STARTS,
 )
 from hjcamp.prediction.likelihood import loss, size
 from hjcamp.prediction.screening import (
+    Beside,
     Probe,
     Projection,
     Promise,
@@ -101,6 +103,7 @@ class Search:
     workers: int = 1
     begins: dict[str, dict[str, float]] = field(default_factory=dict)
     steps: list[Step] = field(default_factory=list)
+    _beside: tuple[Fitted, Beside] | None = None
 
     def scored(self, fitted: Fitted, windows: Windows | None = None) -> Scored:
         """Return a fit with what it leaves of chapters that it does not know, over windows that begin where it has them."""
@@ -126,12 +129,14 @@ class Search:
         return found
 
     def free_of(self, candidate: Candidate) -> list[Free]:
-        """Return all free parameters of a candidate."""
+        """Return all free parameters of a candidate: of the form of a contact how far it gives way, no more."""
         found = list(self.base_free)
         for name in candidate.effects:
-            found += (
-                free_of_unknown(self.unknowns[name]) if name in self.unknowns else free_of_effect(self.library[name])
-            )
+            if name in self.unknowns:
+                found += free_of_unknown(self.unknowns[name])
+                continue
+            own, form = free_of_effect(self.library[name]), name in self.windows.forms
+            found += [one for one in own if not form or one.name == self.library[name].granted]
         return found
 
     def fitted(self, start: Candidate, near: Fitted | None = None) -> Scored:
@@ -145,7 +150,8 @@ class Search:
     def look(self, before: Scored) -> Step:
         """Return what a model may miss: screen everything, then fit what promises most."""
         fitted, self.windows.place = before.fitted, before.place
-        projection = Projection(fitted)
+        self.windows.kernels.hold(fitted.candidate.effects)
+        projection, _ = Projection(fitted), self.beside(fitted)
         names = [name for name in (*self.library, *self.unknowns) if self.may_be_added(name, fitted.candidate.effects)]
         found = self.each(
             lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}"
@@ -193,11 +199,18 @@ class Search:
             law and law == law_of(self.library[one]) for one in present if one in self.library
         )
 
+    def beside(self, fitted: Fitted) -> Beside:
+        """Return the model beside which effects are probed, made once for each fit."""
+        if self._beside is None or self._beside[0] is not fitted:
+            self._beside = (fitted, Beside.of(self.windows, fitted))
+        return self._beside[1]
+
     def probes(self, fitted: Fitted, name: str) -> list[Probe]:
         """Return the probes of a named effect or an unknown beside a fitted model."""
+        beside = self.beside(fitted)
         if name in self.unknowns:
-            return list(probes_of_unknown(self.windows, fitted.candidate, fitted.features, self.unknowns[name]))
-        return list(probes_of(self.windows, fitted.candidate, fitted.features, self.library[name], self.visited(name)))
+            return list(probes_of_unknown(self.windows, beside, self.unknowns[name]))
+        return list(probes_of(self.windows, beside, self.library[name], self.visited(name)))
 
     def visited(self, name: str) -> dict[str, Range]:
         """Return what the tests visit of the shapes of an effect."""
@@ -212,7 +225,7 @@ class Search:
         most = sorted((one for one in promises if one.gain > 0.0), key=lambda one: -one.gain)[:TRIED_STARTS]
         own = [dict(effect.defaults()), *([self.begins[name]] if name in self.begins else [])]
         if most:
-            most.append(refined(self.windows, projection, effect, most[0], self.visited(name)))
+            most.append(refined(self.windows, self.beside(before), projection, effect, most[0], self.visited(name)))
             own.append(dict(most[0].candidate.effects[name]))
         starts = [one.candidate for one in most] + [before.candidate.with_effect(name, one) for one in own]
         return self.best_of(starts, before)
@@ -231,7 +244,21 @@ class Search:
 
     def matters(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
         """Whether a model takes a share of the error that matters, and does so chapter by chapter."""
-        return self.beats(model, before, level) and self.error_ratio(model, before) <= 1.0 - MATTERS
+        if not self.beats(model, before, level) or self.error_ratio(model, before) > 1.0 - MATTERS:
+            return False
+        return not self.only_scatter(model, before)
+
+    def only_scatter(self, model: Scored, before: Scored) -> bool:
+        """Whether friction differs with place or time by no more than every contact's does: that is how friction is, no effect."""
+        laws = [self.unknowns.get(name) or self.library[name] for name in model.beyond(before)]
+        if not laws or not all(one.scatters for one in laws):
+            return False
+        kept, self.windows.place = self.windows.place, before.place
+        usual = self.windows.features(before.fitted.candidate)
+        most = self.windows.features(before.fitted.candidate, friction=1.0 + SCATTER)
+        found = self.windows.features(model.fitted.candidate)
+        self.windows.place = kept
+        return bool(np.linalg.norm(found - usual) <= np.linalg.norm(most - usual))
 
     def error_ratio(self, model: Scored, before: Scored) -> float:
         """Return what a model leaves of another's rms on chapters left out, in the sensor in which it takes most."""
@@ -270,7 +297,7 @@ class Search:
             step = self.look(model)
             if step.p_value > LEVEL or not step.named:
                 break
-            best = step.named[0]
+            best = next((one for one in step.named if not self.only_scatter(one, model)), step.named[0])
             if not self.matters(best, model, step.level):
                 break
             model = self.thinned(self.resettled(best))
@@ -278,8 +305,8 @@ class Search:
 
     def thinned(self, model: Scored) -> Scored:
         """Return the model without effects that it can do without (backward elimination)."""
-        while len(model.names) > 1:
-            less = [self.fitted(model.fitted.candidate.without([name])) for name in model.names]
+        while len(names := [name for name in model.names if name not in self.windows.forms]) > 1:
+            less = [self.fitted(model.fitted.candidate.without([name])) for name in names]
             best = min(less, key=lambda one: one.left_out)
             if self.matters(model, best):
                 break

@@ -43,6 +43,11 @@ class Unknown:
         """The names of its parameters that are fitted."""
         return amplitudes_of_law(self.effect)
 
+    @property
+    def scatters(self) -> bool:
+        """Whether it is friction over place or time: see `Effect.scatters`."""
+        return self.quantity == "friction" and self.driver in ("travel", "time")
+
 
 def unknowns_of(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:
     """Return every unknown that fits the plant, by name; those whose driver hardly moves in the tests are left out."""

@@ -95,14 +95,18 @@ class Layout:
         return self.joined([test.time for test in self.measured.tests])
 
     @cached_property
+    def names(self) -> list[str]:
+        """The names of the given inputs."""
+        return [name for name in self.measured.plant.inputs if name not in ("time", "direction")]
+
+    @cached_property
     def inputs(self) -> Array:
         """The given inputs (n, inputs of the plant)."""
         return self.joined([test.inputs for test in self.measured.tests])
 
     def delayed(self, delays: Mapping[str, float]) -> Array:
         """Return the inputs (n, inputs), each later by its delay (s): whole samples, and the fraction of one as a mean."""
-        names = [name for name in self.measured.plant.inputs if name not in ("time", "direction")]
-        late = {names.index(name): delay for name, delay in delays.items() if delay != 0.0}
+        late = {self.names.index(name): delay for name, delay in delays.items() if delay != 0.0}
         if not late:
             return self.inputs
         columns = []
@@ -162,11 +166,17 @@ class Windows:
     def place(self, one: tuple[Array, Array]) -> None:
         self.starts, self._spans = one
 
-    def readings(self, candidate: Candidate, starts: Array | None = None) -> tuple[Array, Array]:
-        """Return the predicted readings (n, sensors) and states (n, states of the plant), SI; may hold NaN where it diverges."""
+    def readings(self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0) -> tuple[Array, Array]:
+        """Return the predicted readings (n, sensors) and states (n, states of the plant), SI; may hold NaN where it diverges.
+
+        ``friction`` is a factor on the static and Coulomb friction of all contacts.
+        """
         layout, measured = self.layout, self.layout.measured
         begin = self.starts if starts is None else starts
         inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
+        if friction != 1.0:
+            inputs = inputs.copy()
+            inputs[:, layout.names.index("friction_scatter")] *= friction
         out, states = np.empty((len(layout.time), len(measured.sensors))), np.empty((len(layout.time), begin.shape[1]))
         for simpler, part in self._parts(candidate):
             model, values = self.kernels.model(simpler)
@@ -192,9 +202,9 @@ class Windows:
             return [(candidate, np.ones(len(self.starts), dtype=bool))]
         return [(candidate.without(self.forms), self.slides), (candidate, ~self.slides)]
 
-    def errors(self, candidate: Candidate) -> Array:
+    def errors(self, candidate: Candidate, friction: float = 1.0) -> Array:
         """Return measured less predicted readings (n, sensors), SI, from the present starts."""
-        return self.layout.readings - self.readings(candidate)[0]
+        return self.layout.readings - self.readings(candidate, friction=friction)[0]
 
     def move_starts(self, candidate: Candidate, rounds: int = 2) -> None:
         """Move each window's start to where its readings are met best, and renew the sensitivities."""
@@ -252,9 +262,9 @@ class Windows:
             found = max(found, float(np.median(seen))) if len(seen) else found
         return found
 
-    def features(self, candidate: Candidate) -> Array:
+    def features(self, candidate: Candidate, friction: float = 1.0) -> Array:
         """Return what no start explains (windows, features), in units of the sensors' noise; NaN where the model diverges."""
-        found = self.layout.coefficients(self.errors(candidate)).reshape(len(self.starts), -1)
+        found = self.layout.coefficients(self.errors(candidate, friction)).reshape(len(self.starts), -1)
         along = np.einsum("wfs,wf->ws", self._spans, found)
         return np.asarray(found - np.einsum("wfs,ws->wf", self._spans, along))
 
