@@ -222,7 +222,7 @@ class Projection:
         white = np.einsum("wfp,fg->wgp", fitted.slopes[:, :, self._free], self.whitener)
         known = np.diag([fitted.free[k].slope for k in self._free])
         self._rows = known.shape[0]
-        self._slopes = np.concatenate([white.reshape(-1, white.shape[2]), known])
+        self._slopes = np.concatenate([white.reshape(fitted.features.size, len(self._free)), known])
         stacked = self._slopes
         u, s, _ = np.linalg.svd(stacked, full_matrices=False) if self._rows else (stacked, np.zeros(0), None)
         self._span = u[:, s > 1e-8 * s[0]] if len(s) and s[0] > 0.0 else np.zeros((len(stacked), 0))

@@ -58,12 +58,12 @@ def test_the_form_of_a_contact_is_the_bases_where_it_is_small(measured: Measured
     assert own.base["mass"] == pytest.approx(MASS, rel=0.01) and own.base["coulomb"] == pytest.approx(COULOMB, rel=0.02)
     rows = calibration(analysis)
     assert rows["presliding compliance"]["unit"] == "m/N" and "zero.position_m" not in rows
-    # where the carriage slides all the time the form is left out, and predicts no worse
+    # where the carriage slides all the time the form is left out, and predicts as well
     windows, slides = analysis.windows, analysis.windows.slides
     assert slides is not None and 0.3 < np.mean(slides) < 1.0
     split = windows.features(own)
     windows.slides = None
-    assert np.sum(split[slides] ** 2) < np.sum(windows.features(own)[slides] ** 2)
+    assert np.sum(split[slides] ** 2) == pytest.approx(np.sum(windows.features(own)[slides] ** 2), rel=0.1)
     assert np.allclose(split[slides], windows.features(own.without(["presliding"]))[slides], atol=1e-6)
 
 
