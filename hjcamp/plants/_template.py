@@ -31,7 +31,7 @@ class {title}(Plant):
     viscous = Parameter("N*s/m", 200.0, (0.0, 2e3), base=True, text="viscous friction")
 
     position_m = Measured("encoder", of="position")
-    period = 0.001  # s between two samples of the logs: delays and lags are looked for in multiples of it
+    period = 0.001  # s between two samples of its tests
     # loop = "foreign"   where a controller that is not in the equations holds the position: forces are judged then
 
     @staticmethod
