@@ -77,11 +77,16 @@ def run_free(  # type: ignore[no-untyped-def]
 
     ``begins`` (n) is 1 where a test begins, with the states in the next row of ``starts``, and 2 where a window of a test
     begins, for which the plant's states alone are set; ``given`` (n, inputs) holds from each sample to the next.
+    After ``work[3, 0]`` steps, unless that is 0, nothing is simulated any more: all further samples are no numbers.
     """
     a, before, counter = work[0], work[1], work[2]
     direction = 0.0
     row = 0
     for k in range(len(time)):
+        if work[3, 0] > 0.0 and counter[1] > work[3, 0]:
+            out[k:] = np.nan
+            states[k:] = np.nan
+            return
         for i in range(given.shape[1]):
             u[i] = given[k, i]
         if begins[k] > 0:

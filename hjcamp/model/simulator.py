@@ -191,21 +191,32 @@ class Simulator:
         )  # fmt: skip
         return Followed(readings, ideal, forces, work[2, 1])
 
+    def run_free(
+        self, p: Array, given: Given, tolerance: float = 1.0, most: float = 0.0
+    ) -> tuple[Array, Array]:
+        """Return the readings (n, channels) and the states (n, states) of tests under given inputs, SI.
+
+        After ``most`` steps of the integrator, where any are given, they are NaN.
+        """
+        return self.run_counted(p, given, tolerance, most)[:2]
+
     @limited
-    def run_free(self, p: Array, given: Given, tolerance: float = 1.0) -> tuple[Array, Array]:
-        """Return the readings (n, channels) and the states (n, states) of tests under given inputs, SI."""
+    def run_counted(
+        self, p: Array, given: Given, tolerance: float = 1.0, most: float = 0.0
+    ) -> tuple[Array, Array, int]:
+        """Return what `run_free` does, and the number of steps that it took."""
         composition = self.composition
         starts = np.ascontiguousarray(given.starts)
         readings = np.empty((len(given.time), len(composition.measured)))
         states = np.empty((len(given.time), len(self.states)))
         z, work = np.zeros(len(self.states)), self.scratch()
         z[: starts.shape[1]] = starts[0]
-        work[2, 5] = tolerance
+        work[2, 5], work[3, 0] = tolerance, most
         self.kernel.run_free(
             z, self.inputs(), p, *self.propagators(z, p), given.period, given.begins, given.time, given.inputs, starts,
             readings, states, work,
         )  # fmt: skip
-        return readings, states
+        return readings, states, int(work[2, 1])
 
     def scratch(self) -> Array:
         """Return fresh working memory for the kernel's loops; the tolerance of a step is set to one resolution."""

@@ -144,6 +144,7 @@ def calibrated(
             f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "
             "check their values and the units of the logs"
         )
+    windows.spare(fitted.candidate)
     kernels.add({name: one.effect for name, one in found.items()})
     scored = search.scored(fitted)
     if unknowns:

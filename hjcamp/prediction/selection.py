@@ -73,7 +73,10 @@ class Scored:
 
 @dataclass(frozen=True)
 class Step:
-    """One look at what is missing beside ``before``: chance of the best gain, and every model that was fitted."""
+    """One look at what is missing beside ``before``: chance of the best gain, and every model that was fitted.
+
+    ``claims`` is the level of all that may be claimed of named effects, and of unknowns.
+    """
 
     before: Scored
     p_value: float
@@ -81,11 +84,17 @@ class Step:
     gain: float
     named: tuple[Scored, ...]
     unknown: tuple[Scored, ...]
+    claims: float = LEVEL
 
     @property
     def level(self) -> float:
         """The level of each named model's comparison with ``before``: the best of all is taken (Bonferroni)."""
-        return LEVEL / max(len(self.named), 1)
+        return self.claims / max(len(self.named), 1)
+
+    @property
+    def level_of_unknown(self) -> float:
+        """The level of each unknown's comparison."""
+        return self.claims / max(len(self.unknown), 1)
 
 
 @dataclass
@@ -102,6 +111,7 @@ class Search:
     report: Report = lambda text, share: None
     workers: int = 1
     begins: dict[str, dict[str, float]] = field(default_factory=dict)
+    claims: float = LEVEL
     steps: list[Step] = field(default_factory=list)
     _beside: tuple[Fitted, Beside] | None = None
 
@@ -185,7 +195,7 @@ class Search:
         added = [_added(one.fitted.candidate, fitted.candidate) for one in models]
         named = tuple(one for one, name in zip(models, added, strict=True) if name in self.library)
         others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
-        step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted)
+        step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted, self.claims)
         self.steps.append(step)
         return step
 
@@ -295,7 +305,7 @@ class Search:
         model = base
         for _ in range(STEPS):
             step = self.look(model)
-            if step.p_value > LEVEL or not step.named:
+            if step.p_value > self.claims or not step.named:
                 break
             best = next((one for one in step.named if not self.only_scatter(one, model)), step.named[0])
             if not self.matters(best, model, step.level):

@@ -38,7 +38,8 @@ class Verdict:
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width.
 
-    Where nothing is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones.
+    Where nothing is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones. All of
+    these looks together may claim something by chance half as often as the first.
     Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
     set, both are what the tests leave.
     """
@@ -50,6 +51,7 @@ def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis,
         seen = at(times * width)
         if seen.windows.layout.width < times * width:
             break  # the plant cannot be predicted so far
+        seen.search.claims = LEVEL / (2.0 * len(LONGER))
         other = judged(seen)
         if other.word == CANNOT_TELL:
             break
@@ -124,10 +126,9 @@ def _least(analysis: Analysis) -> float:
 
 def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:
     """Return the best unknown that still takes a share that matters beside the model."""
-    if last.p_value > LEVEL:
+    if last.p_value > last.claims:
         return None
-    level = LEVEL / max(len(last.unknown), 1)
-    found = [one for one in last.unknown if analysis.search.matters(one, model, level)]
+    found = [one for one in last.unknown if analysis.search.matters(one, model, last.level_of_unknown)]
     return min(found, key=lambda one: one.left_out) if found else None
 
 

@@ -27,6 +27,8 @@ STEP = 1e-3
 TOLD = 1e-6
 DELAY = "delay."
 ZERO = "zero."
+# So many times the steps of the plant itself: what is stiffer than that costs time for nothing that samples show.
+STIFF = 10.0
 
 
 @dataclass(frozen=True)
@@ -144,8 +146,10 @@ class Layout:
 class Windows:
     """The residuals of models over the windows of a layout; ``starts`` (windows, states) are moved as the tests tell.
 
-    ``unseen``: the plant has states that nothing measures. ``forms`` are effects that change nothing where a contact slides, in
-    the windows of which ``slides`` (windows,) is true: they are left out there, and the time that they take.
+    ``unseen``: the plant has states that nothing measures. A model that needs more than ``most`` of the integrator's steps a
+    sample, where that is not 0, is not simulated to its end; ``steps`` are those of the last prediction. ``forms`` are effects
+    that change nothing where a contact slides, in the windows of which ``slides`` (windows,) is true: they are left out there,
+    and the time that they take.
     """
 
     layout: Layout
@@ -154,6 +158,8 @@ class Windows:
     sizes: Array
     lowest: Array
     unseen: bool = False
+    most: float = 0.0
+    steps: float = 0.0
     forms: frozenset[str] = frozenset()
     slides: NDArray[np.bool_] | None = None
 
@@ -178,6 +184,7 @@ class Windows:
             inputs = inputs.copy()
             inputs[:, layout.names.index("friction_scatter")] *= friction
         out, states = np.empty((len(layout.time), len(measured.sensors))), np.empty((len(layout.time), begin.shape[1]))
+        taken = 0
         for simpler, part in self._parts(candidate):
             model, values = self.kernels.model(simpler)
             marks = layout.begins.copy()
@@ -190,10 +197,17 @@ class Windows:
                 rows = np.repeat(windows, layout.width)
                 p = model.vector({**values, **given})
                 course = Given(measured.period, marks[rows], layout.time[rows], inputs[rows], begin[windows])
-                shown, passed = model.run_free(p, course)
+                shown, passed, steps = model.run_counted(p, course, most=self.most * len(course.time))
                 out[rows], states[rows] = shown[:, measured.columns], passed[:, : begin.shape[1]]
+                taken += steps
         zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
+        self.steps = taken / len(layout.time)
         return out + np.array(zeros), states
+
+    def spare(self, candidate: Candidate) -> None:
+        """Let every later model take so many more steps than this one at most; a stiffer one counts as one that diverges."""
+        self.readings(candidate)
+        self.most = STIFF * self.steps
 
     def _parts(self, candidate: Candidate) -> list[tuple[Candidate, NDArray[np.bool_]]]:
         """Return the model of each part of the windows: without forms where contacts slide, unless another effect has a memory."""

@@ -7,7 +7,7 @@ import pytest
 from plain_kernel import uncompiled
 
 from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.simulator import Given, Simulator
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
 
 PERIOD = 0.1
@@ -72,3 +72,15 @@ def test_the_next_test_begins_anew(simulator: Simulator) -> None:
     level, _ = run(simulator, 28, (0, 20))
     assert np.all(np.isnan(level[12:20]))
     np.testing.assert_array_equal(level[20:28], level[:8])
+
+
+def test_a_model_that_needs_more_steps_than_it_may_take_is_left_there(simulator: Simulator) -> None:
+    begins = np.zeros(8, dtype=np.int64)
+    begins[0] = 1
+    given = Given(PERIOD, begins, np.arange(8) * PERIOD, np.zeros((8, 1)), np.ones((1, 1)))
+    whole, _, steps = simulator.run_counted(simulator.vector({}), given)
+    assert np.all(np.isfinite(whole)) and steps > 8
+    part, states, taken = simulator.run_counted(simulator.vector({}), given, most=0.5 * steps)
+    known = np.isfinite(part[:, 0])
+    assert 0 < known.sum() < 8 and np.all(np.isnan(states[~known]))
+    assert np.array_equal(part[known], whole[known]) and 0.5 * steps < taken < steps

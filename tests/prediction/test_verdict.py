@@ -80,13 +80,20 @@ def test_where_nothing_is_seen_longer_windows_are_looked_at(
 ) -> None:
     def of(samples: int):  # type: ignore[no-untyped-def]
         tests = [SimpleNamespace(samples=200)]
-        windows = SimpleNamespace(layout=SimpleNamespace(width=samples))
-        return SimpleNamespace(windows=windows, measured=SimpleNamespace(tests=tests, repeated=False))
+        windows, search = SimpleNamespace(layout=SimpleNamespace(width=samples)), SimpleNamespace(claims=0.05)
+        return SimpleNamespace(windows=windows, search=search, measured=SimpleNamespace(tests=tests, repeated=False))
 
-    said = {100: "nothing_missing", 200: longer}
-    monkeypatch.setattr(verdict, "judged", lambda one: SimpleNamespace(word=said[one.windows.layout.width]))
+    said, levels = {100: "nothing_missing", 200: longer}, []
+
+    def judged(one):  # type: ignore[no-untyped-def]
+        levels.append(one.search.claims)
+        return SimpleNamespace(word=said[one.windows.layout.width])
+
+    monkeypatch.setattr(verdict, "judged", judged)
     analysis, found = verdict.agreed(of(100), of)
     assert (analysis.windows.layout.width, found.word) == (width, word)
+    # the two further looks claim something by chance half as often as the first, together
+    assert levels == [0.05, 0.0125]
 
 
 def test_any_number_of_threads_gives_the_same(axis: Path) -> None:
