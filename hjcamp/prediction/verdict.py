@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hjcamp.prediction.analysis import SHORTEST, Analysis, what_lacks
-from hjcamp.prediction.floor import usual_size
+from hjcamp.prediction.floor import in_units, usual_size
 from hjcamp.prediction.levels import LEVEL, LONGER, MOST_OF_IT
 from hjcamp.prediction.selection import Scored, Step
 
@@ -89,6 +89,8 @@ def judged(analysis: Analysis) -> Verdict:
     removable = math.log(base.left_out / _least(analysis))
     if _far_above_floor(analysis, model) and _taken(base, model) < MOST_OF_IT * removable:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
+    if _hardly_touched(analysis, model):
+        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
     models = _confidence_set(analysis, model, added)
     law_left = 0.0
     if unknown is not None:
@@ -116,6 +118,19 @@ def _far_above_floor(analysis: Analysis, model: Scored) -> bool:
     """
     floor = analysis.floor
     return floor.usual < (1.0 - MOST_OF_IT) * usual_size(model.features, floor.moments)
+
+
+def _hardly_touched(analysis: Analysis, model: Scored) -> bool:
+    """Whether a model leaves most of what lies above the difference of alike moments, in every sensor that errs twice as much (rms)."""
+    layout, floor = analysis.windows.layout, analysis.floor
+    if floor.source != "near_replicates":
+        return False
+    least = floor.of_sensors(layout)
+    before, after = (in_units(np.mean(one.features**2, axis=0), layout) for one in (analysis.base, model))
+    share = 1.0 - MOST_OF_IT
+    far = least < share * before
+    left = (least < share * after) & (after - least > share * (before - least))
+    return bool(far.any() and left[far].all())
 
 
 def _least(analysis: Analysis) -> float:

@@ -14,6 +14,7 @@ from hjcamp.effects import load_effects
 from hjcamp.prediction import verdict
 from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import answer
+from hjcamp.prediction.floor import Floor
 from hjcamp.prediction.measured import measured_tests
 from hjcamp.prediction.verdict import agreed, judged
 
@@ -106,3 +107,25 @@ def test_any_number_of_threads_gives_the_same(axis: Path) -> None:
         step = analysis.search.look(analysis.base)
         looks.append([(one.names, one.left_out, one.fitted.candidate.effects) for one in step.named])
     assert looks[0] == looks[1] and len(looks[0]) >= 2
+
+
+@pytest.mark.parametrize(("left", "least", "hardly"), [(0.9, 0.1, True), (0.5, 0.1, False), (0.9, 0.46, False)])
+def test_names_that_take_little_of_what_alike_moments_do_not_share_are_not_the_answer(
+    left: float, least: float, hardly: bool
+) -> None:
+    measured = SimpleNamespace(sensors=("a", "b"), noise=np.array([1.0, 1e-3]))
+    windows = SimpleNamespace(layout=SimpleNamespace(measured=measured, width=4))
+    base = SimpleNamespace(features=np.tile([20.0, 10.0, 30.0, 10.0], (9, 1)))
+    model = SimpleNamespace(features=left * base.features)
+    squares = np.diag((least * base.features[0]) ** 2)
+    for source in ("near_replicates", "sensor", "repetitions"):
+        analysis = SimpleNamespace(windows=windows, floor=Floor(source, squares), base=base)
+        assert verdict._hardly_touched(analysis, model) == (hardly and source == "near_replicates")  # type: ignore[arg-type]
+    # a sensor in which nothing is missing has no say
+    squares = np.diag(([least, least, 0.95, 0.95] * base.features[0]) ** 2)
+    analysis = SimpleNamespace(windows=windows, floor=Floor("near_replicates", squares), base=base)
+    assert verdict._hardly_touched(analysis, model) == hardly  # type: ignore[arg-type]
+    # one sensor in which most of it is gone is enough
+    analysis = SimpleNamespace(windows=windows, floor=Floor("near_replicates", np.diag((least * base.features[0]) ** 2)), base=base)
+    model.features[:, 2:] *= 0.1
+    assert not verdict._hardly_touched(analysis, model)  # type: ignore[arg-type]
