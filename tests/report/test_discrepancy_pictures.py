@@ -51,6 +51,7 @@ def test_bars_and_maps_name_what_they_show() -> None:
     nothing = np.zeros(0)
     svg = draw_map(nothing, nothing, nothing, [("", "joint", 0.9), ("joint, by direction", "positive", 0.5)])
     assert "joint, by direction" in svg and "all: all" not in svg and "hardly slides" in svg
+    assert "Speed of the sliders" not in svg  # no empty grid
 
 
 def test_the_unexplained_curve_leaves_out_what_was_not_seen() -> None:

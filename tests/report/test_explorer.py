@@ -6,6 +6,7 @@ import base64
 import shutil
 import zlib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -151,4 +152,23 @@ def test_narrow_dark_and_nothing_fetched(page: Any) -> None:
     assert {url for url in page.asked if not url.startswith(("file:", "about:"))} == set()
     page.emulate_media(media="print")
     assert not page.is_visible("#explorer")
+    page.emulate_media(media="screen", color_scheme="light")
+    page.set_viewport_size({"width": 1400, "height": 1000})
     assert not page.faults
+
+
+def test_the_list_of_tests_is_not_cut_and_residuals_say_of_what(page: Any) -> None:
+    def opened(name: str, models: list[str]) -> None:
+        shown = Exploration(1, models)
+        shown.add(name, "a", TIME, {"a_m": TIME}, {one: {"a_m": TIME + 0.1} for one in models})
+        file = Path(page.file.removeprefix("file://")).with_name("other.html")
+        file.write_text(discrepancy_page("Cart", "", [explorer_html(shown)]), encoding="utf-8")
+        page.goto("about:blank")
+        page.goto(file.as_uri())
+        page.wait_for_selector("#explorer[data-ready]", timeout=20_000)
+
+    opened("cycloid_neg__pid/1", ["published", "published, calibrated"])
+    assert page.evaluate("(one => one.scrollWidth - one.clientWidth)(document.querySelector('#explorer .list'))") == 0
+    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: model − measured (m)"
+    opened("a", ["reference"])
+    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: reference − measured (m)"
