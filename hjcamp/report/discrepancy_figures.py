@@ -17,6 +17,7 @@ COLOURS = (RED, BLUE, GREEN)
 LABELS = ("Arm angle (deg)", "Pressure 1 (MPa)", "Pressure 2 (MPa)")
 CELLS = 14
 FEWEST = 4
+NO_MAP = "no map: the arm hardly slides in these tests"
 ZOOM = 0.5
 
 
@@ -139,11 +140,13 @@ def _bars(axis: Any, bars: Sequence[tuple[str, str, float]]) -> None:
 
 
 def _map(figure: Any, axis: Any, velocity: Array, arm: Array, force: Array) -> None:
+    if len(velocity) < FEWEST or np.ptp(arm) == 0.0:
+        # without axes: an empty grid looks like a result
+        axis.set_axis_off()
+        axis.text(0.5, 0.5, NO_MAP, ha="center", transform=axis.transAxes, fontsize=8, color=INK)
+        return
     dress(axis, "Arm angle (deg)")
     axis.set_xlabel("Speed of the sliders (mm/s)", color=INK, fontsize=8.5)
-    if len(velocity) < FEWEST or np.ptp(arm) == 0.0:
-        axis.text(0.5, 0.5, "the arm hardly slides in these tests", ha="center", transform=axis.transAxes, fontsize=8)
-        return
     limit = float(np.quantile(np.abs(velocity), 0.98))
     edges = np.linspace(-limit, limit, CELLS + 1), np.linspace(arm.min(), arm.max(), CELLS + 1)
     number = np.histogram2d(velocity, arm, bins=edges)[0]

@@ -5,7 +5,8 @@
   const head = JSON.parse(document.getElementById("explorer-head").textContent);
   const shades = ["--red", "--blue", "--green", "--purple", "--orange", "--teal"];
   const state = { test: 0, off: new Set(head.hidden), channels: null, zoom: null, by: null, sort: null };
-  const REPETITIONS = "repetitions", OBSERVED = "measured";
+  const REPETITIONS = "repetitions", OBSERVED = "measured", REFERENCE = "reference";
+  const modelled = head.models.filter((name) => name !== REFERENCE);
   const toggles = [OBSERVED, REPETITIONS, ...head.models];
   const shade = (name) => getComputedStyle(root).getPropertyValue(name).trim();
   const colour = (model) => () => shade(shades[model % shades.length]);
@@ -85,7 +86,7 @@
     const holder = make("div", area);
     const title = make("div", holder, { class: "title" });
     const unit = channel.unit ? ` (${channel.unit})` : "";
-    make("b", title, {}, kind === "left" ? `${channel.label}: model − measured${unit}` : `${channel.label}${unit}`);
+    make("b", title, {}, kind === "left" ? `${channel.label}: ${modelled.length ? "model" : REFERENCE} − measured${unit}` : `${channel.label}${unit}`);
     const told = make("span", title, { class: "values" });
     const lines = (u) => {
       if (kind !== "left") return;

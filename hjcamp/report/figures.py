@@ -189,5 +189,6 @@ def tidy(svg: str) -> str:
     svg = re.sub(r"<!--.*?-->", "", svg, flags=re.DOTALL)
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r' id="[\w.]+_\d+"', "", svg)
-    svg = re.sub(r"(?<=\d\.\d\d)\d+", "", svg)
+    # coordinates alone: a number between tags is read by people
+    svg = re.sub(r"<[^>]*>", lambda tag: re.sub(r"(?<=\d\.\d\d)\d+", "", tag[0]), svg)
     return re.sub(r"\n\s+", "\n", svg)

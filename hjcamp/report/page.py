@@ -43,9 +43,9 @@ $style</style>
 <h1>$title</h1>
 <p class="soft">$facts</p>
 $verdict
-$beside
 $overview
 $small
+$beside
 $explorer
 <h2 id="tables">Tables</h2>
 $tables
@@ -93,8 +93,8 @@ def build_page(
 ) -> Iterator[str]:
     """Yield the HTML of the report piece by piece, one picture after the other; every text is escaped.
 
-    ``beside`` is a table that stands open at the top, ``overview`` the SVG of all conditions, ``small`` are those drawn
-    small, ``explorer`` is a block of HTML.
+    ``overview`` is the SVG of all conditions, ``small`` are those drawn small, ``beside`` is a table that stands open
+    below them, ``explorer`` is a block of HTML.
     ``pictures`` are those of the conditions by name, ``origin`` are name and value of what made the run, ``command``
     runs it again.
     """

@@ -45,8 +45,8 @@ def beside_refit(conditions: pl.DataFrame) -> Sheet | None:
         return None
     headers = ["condition", *(text for name in SHOWN for text in (TITLES[name], "refitted", "published"))]
     notes = [
-        "The first of three: simulated in this run with the printed constants. Then model `refit`, seven tests of the same "
-        f"seeds, simulated when it was fitted to {_tables()} alone. Last what was measured. Deg.",
+        "In deg. First: simulated in this run with the printed constants. Refitted: model refit, seven tests of the same seeds, "
+        f"simulated when it was fitted to {_tables()} alone. Published: measured on the real joint.",
         WHY,
     ]
     return Sheet("refitted", "As printed, refitted, measured", "", headers, body, notes)

@@ -60,6 +60,9 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
         for said in ("missing: calibrated model", "missing: with spring", "spring, forwards", "spring, backwards")
     )
     assert all(said in page for said in ("worst test", "these tests", "residual with itself", "with voltage before"))
+    known = page[page.index("How well each parameter is known") :]
+    assert "spring stiffness" in known and known.count("<svg") == 1
+    assert (stage / "diagnose" / "corner.svg").is_file()
     assert "Hooke" in (stage / "diagnose" / "effect_spring.html").read_text(encoding="utf-8")
     assert json.loads((stage / "diagnose" / "answer.json").read_text(encoding="utf-8")) == answer
     assert any(row["effect"] == "quadratic_drag" and row["asked"] for row in answer["candidates"])

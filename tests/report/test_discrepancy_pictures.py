@@ -17,7 +17,7 @@ from hjcamp.report.discrepancy_figures import (
     worst_part,
 )
 from hjcamp.report.discrepancy_page import bullets, discrepancy_page, picture, place_table
-from hjcamp.report.figures import PAPER
+from hjcamp.report.figures import PAPER, tidy
 from hjcamp.report.unexplained_figure import draw_unexplained
 
 TIME = np.arange(500) * 0.004
@@ -51,6 +51,13 @@ def test_bars_and_maps_name_what_they_show() -> None:
     nothing = np.zeros(0)
     svg = draw_map(nothing, nothing, nothing, [("", "joint", 0.9), ("joint, by direction", "positive", 0.5)])
     assert "joint, by direction" in svg and "all: all" not in svg and "hardly slides" in svg
+    assert "Speed of the sliders" not in svg  # no empty grid
+
+
+def test_coordinates_lose_decimals_and_what_people_read_does_not() -> None:
+    assert tidy('<svg><path d="M 1.23456 0.98765"/><text x="3.14159">0.00125</text></svg>') == (
+        '<svg><path d="M 1.23 0.98"/><text x="3.14">0.00125</text></svg>'
+    )
 
 
 def test_the_unexplained_curve_leaves_out_what_was_not_seen() -> None:

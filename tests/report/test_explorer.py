@@ -6,13 +6,14 @@ import base64
 import shutil
 import zlib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from hjcamp.errors import UsageError
-from hjcamp.report.discrepancy_page import discrepancy_page
+from hjcamp.report.discrepancy_page import discrepancy_page, picture, table_of
 from hjcamp.report.exploration import MOST, Exploration, described, references
 from hjcamp.report.explorer import explorer_html
 
@@ -151,4 +152,38 @@ def test_narrow_dark_and_nothing_fetched(page: Any) -> None:
     assert {url for url in page.asked if not url.startswith(("file:", "about:"))} == set()
     page.emulate_media(media="print")
     assert not page.is_visible("#explorer")
+    page.emulate_media(media="screen", color_scheme="light")
+    page.set_viewport_size({"width": 1400, "height": 1000})
     assert not page.faults
+
+
+def test_the_list_of_tests_is_not_cut_and_residuals_say_of_what(page: Any) -> None:
+    def opened(name: str, models: list[str]) -> None:
+        shown = Exploration(1, models)
+        shown.add(name, "a", TIME, {"a_m": TIME}, {one: {"a_m": TIME + 0.1} for one in models})
+        file = Path(page.file.removeprefix("file://")).with_name("other.html")
+        file.write_text(discrepancy_page("Cart", "", [explorer_html(shown)]), encoding="utf-8")
+        page.goto("about:blank")
+        page.goto(file.as_uri())
+        page.wait_for_selector("#explorer[data-ready]", timeout=20_000)
+
+    opened("cycloid_neg__pid/1", ["published", "published, calibrated"])
+    assert page.evaluate("(one => one.scrollWidth - one.clientWidth)(document.querySelector('#explorer .list'))") == 0
+    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: model − measured (m)"
+    opened("a", ["reference"])
+    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: reference − measured (m)"
+
+
+def test_paper_cuts_no_table_and_no_picture(page: Any) -> None:
+    headings = [f"indicator {k}" for k in range(10)]
+    wide = picture("Wide", '<svg viewBox="0 0 900 90" width="900pt"><text x="1" y="9">a</text></svg>')
+    file = Path(page.file.removeprefix("file://")).with_name("paper.html")
+    file.write_text(discrepancy_page("Wide", "", [table_of(headings, [["19.77 ± 4.72"] * 10]), wide]), encoding="utf-8")
+    page.set_viewport_size({"width": 718, "height": 1000})  # A4 within the usual margins
+    page.goto(file.as_uri())
+    assert page.evaluate("document.querySelector('figure').scrollWidth") > 718
+    page.emulate_media(media="print")
+    for one in ("figure", ".scroll"):
+        assert page.evaluate(f"document.querySelector('{one}').scrollWidth") <= 718
+    page.emulate_media(media="screen")
+    page.set_viewport_size({"width": 1400, "height": 1000})

@@ -10,6 +10,7 @@ from hjcamp.commands.report import of_repetition
 from hjcamp.errors import UsageError
 from hjcamp.records.write import write_log
 from hjcamp.report import refitted
+from hjcamp.report.page import build_page
 
 PLACE = {"trajectory": "mixed", "controller": "pid", "payload": "brass_8p5g", "orientation": "vertical"}
 NAMES = ("rmse1_deg", "rmse2_deg", "e_max_deg")
@@ -54,6 +55,16 @@ def test_each_condition_stands_with_its_three_values(shipped):
         "1.8",
     ]
     assert "Table 5.4.1 and Table 5.4.2" in sheet.notes[0] and "hunt" in sheet.notes[1]
+
+
+def test_the_picture_of_all_conditions_comes_before_the_table(shipped):
+    """The report begins with the dot plot (decision 0025: a picture first)."""
+    page = "".join(
+        build_page(title="a", facts=[], verdict="", overview='<svg viewBox="0 0 9 9"></svg>', sheets=[], pictures={}, origin=[],
+                   command="", configuration="", beside=refitted.beside_refit(conditions(1.8)))
+    )  # fmt: skip
+    assert page.index("every condition: mean") < page.index('id="refitted"') < page.index('id="tables"')
+    assert "`" not in page[page.index('id="refitted"') : page.index('id="tables"')]
 
 
 def test_nothing_stands_beside_what_was_not_measured_or_not_refitted(shipped, tmp_path, monkeypatch):
