@@ -50,7 +50,7 @@ class Belt(Plant):
 # A drive with a mechanical time constant of some 0.3 s: what is drawn between two ends, and what is there where nothing hides.
 RIG = {
     "inertia": (1.2e-3, 2e-3), "viscous": (4e-3, 7e-3), "coulomb": (0.01, 0.02),
-    "noise": (1e-5, 3e-5), "belt": 6e4, "play": 0.0, "sticks": 0.0, "drag": 0.0, "ripple": 0.0,
+    "noise": (1e-5, 3e-5), "belt": 1e6, "play": 0.0, "sticks": 0.0, "drag": 0.0, "ripple": 0.0,
 }  # fmt: skip
 
 
@@ -67,7 +67,7 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
         stretch = RADIUS * angle - place
         if v["play"]:
             stretch -= max(-0.5 * v["play"], min(0.5 * v["play"], stretch))
-        pull = v["belt"] * stretch + 60.0 * (RADIUS * speed - pace) * (1.0 if stretch or not v["play"] else 0.0)
+        pull = v["belt"] * stretch + 200.0 * (RADIUS * speed - pace) * (1.0 if stretch or not v["play"] else 0.0)
         friction = v["coulomb"] * (1 + v["sticks"] * exp(-abs(speed) / 1.5)) * tanh(speed / 0.05)
         torque = 0.05 * u + v["ripple"] * sin(6 * angle)
         motor = torque - v["viscous"] * speed - 0.7 * friction - v["drag"] * speed * abs(speed) - RADIUS * pull
