@@ -43,9 +43,13 @@ class Free:
     spread: float = math.inf
     centre: float = 0.0
 
+    def value_in(self, candidate: Candidate) -> float:
+        """Return its value in a candidate, SI."""
+        return candidate.effects[self.effect][self.name] if self.effect else candidate.base[self.name]
+
     def of(self, candidate: Candidate) -> float:
         """Return its value in a candidate, in units of its scale (its logarithm where it is fitted so)."""
-        value = candidate.effects[self.effect][self.name] if self.effect else candidate.base[self.name]
+        value = self.value_in(candidate)
         return math.log(max(value, 1e-300)) if self.log else value / self.scale
 
     def into(self, candidate: Candidate, x: float) -> Candidate:
@@ -58,20 +62,18 @@ class Free:
 
     def within(self, candidate: Candidate) -> Candidate:
         """Return the candidate with this value moved onto the nearer bound where it lies beyond one."""
-        value = candidate.effects[self.effect][self.name] if self.effect else candidate.base[self.name]
+        value = self.value_in(candidate)
         return candidate if self.low <= value <= self.high else self.into(candidate, self.of(candidate))
 
     def bounded(self, candidate: Candidate) -> bool:
         """Whether it stands at one of its bounds."""
-        value = candidate.effects[self.effect][self.name] if self.effect else candidate.base[self.name]
-        return value in (self.low, self.high)
+        return self.value_in(candidate) in (self.low, self.high)
 
     def surprise(self, candidate: Candidate) -> float:
         """Return how many standard deviations it is from where it was known to be."""
         if not math.isfinite(self.spread):
             return 0.0
-        value = candidate.effects[self.effect][self.name] if self.effect else candidate.base[self.name]
-        return (value - self.centre) / self.spread
+        return (self.value_in(candidate) - self.centre) / self.spread
 
     @property
     def slope(self) -> float:

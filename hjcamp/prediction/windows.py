@@ -147,9 +147,8 @@ class Windows:
     """The residuals of models over the windows of a layout; ``starts`` (windows, states) are moved as the tests tell.
 
     ``unseen``: the plant has states that nothing measures. A model that needs more than ``most`` of the integrator's steps a
-    sample, where that is not 0, is not simulated to its end; ``steps`` are those of the last prediction. ``forms`` are effects
-    that change nothing where a contact slides, in the windows of which ``slides`` (windows,) is true: they are left out there,
-    and the time that they take.
+    sample, where that is not 0, is not simulated to its end. ``forms`` are effects that change nothing where a contact slides,
+    in the windows of which ``slides`` (windows,) is true: they are left out there, and the time that they take.
     """
 
     layout: Layout
@@ -159,7 +158,6 @@ class Windows:
     lowest: Array
     unseen: bool = False
     most: float = 0.0
-    steps: float = 0.0
     forms: frozenset[str] = frozenset()
     slides: NDArray[np.bool_] | None = None
 
@@ -177,6 +175,10 @@ class Windows:
 
         ``friction`` is a factor on the static and Coulomb friction of all contacts.
         """
+        return self._predicted(candidate, starts, friction)[:2]
+
+    def _predicted(self, candidate: Candidate, starts: Array | None, friction: float) -> tuple[Array, Array, float]:
+        """Return `readings`, and the integrator's steps a sample."""
         layout, measured = self.layout, self.layout.measured
         begin = self.starts if starts is None else starts
         inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
@@ -201,13 +203,11 @@ class Windows:
                 out[rows], states[rows] = shown[:, measured.columns], passed[:, : begin.shape[1]]
                 taken += steps
         zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
-        self.steps = taken / len(layout.time)
-        return out + np.array(zeros), states
+        return out + np.array(zeros), states, taken / len(layout.time)
 
     def spare(self, candidate: Candidate) -> None:
         """Let every later model take so many more steps than this one at most; a stiffer one counts as one that diverges."""
-        self.readings(candidate)
-        self.most = STIFF * self.steps
+        self.most = STIFF * self._predicted(candidate, None, 1.0)[2]
 
     def _parts(self, candidate: Candidate) -> list[tuple[Candidate, NDArray[np.bool_]]]:
         """Return the model of each part of the windows: without forms where contacts slide, unless another effect has a memory."""
