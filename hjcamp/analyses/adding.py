@@ -84,7 +84,7 @@ def _add_plant(data: Data, names: list[str], name: str, model: str, report: Repo
     found = added(measured, library, start, names, report)
     comment = [f"{model} with {', '.join(names)}, fitted to {len(measured.tests)} tests of plant {measured.plant.name}"]
     origin = provenance(found, _command(data, names, name, model))
-    write_model(path, savable(found.model.fitted.candidate), comment, origin, measured.plant.name)
+    write_model(path, savable(found.model.fitted.candidate), comment, origin, measured.plant)
     return Added(found, answer(found, name, str(path)), path)
 
 

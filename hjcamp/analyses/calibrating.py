@@ -65,7 +65,7 @@ def fit_plant(data: Data, name: str, report: Report = silent) -> Fitted:
     comment = [f"base parameters of plant {measured.plant.name}, fitted to {len(measured.tests)} tests"]
     hashes = log_hashes(test.log.path for test in measured.tests)
     origin = {"command": f"hjcamp calibrate {joined(data.paths)} --as {name}", "logs_sha256": hashes}
-    write_model(path, savable(analysis.base.fitted.candidate), comment, origin, measured.plant.name)
+    write_model(path, savable(analysis.base.fitted.candidate), comment, origin, measured.plant)
     return Fitted(analysis, calibration(analysis), path)
 
 

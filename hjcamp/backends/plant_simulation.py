@@ -14,6 +14,7 @@ from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.fit import commanded, controlled_field, measured_fields, quantity, sources
 from hjcamp.effects import chosen_effects
+from hjcamp.model.base_values import DELAY, checked_base, period_of
 from hjcamp.model.closed_loop import LoopSimulator, LoopTest, loop_simulator
 from hjcamp.model.compose import Composition
 from hjcamp.model.field_table import fields_of
@@ -42,14 +43,17 @@ def plant_in(config: Mapping[str, Any]) -> type[Plant]:
 
 
 def model_of(config: Mapping[str, Any], plant: type[Plant]) -> tuple[list[Any], dict[str, float]]:
-    """Return the effects of a configuration, and the values of plant and effects under their full names, SI."""
+    """Return the effects of a configuration, and the values of plant and effects under their full names, SI.
+
+    ``delay.INPUT`` (s) is by how much an input acts later than its log says.
+    """
     model = config["model"]
     given = {name: dict(values or {}) for name, values in (model.get("effects") or {}).items()}
     for name, values in (config.get("effects") or {}).items():
         given[name] = {**given.get(name, {}), **(values or {})}
-    effects, parameters = chosen_effects(given, plant=plant)
-    values = {**(model.get("parameters") or {}), **(config.get("parameters") or {})}
-    full = {name: float(value) for name, value in values.items()}
+    effects, parameters = chosen_effects(given, plant=plant, period=period_of(model, "model"))
+    full = checked_base(model.get("parameters"), plant, "model.parameters")
+    full |= checked_base(config.get("parameters"), plant, "parameters")
     for effect, own in parameters.items():
         full |= {f"{effect}.{name}": value for name, value in own.items()}
     return effects, full
@@ -114,7 +118,7 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
     plant = plant_in(config)
     law, _ = law_of(config)
     simulator = simulator_of(config)
-    values = model_of(config, plant)[1]
+    values, delays = _apart(model_of(config, plant)[1])
     generator = np.random.default_rng(seed)
     again = config["plant"]
     for name in plant.drawn:
@@ -138,17 +142,25 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
     for name, state in plant.states.items():
         start[name] += state.scatter * float(again["scatter"]) * generator.standard_normal()
     counts, noise = sensors_of(plant, known)
+    late = np.array([delays.get(name, 0.0) for name in simulator.composition.inputs]) / plant.period
     test = LoopTest(
         control=law.vector(gains),
         first=rest,
         last=rest + len(reference),
         reference=reference[rows],
         inputs=inputs,
+        late=late,
         counts=counts,
         phases=generator.uniform(0.0, 1.0, len(counts)),
         noise=generator.standard_normal((len(rows), len(noise))) * noise * float(again["noise"]),
     )
     return Prepared(simulator, p, start, test)
+
+
+def _apart(values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+    """Return the values of parameters, and the delays (s) of inputs by the input's name."""
+    delays = {name.removeprefix(DELAY): value for name, value in values.items() if name.startswith(DELAY)}
+    return {name: value for name, value in values.items() if not name.startswith(DELAY)}, delays
 
 
 def start_of(config: Mapping[str, Any], plant: type[Plant], brought: Mapping[str, float]) -> dict[str, float]:

@@ -66,7 +66,8 @@ def fitted_parameters(words: Words) -> tuple[str, list[list[str]]]:
 
 def _unit(words: Words, effect: str, name: str) -> str | None:
     """Return the SI unit of a fitted parameter, None for the zeros of sensors and for laws without a name."""
-    from hjcamp.prediction.windows import DELAY, ZERO
+    from hjcamp.model.base_values import DELAY
+    from hjcamp.prediction.windows import ZERO
 
     if effect:
         known = words.analysis.search.library.get(effect)

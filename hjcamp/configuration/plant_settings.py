@@ -12,6 +12,7 @@ from hjcamp.controllers.fit import check_fits, fitting
 from hjcamp.controllers.schema import controller_schema
 from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.model.base_values import checked_base, period_of
 from hjcamp.model.compose import Composition
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_file import is_users
@@ -112,21 +113,19 @@ def check_values(config: Mapping[str, Any], plant: type[Plant]) -> None:
     """Raise ``UsageError`` for parameters, a start or effects that the plant cannot have."""
     model = config["model"]
     for path, values in (("parameters", config.get("parameters")), ("model.parameters", model.get("parameters"))):
-        if not isinstance(values or {}, Mapping):
-            raise UsageError(f"{path} is {shown(values)}; give each as {path}.NAME=VALUE")
-        for name, value in (values or {}).items():
-            if name not in plant.parameters:
-                raise unknown("parameter", str(name), plant.parameters, f"{path} of plant {plant.name}")
-            plant.parameters[name].checked(value, f"{path}.{name}")
+        checked_base(values, plant, path)
     for name, value in (config.get("start") or {}).items():
         if name not in plant.states:
             raise unknown("state", str(name), plant.states, f"start of plant {plant.name}")
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise UsageError(f"start.{name} is {shown(value)}; a number in {plant.states[name].unit} is needed")
+    if model.get("plant", plant.name) != plant.name:
+        raise UsageError(f"model '{model.get('name')}' is of plant {shown(model['plant'])}; this test is of plant {plant.name}")
+    period = period_of(model, "model")
     for path, given in (("effects", config.get("effects")), ("model.effects", model.get("effects"))):
         if not isinstance(given or {}, Mapping):
             raise UsageError(f"{path} is {shown(given)}; give effects as name: {{parameter: value}}")
-        chosen_effects(given or {}, path, plant)
+        chosen_effects(given or {}, path, plant, period)
     effects, _ = model_of(config, plant)
     Composition(plant, tuple(effects))
     for effect in effects:

@@ -10,6 +10,7 @@ from typing import Any
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 from hjcamp.model.candidate import Candidate
+from hjcamp.model.plant import Plant
 from hjcamp.storage import named_file, whole_file
 
 FOLDER = Path("conf") / "model"
@@ -24,11 +25,11 @@ def check_new_name(name: str, folder: Path = FOLDER) -> Path:
 
 
 def write_model(
-    path: Path, candidate: Candidate, comment: Sequence[str], provenance: Mapping[str, Any], plant: str = ""
+    path: Path, candidate: Candidate, comment: Sequence[str], provenance: Mapping[str, Any], plant: type[Plant] | None = None
 ) -> None:
-    """Write a model: parameters and effects in SI, then its provenance; ``plant`` is empty for the pump joint."""
+    """Write a model: parameters and effects in SI, then its provenance; a ``plant`` as the logs sample it, but the pump joint."""
     content = {
-        **({"plant": plant} if plant else {}),
+        **({"plant": plant.name, "period_s": plant.period} if plant else {}),
         "parameters": candidate.base,
         "effects": candidate.effects,
     }

@@ -56,13 +56,16 @@ def find_effect(name: str, plant: type[Plant] | str = DEFAULT, folders: Sequence
 
 
 def chosen_effects(
-    values: Mapping[str, Any], where: str = "effects", plant: type[Plant] | str = DEFAULT
+    values: Mapping[str, Any], where: str = "effects", plant: type[Plant] | str = DEFAULT, period: float = 0.0
 ) -> tuple[list[type[Effect]], dict[str, dict[str, float]]]:
     """Return the effects of a configuration in alphabetical order, and their checked parameters.
 
-    ``where`` is the path of ``values`` in the configuration; an effect without parameters has its defaults.
+    ``where`` is the path of ``values`` in the configuration; an effect without parameters has its defaults. A model
+    that was fitted to logs of another ``period`` (s) than the plant's has its times within the bounds of those.
     """
-    library = library_of(plant, imposed=True)
+    chosen = find_plant(plant) if isinstance(plant, str) and period else plant
+    library = library_of(chosen, imposed=True)
+    bounded = library if isinstance(chosen, str) or not period else library_of(chosen.sampled(period), imposed=True)
     effects, checked = [], {}
     for name in sorted(values, key=str):
         if name not in library.effects and name not in {*library.unfit, *library.names}:
@@ -72,5 +75,5 @@ def chosen_effects(
         if not isinstance(given, Mapping):
             raise UsageError(f"{where}.{name} is {shown(given)}; give its parameters as {where}.{name}.PARAMETER=VALUE")
         effects.append(effect)
-        checked[name] = effect.checked(given, where)
+        checked[name] = bounded.effects[name].checked(given, where)
     return effects, checked

@@ -25,7 +25,8 @@ class LoopTest:
     """What one test needs beyond the model, n samples: SI.
 
     The law runs from sample ``first`` to before ``last``. ``reference`` (n, columns): value, velocity, acceleration and what
-    was planned; ``inputs`` (n, inputs) where nothing commands; ``counts``, ``phases`` (readings) and ``noise`` (n, readings).
+    was planned; ``inputs`` (n, inputs) where nothing commands; ``late`` (inputs,) samples by which an input acts later than it
+    is recorded; ``counts``, ``phases`` (readings) and ``noise`` (n, readings).
     """
 
     control: Array
@@ -33,6 +34,7 @@ class LoopTest:
     last: int
     reference: Array
     inputs: Array
+    late: Array
     counts: Array
     phases: Array
     noise: Array
@@ -68,7 +70,7 @@ class LoopSimulator(Simulator):
         text = "\n".join(lines) + "\n\n\n" + law_source(self.law, "control")
         if self.actuation is not None:
             text += law_source(self.actuation, "actuate")
-        text += self._command() + f"@entry\n{inspect.getsource(loop.run_loop)}"
+        text += self._command() + f"@inlined\n{inspect.getsource(loop.late_input)}\n\n@entry\n{inspect.getsource(loop.run_loop)}"
         return kernel_source(self.composition, text)
 
     def _command(self) -> str:
@@ -132,7 +134,7 @@ class LoopSimulator(Simulator):
         period = composition.plant.period
         self.kernel.run_loop(
             z, self.inputs(), p, *self.propagators(z, p), period, test.first, test.last, test.control,
-            self.law.fresh_memory(), ap, am, test.reference, test.inputs, test.counts, test.phases, test.noise, record, work,
+            self.law.fresh_memory(), ap, am, test.reference, test.inputs, test.late, test.counts, test.phases, test.noise, record, work,
         )  # fmt: skip
         if not np.isfinite(record.sum()) and not np.all(np.isfinite(record)):
             where = int(np.argmax(~np.all(np.isfinite(record), axis=1)))

@@ -17,20 +17,28 @@ move: Any = None
 command: Any = None
 
 
+def late_input(asked, k, late):  # type: ignore[no-untyped-def]
+    """Return an input of sample k that comes ``late`` samples after it was asked for: a fraction of one as a mean of two."""
+    row = k - int(late)
+    part = late - int(late)
+    return (1.0 - part) * asked[max(row, 0)] + part * asked[max(row - 1, 0)]
+
+
 def run_loop(  # type: ignore[no-untyped-def]
-    z, u, p, plan, space, steps, h, first, last, c, m, ap, am, reference, given, counts, phases, noise, record, work
+    z, u, p, plan, space, steps, h, first, last, c, m, ap, am, reference, given, late, counts, phases, noise, record, work
 ):
     """Run a test; fill ``record`` (samples, ANSWERS + inputs + READINGS): answers of the law, inputs, readings.
 
     ``reference`` (samples, columns) is the law's, ``given`` (samples, inputs) what it does not command; the law runs from sample
-    ``first`` to before ``last``, its answers are 0 elsewhere. A reading is noisy, and in whole counts where it has any.
+    ``first`` to before ``last``, its answers are 0 elsewhere. An input acts ``late`` (inputs,) samples after it is recorded. A
+    reading is noisy, and in whole counts where it has any.
     """
     a, before, counter, seen = work[0], work[1], work[2], work[3]
     direction = 0.0
     for k in range(record.shape[0]):
         time = (k - first) * h
         for i in GIVEN:
-            u[i] = given[k, i]
+            u[i] = late_input(given[:, i], k, late[i])
         if k == 0:
             begin(time, direction, z, u, p)
         readings(time, direction, z, u, p, seen)
@@ -42,6 +50,10 @@ def run_loop(  # type: ignore[no-untyped-def]
         command(running, time, k - first, reference[k], seen, h, c, m, ap, am, record[k], u)
         for i in range(len(u)):
             record[k, ANSWERS + i] = u[i]
+        for i in GIVEN:
+            record[k, ANSWERS + i] = given[k, i]
+        for i in range(len(u)):
+            u[i] = late_input(record[:, ANSWERS + i], k, late[i])
         for i in range(READINGS):
             record[k, ANSWERS + len(u) + i] = seen[i]
         remember(time, direction, z, u, p)

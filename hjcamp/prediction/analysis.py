@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError
+from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chapters import FEWEST, chapters_of
@@ -21,7 +22,7 @@ from hjcamp.prediction.measured import Measured
 from hjcamp.prediction.selection import Scored, Search
 from hjcamp.prediction.starts import estimated
 from hjcamp.prediction.unknowns import Unknown, ranges_of, unknowns_of
-from hjcamp.prediction.windows import DELAY, ZERO, Layout, Windows
+from hjcamp.prediction.windows import ZERO, Layout, Windows
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages
 from hjcamp.prediction.floor import in_units
@@ -15,7 +16,7 @@ from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.selection import Scored, Step, critical
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
-from hjcamp.prediction.windows import DELAY, ZERO
+from hjcamp.prediction.windows import ZERO
 
 Array = NDArray[np.float64]
 SCHEMA = "hjcamp.diagnosis/2"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.place_checks import PlainModel
@@ -15,7 +16,7 @@ from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.selection import Scored
 from hjcamp.prediction.unknowns import Unknown
-from hjcamp.prediction.windows import DELAY, ZERO
+from hjcamp.prediction.windows import ZERO
 
 Array = NDArray[np.float64]
 LOOKED_AT = 240

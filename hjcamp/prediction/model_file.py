@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.configuration.saved_model import FOLDER
+from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, unknown
+from hjcamp.model.base_values import checked_base, period_of
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.plant import Plant
-from hjcamp.prediction.windows import DELAY, ZERO
+from hjcamp.prediction.windows import ZERO
 from hjcamp.storage import named_file
 from hjcamp.yaml_file import read_yaml
 
@@ -35,34 +37,12 @@ def load_model(name: str, plant: type[Plant], library: Mapping[str, type[Effect]
     other = content.get("plant", "pump_joint")
     if other != plant.name:
         raise UsageError(f"{path}: a model of plant {other}; these tests are of plant {plant.name}")
-    return Candidate(_base(content, plant, path), _effects(content, plant, library, path))
+    return Candidate(checked_base(content.get("parameters"), plant, f"{path}: parameters"), _effects(content, plant, library, path))
 
 
 def savable(candidate: Candidate) -> Candidate:
     """Return a candidate without what is of these logs alone: where their counters begin to count."""
     return Candidate({k: v for k, v in candidate.base.items() if not k.startswith(ZERO)}, candidate.effects)
-
-
-def _base(content: Mapping[str, Any], plant: type[Plant], path: Path) -> dict[str, float]:
-    given = content.get("parameters") or {}
-    if not isinstance(given, Mapping):
-        raise UsageError(f"{path}: parameters is a mapping of names to values in SI units")
-    found = {}
-    for key, value in given.items():
-        name = str(key)
-        if name.startswith(DELAY) and name.removeprefix(DELAY) in plant.inputs:
-            found[name] = _number(value, f"{path}: parameters.{name}")
-        elif name in plant.parameters:
-            found[name] = plant.parameters[name].checked(value, f"{path}: parameters.{name}")
-        else:
-            raise unknown("parameter", name, plant.parameters, f"{path}: parameters")
-    return found
-
-
-def _number(value: object, where: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= float(value) < 1e6:
-        raise UsageError(f"{where} is {value!r:.40}; a delay of 0 or more in seconds is needed")
-    return float(value)
 
 
 def _effects(
@@ -71,11 +51,10 @@ def _effects(
     given = content.get("effects") or {}
     if not isinstance(given, Mapping):
         raise UsageError(f"{path}: effects is a mapping of effects to their parameters")
-    found = {}
     for name, values in given.items():
         if name not in library:
             raise unknown("effect", str(name), library, f"{path}: effects, plant {plant.name}")
         if not isinstance(values or {}, Mapping):
             raise UsageError(f"{path}: effects.{name} is a mapping of parameters to values in SI units")
-        found[str(name)] = library[name].checked(values or {}, f"{path}: effects")
-    return found
+    period = period_of(content, f"{path}: model")
+    return chosen_effects(given, f"{path}: effects", plant, period)[1]

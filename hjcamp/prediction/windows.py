@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.simulator import Given
 from hjcamp.prediction.kernels import Kernels
@@ -25,7 +26,6 @@ ORDERS = 8
 STEP = 1e-3
 # A start is free in directions that the window tells at all.
 TOLD = 1e-6
-DELAY = "delay."
 ZERO = "zero."
 # So many times the steps of the plant itself: what is stiffer than that costs time for nothing that samples show.
 STIFF = 10.0

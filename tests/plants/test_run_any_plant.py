@@ -128,3 +128,41 @@ def test_the_pump_joint_has_the_configuration_it_had(composer: Composer) -> None
     config = composer.compose([]).config
     assert not {"plant", "parameters", "start"} & set(config)
     assert composer.compose(["plant=pump_joint"]).config == config
+
+
+def test_a_saved_model_runs_with_its_late_inputs_and_the_bounds_of_its_logs(bench: Path) -> None:
+    steps = ["trajectory=segments", "trajectory.segments=[{to_v: 4, in: 0.1, law: linear}, {rest: 0.4}]"]
+    quiet = ["plant=tanks", *steps, "plant.scatter=0", "plant.noise=0", "parameters.k4=0.5"]
+    on_time, _ = plant_simulation.run_test(made(*quiet), 1)
+    (bench / "conf" / "model").mkdir()
+    late = "name: late\nplant: tanks\nperiod_s: 4.0\nparameters: {delay.pump: 0.1505}\n"
+    (bench / "conf" / "model" / "late.yaml").write_text(late + "effects: {command_delay: {delay: 90.0}}\n")
+    config = made(*quiet, "model=late")
+    assert config["model"]["effects"]["command_delay"]["delay"] == 90.0
+    config["model"]["effects"] = {}
+    found, _ = plant_simulation.run_test(config, 1)
+    # the log says what was asked for; the water comes 150.5 samples after it
+    assert np.array_equal(found["pump_v"], on_time["pump_v"])
+    level = on_time["level_v"]
+    assert found["level_v"][150] == 0.0 and level[-1] > 1e-4
+    assert np.allclose(found["level_v"][151:], 0.5 * (level[1:-150] + level[:-151]), rtol=1e-3, atol=1e-7)
+    same, _ = plant_simulation.run_test(made(*quiet, "parameters.delay.pump=0.1505"), 1)
+    assert np.array_equal(same["level_v"], found["level_v"])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("plant: axis\n", "model 'other' is of plant 'axis'; this test is of plant tanks"),
+        ("plant: tanks\nperiod_s: soon\n", "model.period_s is 'soon'; the time between two samples in seconds"),
+        ("plant: tanks\nparameters: {delay.pumps: 1.0}\n", "unknown input 'pumps'"),
+        ("plant: tanks\nparameters: {delay.pump: -1.0}\n", "a delay of 0 or more in seconds is needed"),
+    ],
+)
+def test_a_saved_model_that_cannot_be_run_is_refused(bench: Path, text: str, words: str) -> None:
+    (bench / "conf" / "model").mkdir()
+    base = "" if "parameters" in text else "parameters: {}\n"
+    (bench / "conf" / "model" / "other.yaml").write_text(f"name: other\n{text}{base}effects: {{}}\n")
+    with pytest.raises(UsageError) as refused:
+        made("plant=tanks", "model=other")
+    assert words in str(refused.value)

@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.simulator import Given
 from hjcamp.prediction.analysis import Analysis, begin_hidden, first_starts
 from hjcamp.prediction.measured import Measured, MeasuredTest
 from hjcamp.prediction.next.wanted import Wanted
 from hjcamp.prediction.starts import estimated
-from hjcamp.prediction.windows import DELAY, Layout, Windows
+from hjcamp.prediction.windows import Layout, Windows
 
 Array = NDArray[np.float64]
 ORDERS = 6
