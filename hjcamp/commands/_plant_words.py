@@ -82,7 +82,13 @@ class Words:
                 f"A {first['quantity']} at {first['port']} that depends on its {first['driver'].rpartition('_')[2]}, of a form that "
                 "no effect of the library has, predicts better. Its curve is on the page."
             )
-        if verdict.word == "outside_library" and not self.content["unknowns"]:
+        if verdict.follows:
+            found.append(
+                f"{100.0 * verdict.follows:.0f} % of the error can be told from the motion and the inputs of its moment (a "
+                "regression, on chapters left out), but no effect of the library and no law of one quantity takes it: it may "
+                "depend on several, or on what was before."
+            )
+        elif verdict.word == "outside_library" and not self.content["unknowns"]:
             found.append(
                 "Repetitions share most of what the model leaves, in most windows, but no effect of the library and no free law "
                 "takes it."

@@ -50,6 +50,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "minimum_detectable": {},
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
         "unknowns": unknown_rows(analysis, verdict),
+        "follows_motion": verdict.follows,
         "confidence_set": [list(names) for names in verdict.confidence_set],
         "floor": floor_rows(analysis),
         "rests_on": {"conditions": len(analysis.measured.conditions), "tests": len(analysis.measured.tests),

@@ -31,6 +31,7 @@ from hjcamp.prediction.levels import (
     TRIED_STARTS,
 )
 from hjcamp.prediction.likelihood import loss, size
+from hjcamp.prediction.regression import regression_of
 from hjcamp.prediction.screening import (
     Beside,
     Probe,
@@ -265,18 +266,43 @@ class Search:
             return False
         kept, self.windows.place = self.windows.place, before.place
         usual = self.windows.features(before.fitted.candidate)
-        most = self.windows.features(before.fitted.candidate, friction=1.0 + SCATTER)
         found = self.windows.features(model.fitted.candidate)
         self.windows.place = kept
-        return bool(np.linalg.norm(found - usual) <= np.linalg.norm(most - usual))
+        return bool(np.linalg.norm(found - usual) <= np.linalg.norm(self.scatter(before)))
+
+    def scatter(self, model: Scored) -> Array:
+        """Return what friction that differs as much as every contact's does changes (windows, d)."""
+        kept, self.windows.place = self.windows.place, model.place
+        usual = self.windows.features(model.fitted.candidate)
+        most = self.windows.features(model.fitted.candidate, friction=1.0 + SCATTER)
+        self.windows.place = kept
+        return np.asarray(most - usual)
 
     def error_ratio(self, model: Scored, before: Scored) -> float:
         """Return what a model leaves of another's rms on chapters left out, in the sensor in which it takes most."""
+        return self.rms_ratio(model.features, before.features)
+
+    def rms_ratio(self, one: Array, other: Array) -> float:
+        """Return the rms of features (windows, d) over that of others, in the sensor in which it is least."""
         sensors = len(self.windows.layout.measured.sensors)
-        left, whole = (
-            np.mean(one.features**2, axis=0).reshape(sensors, -1).mean(axis=1) + 1.0 for one in (model, before)
-        )
+        left, whole = (np.mean(f**2, axis=0).reshape(sensors, -1).mean(axis=1) + 1.0 for f in (one, other))
         return math.sqrt(float(np.min(left / whole)))
+
+    def follows_motion(self, model: Scored) -> float:
+        """Return the share of a model's rms that does not follow from the motion, by whatever law; 1 where none is shown to.
+
+        It is shown where a regression predicts chapters left out better at the level of all claims, by a share that matters,
+        and by more than friction that differs as every contact's does.
+        """
+        found = regression_of(self.windows.layout, model.features, self.chapters)
+        before, chapters = model.features[found.rows], self.chapters[found.rows]
+        apart = told_apart(found.features, before, chapters)
+        t, count = ratio_t(advantages(found.features, before, chapters), apart)
+        left = self.rms_ratio(found.features, before)
+        if t <= critical(count, self.claims) or left > 1.0 - MATTERS:
+            return 1.0
+        scatter = self.scatter(model)[found.rows]
+        return left if np.linalg.norm(before - found.features) > np.linalg.norm(scatter) else 1.0
 
     def beats(self, model: Scored, other: Scored, level: float = LEVEL) -> bool:
         """Whether a model is better on chapters that it does not know, at a level."""

@@ -22,7 +22,8 @@ class Verdict:
 
     ``effects`` are what to add, or the group that cannot be told apart, of which ``model`` has one set;
     ``confidence_set`` every set of names that the tests do not rule out; ``law_left`` the share that the named laws leave of
-    what the freest law takes; ``unknown`` the unknown that takes it.
+    what the freest law takes; ``unknown`` the unknown that takes it; ``follows`` the share of the error
+    that follows from the motion though no law takes it.
     """
 
     word: str
@@ -33,19 +34,20 @@ class Verdict:
     law_left: float
     unknown: Scored | None
     lacking: tuple[str, ...]
+    follows: float = 0.0
 
 
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width.
 
-    Where nothing is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones. All of
+    Where no law is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones. All of
     these looks together may claim something by chance half as often as the first.
     Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
     set, both are what the tests leave.
     """
     verdict, width = judged(analysis), analysis.windows.layout.width
     shortest = min(test.samples for test in analysis.measured.tests)
-    for times in LONGER if verdict.word == NOTHING else ():
+    for times in LONGER if verdict.word == NOTHING or verdict.follows else ():
         if times * width > shortest:
             break
         seen = at(times * width)
@@ -55,8 +57,12 @@ def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis,
         other = judged(seen)
         if other.word == CANNOT_TELL:
             break
-        if other.word != NOTHING:
+        if other.word != NOTHING and not other.follows:
             return seen, other
+        if verdict.word == NOTHING and other.follows:
+            analysis, verdict = seen, other
+    if verdict.follows:
+        return analysis, verdict
     half = min(max(width // 2, SHORTEST), width)
     if verdict.word != EFFECT or analysis.measured.repeated or half == width:
         return analysis, verdict
@@ -82,9 +88,10 @@ def judged(analysis: Analysis) -> Verdict:
     unknown = _left(analysis, model, last)
     p_value = first.p_value
     if not added:
-        if unknown is None and not _far_above_floor(analysis, base):
+        follows = search.follows_motion(base) if unknown is None else 1.0
+        if unknown is None and follows == 1.0 and not _far_above_floor(analysis, base):
             return Verdict(NOTHING, (), base, p_value, ((),), 0.0, None, ())
-        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
+        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, (), 1.0 - follows)
     # what repetitions share is hardly touched: whatever was found is not what is missing
     removable = math.log(base.left_out / _least(analysis))
     if _far_above_floor(analysis, model) and _taken(base, model) < MOST_OF_IT * removable:

@@ -50,6 +50,7 @@ def test_the_hidden_effect_is_named(axis: Path, name: str) -> None:
 def test_nothing_is_missing(axis: Path) -> None:
     found = asked(HIDDEN["nothing"])
     assert found["verdict"] == "nothing_missing" and found["effects"] == [] and found["unknowns"] == []
+    assert found["follows_motion"] == 0.0
 
 
 def test_what_no_law_has_is_outside_and_its_curve_is_drawn(axis: Path) -> None:
@@ -58,6 +59,12 @@ def test_what_no_law_has_is_outside_and_its_curve_is_drawn(axis: Path) -> None:
     assert found["drivers"][0] in ("velocity_position", "friction_travel")
     curve = found["unknowns"][0]["curve"]
     assert len(curve["x"]) == len(curve["y"]) and curve["x_unit"] == "m" and curve["y_unit"] == "N"
+
+
+def test_what_depends_on_two_quantities_is_outside_though_no_law_of_one_takes_it(axis: Path) -> None:
+    found = asked(lambda x, v: -2500.0 * x * v)
+    assert (found["verdict"], found["effects"], found["drivers"]) == ("outside_library", [], [])
+    assert found["follows_motion"] > 0.5
 
 
 def test_few_tests_cannot_tell(axis: Path) -> None:
@@ -69,26 +76,31 @@ def test_few_tests_cannot_tell(axis: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("longer", "width", "word"),
+    ("first", "longer", "width", "word"),
     [
-        ("outside_library", 200, "outside_library"),
-        ("nothing_missing", 100, "nothing_missing"),
-        ("cannot_tell", 100, "nothing_missing"),
+        ("nothing_missing", "outside_library", 200, "outside_library"),
+        ("nothing_missing", "nothing_missing", 100, "nothing_missing"),
+        ("nothing_missing", "cannot_tell", 100, "nothing_missing"),
+        # what only a regression sees does not end the search for a law
+        ("follows", "effect", 200, "effect"),
+        ("follows", "nothing_missing", 100, "outside_library"),
+        ("nothing_missing", "follows", 200, "outside_library"),
     ],
 )
 def test_where_nothing_is_seen_longer_windows_are_looked_at(
-    monkeypatch: pytest.MonkeyPatch, longer: str, width: int, word: str
+    monkeypatch: pytest.MonkeyPatch, first: str, longer: str, width: int, word: str
 ) -> None:
     def of(samples: int):  # type: ignore[no-untyped-def]
         tests = [SimpleNamespace(samples=200)]
         windows, search = SimpleNamespace(layout=SimpleNamespace(width=samples)), SimpleNamespace(claims=0.05)
         return SimpleNamespace(windows=windows, search=search, measured=SimpleNamespace(tests=tests, repeated=False))
 
-    said, levels = {100: "nothing_missing", 200: longer}, []
+    said, levels = {100: first, 200: longer}, []
 
     def judged(one):  # type: ignore[no-untyped-def]
         levels.append(one.search.claims)
-        return SimpleNamespace(word=said[one.windows.layout.width])
+        word = said[one.windows.layout.width]
+        return SimpleNamespace(word=word.replace("follows", "outside_library"), follows=0.5 * (word == "follows"))
 
     monkeypatch.setattr(verdict, "judged", judged)
     analysis, found = verdict.agreed(of(100), of)

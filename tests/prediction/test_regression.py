@@ -1,0 +1,41 @@
+"""What a regression on the motion takes: a product, a memory, no noise; and its parts left out against fits made without them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hjcamp.prediction.regression import RIDGES, kernel, predictions, regressed
+
+CHANCE = np.random.default_rng(7)
+MOTION = CHANCE.standard_normal((240, 3))
+PARTS = np.repeat(np.arange(12), 20)
+
+
+def left(values: np.ndarray, *described: np.ndarray) -> float:
+    """Return the share of the rms that a regression leaves."""
+    found = regressed(described or (MOTION,), values, PARTS)
+    return float(np.sqrt(np.mean(found**2) / np.mean(values**2)))
+
+
+def test_each_part_is_predicted_as_a_fit_without_it_would() -> None:
+    values = np.column_stack([MOTION[:, 0] * MOTION[:, 1], CHANCE.standard_normal(240)])
+    within = kernel(MOTION, 1.0)
+    for ridge, found in zip(RIDGES, predictions(within, values, PARTS), strict=True):
+        for part in (0, 5):
+            own, rest = np.isin(PARTS, part), ~np.isin(PARTS, part)
+            solved = np.linalg.solve(within[np.ix_(rest, rest)] + ridge * np.eye(rest.sum()), values[rest])
+            assert np.allclose(found[own], within[np.ix_(own, rest)] @ solved, atol=1e-6)
+
+
+def test_a_product_of_two_is_taken_and_noise_is_not() -> None:
+    noise = CHANCE.standard_normal((240, 2))
+    assert left(noise) > 0.98
+    product = (MOTION[:, :1] * MOTION[:, 1:2]) @ np.ones((1, 2))
+    assert left(product + 0.1 * noise) < 0.3
+
+
+def test_what_was_before_is_taken_where_it_is_described() -> None:
+    before = np.roll(MOTION, 1, axis=0)
+    values = np.sin(before[:, :1]) + 0.1 * CHANCE.standard_normal((240, 1))
+    assert left(values) > 0.95
+    assert left(values, MOTION, np.hstack([MOTION, before])) < 0.5
