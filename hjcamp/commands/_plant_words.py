@@ -88,6 +88,9 @@ class Words:
                 "regression, on chapters left out), but no effect of the library and no law of one quantity takes it: it may "
                 "depend on several, or on what was before."
             )
+            told_most = [one.replace("_", " ") for one in self.content["follows_motion"]["quantities"]]
+            if told_most:
+                found.append(f"What tells most of it: {', '.join(told_most)}.")
         elif verdict.word == "outside_library" and not self.content["unknowns"]:
             found.append(
                 "Repetitions share most of what the model leaves, in most windows, but no effect of the library and no free law "

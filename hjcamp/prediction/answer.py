@@ -13,6 +13,7 @@ from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
+from hjcamp.prediction.leading import leading
 from hjcamp.prediction.selection import Scored, Step, critical
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
@@ -50,7 +51,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "minimum_detectable": {},
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
         "unknowns": unknown_rows(analysis, verdict),
-        "follows_motion": verdict.follows,
+        "follows_motion": {"share": verdict.follows, "quantities": _leading(analysis, verdict)},
         "confidence_set": [list(names) for names in verdict.confidence_set],
         "floor": floor_rows(analysis),
         "rests_on": {"conditions": len(analysis.measured.conditions), "tests": len(analysis.measured.tests),
@@ -59,6 +60,11 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "window_samples": analysis.windows.layout.width,
         "seconds": round(seconds, 3),
     }  # fmt: skip
+
+
+def _leading(analysis: Analysis, verdict: Verdict) -> list[str]:
+    search = analysis.search
+    return leading(search.windows.layout, analysis.base.features, search.chapters) if verdict.follows else []
 
 
 def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]:

@@ -38,12 +38,16 @@ class Regression:
 def regression_of(layout: Layout, features: Array, chapters: NDArray[np.int64]) -> Regression:
     """Return what a regression of features (windows, d) on the windows' motion, with and without the one before, leaves."""
     rows = np.unique(np.linspace(0, len(features) - 1, min(len(features), MOST_WINDOWS)).round().astype(np.int64))
-    motion = motion_of(layout)
-    first = np.concatenate([[True], layout.of_test[1:] != layout.of_test[:-1]])
-    before = np.where(first[:, None], motion, np.roll(motion, 1, axis=0))
-    white = whitener(features)
-    left = regressed([motion[rows], np.hstack([motion, before])[rows]], (features @ white)[rows], chapters[rows])
+    motion, white = motion_of(layout), whitener(features)
+    described = [motion[rows], with_before(layout, motion)[rows]]
+    left = regressed(described, (features @ white)[rows], chapters[rows])
     return Regression(rows, left @ np.linalg.inv(white))
+
+
+def with_before(layout: Layout, motion: Array) -> Array:
+    """Return motions (windows, m) with those of the window before beside them (windows, 2 m); a test's first has its own again."""
+    first = np.concatenate([[True], layout.of_test[1:] != layout.of_test[:-1]])
+    return np.hstack([motion, np.where(first[:, None], motion, np.roll(motion, 1, axis=0))])
 
 
 def regressed(described: Sequence[Array], values: Array, parts: NDArray[np.int64]) -> Array:

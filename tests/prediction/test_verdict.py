@@ -50,7 +50,7 @@ def test_the_hidden_effect_is_named(axis: Path, name: str) -> None:
 def test_nothing_is_missing(axis: Path) -> None:
     found = asked(HIDDEN["nothing"])
     assert found["verdict"] == "nothing_missing" and found["effects"] == [] and found["unknowns"] == []
-    assert found["follows_motion"] == 0.0
+    assert found["follows_motion"] == {"share": 0.0, "quantities": []}
 
 
 def test_what_no_law_has_is_outside_and_its_curve_is_drawn(axis: Path) -> None:
@@ -64,7 +64,8 @@ def test_what_no_law_has_is_outside_and_its_curve_is_drawn(axis: Path) -> None:
 def test_what_depends_on_two_quantities_is_outside_though_no_law_of_one_takes_it(axis: Path) -> None:
     found = asked(lambda x, v: -2500.0 * x * v)
     assert (found["verdict"], found["effects"], found["drivers"]) == ("outside_library", [], [])
-    assert found["follows_motion"] > 0.5
+    follows = found["follows_motion"]
+    assert follows["share"] > 0.5 and "position_m" in " ".join(follows["quantities"])
 
 
 def test_few_tests_cannot_tell(axis: Path) -> None:
