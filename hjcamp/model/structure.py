@@ -111,18 +111,32 @@ def nonlinear_rates(
 def points_of(composition: Composition, draws: int = 60) -> list[Point]:
     """Return inputs, parameters, states, moves of the states and regimes at which ``nonlinear_rates`` looks.
 
-    The states spread from a hundredth of their typical sizes to a thousand times, so that a threshold far from rest is seen.
+    The states spread from a hundredth of their typical sizes to a thousand times, so that a threshold far from rest is seen. Half of
+    the points have their inputs at their defaults, half spread alike: what is linear without a current may be curved with one.
     """
     generator = np.random.default_rng(20090402)
     n = len(composition.states)
     typical = np.array([state.typical for state in composition.states.values()])
     found = []
-    for _ in range(draws):
+    for draw in range(2 * draws):
         _, u, p = _draws(composition, generator, 0)
+        if draw >= draws:
+            u = _spread_inputs(composition, generator)
         z = typical * 10.0 ** generator.uniform(-2, 3, n) * generator.choice((-1.0, 1.0), n)
         move = typical * 10.0 ** generator.uniform(-2, 3) * generator.uniform(-1, 1, n)
         found.append((u, p, z, move, regimes(composition, generator)))
     return found
+
+
+def _spread_inputs(composition: Composition, generator: np.random.Generator) -> Array:
+    """Return inputs from a hundredth of their typical sizes to a thousand times; those with a default of their own are near it."""
+    known, found = composition.plant.inputs, []
+    for name in composition.inputs:
+        size = 10.0 ** generator.uniform(-2, 3) * generator.choice((-1.0, 1.0))
+        given = known.get(name)
+        default = given.default if given is not None else 0.0
+        found.append(default * generator.uniform(0.95, 1.05) if default else size * (given.typical if given is not None else 1.0))
+    return np.array(found)
 
 
 def influences(composition: Composition, outputs: Sequence[str]) -> frozenset[str]:

@@ -77,3 +77,46 @@ def test_tanks_follow_an_independent_solution(folder: Path) -> None:
             atol=1e-12,
         )
         expected = found.y[:, -1]
+
+
+MAGNET = '''"""A ball under a magnet."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, body, sensor
+
+
+class Magnet(Plant):
+    """The pull is in proportion to the square of the current over the gap."""
+
+    gap = State("m", typical=0.01, low=0.001)
+    velocity = State("m/s", typical=0.02)
+    current = Input("A")
+    mass = Parameter("kg", 0.07)
+    magnet = Parameter("N*m^2/A^2", 1e-4, (1e-6, 1e-3), base=True)
+    gap_mm = Measured("photocell", of="gap")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        ratio = drive.current / state.gap
+        rate.gap = state.velocity
+        rate.velocity = body(parameter.mass * 9.81 - parameter.magnet * ratio * ratio, mass=parameter.mass)
+        photocell = sensor(state.gap)
+'''
+
+
+def test_what_is_curved_with_an_input_alone_is_followed(folder: Path) -> None:
+    from scipy.integrate import solve_ivp
+
+    # without a current nothing is curved: the plant's rates are linear where the input is at its default
+    (folder / "plants" / "magnet.py").write_text(MAGNET)
+    ball, period = simulator("magnet"), 2e-3
+    time = np.arange(30) * period
+    current = 0.87 + 0.1 * np.sin(80.0 * time)
+    readings, _ = ball.run_free(ball.vector({}), given(ball, period, 30, [[0.0105, 0.0]], current=current))
+    state = np.array([0.0105, 0.0])
+    for k in range(30):
+        assert readings[k, 0] == pytest.approx(state[0], abs=2e-7)
+        found = solve_ivp(
+            lambda _, x, i=current[k]: [x[1], 9.81 - 1e-4 / 0.07 * (i / x[0]) ** 2],
+            (0.0, period), state, rtol=1e-11, atol=1e-14,
+        )  # fmt: skip
+        state = found.y[:, -1]
