@@ -29,6 +29,8 @@ TOLD = 1e-6
 ZERO = "zero."
 # So many times the steps of the plant itself: what is stiffer than that costs time for nothing that samples show.
 STIFF = 10.0
+# Without a state of its own an effect may take so many: a strong cubic spring takes 50 where the plant takes one.
+BENT = 64.0
 
 
 @dataclass(frozen=True)
@@ -146,9 +148,9 @@ class Layout:
 class Windows:
     """The residuals of models over the windows of a layout; ``starts`` (windows, states) are moved as the tests tell.
 
-    ``unseen``: the plant has states that nothing measures. A model that needs more than ``most`` of the integrator's steps a
-    sample, where that is not 0, is not simulated to its end. ``forms`` are effects that change nothing where a contact slides,
-    in the windows of which ``slides`` (windows,) is true: they are left out there, and the time that they take.
+    ``unseen``: the plant has states that nothing measures. ``usual_steps`` are what the integrator takes a sample; a model that
+    needs far more, where that is not 0, is not simulated to its end. ``forms`` are effects that change nothing where a contact
+    slides, in the windows of which ``slides`` (windows,) is true: they are left out there, and the time that they take.
     """
 
     layout: Layout
@@ -157,7 +159,7 @@ class Windows:
     sizes: Array
     lowest: Array
     unseen: bool = False
-    most: float = 0.0
+    usual_steps: float = 0.0
     forms: frozenset[str] = frozenset()
     slides: NDArray[np.bool_] | None = None
 
@@ -181,6 +183,8 @@ class Windows:
         """Return `readings`, and the integrator's steps a sample."""
         layout, measured = self.layout, self.layout.measured
         begin = self.starts if starts is None else starts
+        memory = any(self.kernels.effects[name].states for name in candidate.effects if name not in self.forms)
+        most = STIFF * self.usual_steps if memory or not self.usual_steps else max(STIFF * self.usual_steps, BENT)
         inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
         if friction != 1.0:
             inputs = inputs.copy()
@@ -199,7 +203,7 @@ class Windows:
                 rows = np.repeat(windows, layout.width)
                 p = model.vector({**values, **given})
                 course = Given(measured.period, marks[rows], layout.time[rows], inputs[rows], begin[windows])
-                shown, passed, steps = model.run_counted(p, course, most=self.most * len(course.time))
+                shown, passed, steps = model.run_counted(p, course, most=most * len(course.time))
                 out[rows], states[rows] = shown[:, measured.columns], passed[:, : begin.shape[1]]
                 taken += steps
         zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
@@ -207,7 +211,7 @@ class Windows:
 
     def spare(self, candidate: Candidate) -> None:
         """Let every later model take so many more steps than this one at most; a stiffer one counts as one that diverges."""
-        self.most = STIFF * self._predicted(candidate, None, 1.0)[2]
+        self.usual_steps = self._predicted(candidate, None, 1.0)[2]
 
     def _parts(self, candidate: Candidate) -> list[tuple[Candidate, NDArray[np.bool_]]]:
         """Return the model of each part of the windows: without forms where contacts slide, unless another effect has a memory."""

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from carriage import COULOMB, MASS, PERIOD, VISCOUS, measured_log
 
+from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.analysis import MOST_SAMPLES, Analysis, calibrated, what_lacks, width_of
 from hjcamp.prediction.fitting import Free
@@ -95,6 +96,18 @@ def test_declared_values_may_be_far_off(axis: Path) -> None:
     found = calibrated(measured_tests([measured_log()]), {}, far, unknowns=False).base.fitted.candidate.base
     for name, true in (("mass", MASS), ("coulomb", COULOMB), ("viscous", VISCOUS)):
         assert found[name] == pytest.approx(true, rel=0.02), name
+
+
+def test_what_is_stiff_is_cut_short_but_not_what_bends_without_a_state(analysis: Analysis) -> None:
+    windows, base = analysis.windows, analysis.base.fitted.candidate
+    library = load_effects(plant=analysis.measured.plant)
+    windows.kernels.add({name: library[name] for name in ("cubic_spring", "command_delay")})
+    strong = base.with_effect("cubic_spring", {"stiffness": 1e7, "rest_position": 0.0})
+    late = base.with_effect("command_delay", {"delay": 0.02, "dead_share": 0.0})
+    kept = windows.usual_steps
+    windows.usual_steps = 1e-3  # no model takes so few
+    assert np.all(np.isfinite(windows.features(strong))) and not np.all(np.isfinite(windows.features(late)))
+    windows.usual_steps = kept
 
 
 def test_windows_are_no_longer_than_a_start_can_be_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
