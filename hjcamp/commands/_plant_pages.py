@@ -31,8 +31,9 @@ BAND = (
 def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     """Write the pictures and the page of a diagnosis; return their paths, the page last."""
     from hjcamp.commands import _plant_words as said
+    from hjcamp.commands._corner import how_well_known
     from hjcamp.commands._effect_links import equations_of, links, write_effect_pages
-    from hjcamp.commands._plant_corner import FITTED, SAID, fitted_parameters
+    from hjcamp.commands._plant_corner import fitted_parameters
     from hjcamp.commands._plant_evidence import evidence_pictures
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.prediction_figures import draw_windows
@@ -71,13 +72,9 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
         page.heading("Calibrated first"),
         page.table_of(said.CALIBRATED, said.calibration_table(words.content["calibration"])),
     ]
-    corner, known = fitted_parameters(words)
-    if known:
-        parts += [page.heading("How well each parameter is known"), page.table_of(FITTED, known)]
-    if corner:
-        pictures["corner"] = corner
-        parts += [page.picture("Fitted parameters, two by two", corner), page.note(SAID)]
-    parts.append(links(folder))
+    known, drawn = how_well_known(*fitted_parameters(words))
+    pictures |= drawn
+    parts += [*known, links(folder)]
     write_effect_pages(folder, [row["effect"] for row in words.content["candidates"]], library)
     return _written(folder, pictures, page.discrepancy_page(words.title, "", parts))
 
