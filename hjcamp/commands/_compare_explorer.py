@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from hjcamp.discrepancy.compare import Comparison
     from hjcamp.discrepancy.residuals.replay import Replay
+    from hjcamp.records.log import observed
     from hjcamp.records.model_log import ModelledTest
     from hjcamp.report.exploration import Exploration
 
@@ -19,7 +20,9 @@ def exploration_of(found: Comparison) -> Exploration:
     replays = _replays(found)
     floors = {name: error.floor for name, error in replays[0].errors.items() if error}
     names = [one.name for one in (*replays, *found.lesser)]
-    shown = Exploration(len(replays[0].evidence.tests), names, floors, [one.name for one in found.lesser])
+    tests = replays[0].evidence.tests
+    word = observed(test.log for test in tests)
+    shown = Exploration(len(tests), names, floors, [one.name for one in found.lesser], word)
     for test in tests_of(found):
         shown.add(test.name, test.condition, test.time, test.measured, test.models)
     return shown

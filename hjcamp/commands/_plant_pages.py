@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from hjcamp.analyses.plant_comparison import PlantComparison
     from hjcamp.commands._plant_words import Words
     from hjcamp.prediction.analysis import Analysis
-    from hjcamp.prediction.comparison import Comparison
-    from hjcamp.records.model_log import ModelledTest
 
 WINDOWS = 3
 EVIDENCE = {
@@ -79,60 +77,49 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     return _written(folder, pictures, page.discrepancy_page(words.title, "", parts))
 
 
-def write_comparison(found: Comparison, folder: Path) -> list[Path]:
+def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     """Write the pictures and the page of a comparison; return their paths, the page last."""
     from hjcamp.commands import _plant_words as said
+    from hjcamp.commands._plant_explorer import exploration_of
     from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.explorer import explorer_html
     from hjcamp.report.prediction_figures import draw_model_bars, draw_windows
+    from hjcamp.report.units import told
 
     analysis = found.analysis
     layout = analysis.windows.layout
     floor = analysis.floor.of_sensors(layout)
     everything = (*found.models, found.calibrated)
-    pictures = {}
+    pictures, captions = {}, {}
     for k, one in enumerate(layout.measured.sensors):
+        captions[f"error_{one.field}"] = f"Error in {channel_label(one.field)}"
         bars = [(model.name, float(model.rms[k] * one.scale)) for model in everything]
         pictures[f"error_{one.field}"] = draw_model_bars(
-            one.quantity.replace("_", " "), one.unit, bars, float(floor[k] * one.scale)
+            channel_label(one.field), one.unit, bars, float(floor[k] * one.scale)
         )
     errors = {model.name: model.errors for model in everything}
     pictures["windows"] = draw_windows(*_stretch(analysis, errors, errors[found.calibrated.name]))
     head, rows = said.comparison_table(found)
+    last = found.models[-1]
+    width = f"{layout.width * layout.measured.period:.3g} s"
     parts = [
         page.table_of(head, rows),
-        page.note(f"Error over windows of {layout.width * layout.measured.period:.3g} s. {said.FLOORS[analysis.floor.source]}."),
-        *(page.picture(f"Error in {name.removeprefix('error_')}", svg) for name, svg in pictures.items() if name != "windows"),
+        page.note(f"Error over windows of {width}. {said.FLOORS[analysis.floor.source]}."),
+        explorer_html(exploration_of(found)),
+        page.note(f"Predictions begin anew every {width}, where each fits best; the table has errors without what those starts do."),
+        *(page.picture(caption, pictures[name]) for name, caption in captions.items()),
         page.picture("The worst windows", pictures["windows"]),
         page.heading("Tests"),
         page.table_of(
-            ("test", *(f"{one.field} ({found.models[-1].name})" for one in layout.measured.sensors)),
+            ("test", *(f"{channel_label(one.field)} ({last.name})" for one in layout.measured.sensors)),
             [
-                [test.name, *(f"{found.models[-1].by_test[place, k] * s.scale:.4g}" for k, s in enumerate(layout.measured.sensors))]
+                [test.name, *(told(last.by_test[place, k] * s.scale, s.unit) for k, s in enumerate(layout.measured.sensors))]
                 for place, test in enumerate(layout.measured.tests)
             ],
         ),
     ]  # fmt: skip
     return _written(folder, pictures, page.discrepancy_page(f"Models of plant {layout.measured.plant.name}", "", parts))
-
-
-def modelled_tests(found: Comparison) -> Iterator[ModelledTest]:
-    """Yield every test with what was measured and what each model predicts over windows, in the units of the fields."""
-    from hjcamp.records.model_log import ModelledTest
-
-    layout = found.analysis.windows.layout
-    of_row = np.repeat(layout.of_test, layout.width)
-    scales = [one.scale for one in layout.measured.sensors]
-    fields = [one.field for one in layout.measured.sensors]
-
-    def channels(values: Any, rows: Any) -> dict[str, Any]:
-        return {field: values[rows, k] * scales[k] for k, field in enumerate(fields)}
-
-    for place, test in enumerate(layout.measured.tests):
-        rows = np.flatnonzero(of_row == place)
-        models = {one.name: channels(layout.readings - one.errors, rows) for one in (*found.models, found.calibrated)}
-        if len(rows):
-            measured = channels(layout.readings, rows)
-            yield ModelledTest(test.name, test.condition, layout.time[rows], measured, models, test.log.metadata)
 
 
 def _written(folder: Path, pictures: dict[str, str], html: str) -> list[Path]:

@@ -164,8 +164,10 @@ def telling_tests(
 
 def channel_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
     """Rows of a channel's error: before, after, floor, with the unit."""
+    from hjcamp.report.exploration import channel_label
+
     return [
-        [name, *(told(row[key], row["unit"]) for key in ("baseline", "augmented", "floor"))]
+        [channel_label(name), *(told(row[key], row["unit"]) for key in ("baseline", "augmented", "floor"))]
         for name, row in rows.items()
     ]  # fmt: skip
 
@@ -217,12 +219,14 @@ def print_comparison(console: Console, found: Comparison) -> None:
 
 def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:
     """Return the head and rows of a comparison: model, each channel's rms with the share explained, over the floor."""
+    from hjcamp.report.exploration import channel_label
+
     layout = found.analysis.windows.layout
     sensors = layout.measured.sensors
     head = (
         "model",
-        *(f"{one.field}" for one in sensors),
-        *(f"explained {one.quantity}" for one in sensors),
+        *(channel_label(one.field) for one in sensors),
+        *(f"{channel_label(one.field)} explained" for one in sensors),
         "over the floor",
     )
     rows = [

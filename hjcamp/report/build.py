@@ -73,6 +73,7 @@ def build_report(
     read, an unknown ``against`` or table, or a baseline that has no condition of this run.
     """
     from hjcamp.records.find import refuse_mixed_plants, tell
+    from hjcamp.records.log import observed
     from hjcamp.records.run_folder import refuse_links_out
     from hjcamp.records.stored import stored_logs
 
@@ -95,7 +96,7 @@ def build_report(
         raise UsageError(f"{run_dir}: there are no test logs to report on")
     refuse_mixed_plants(found)
     found = in_plan_order(found, origin)
-    shown = Exploration(len(found), [REFERENCE])
+    shown = Exploration(len(found), [REFERENCE], observed=observed(found))
     baseline = read_tests(Path(against)) if against is not None and against not in AGAINST else None
     indicators, spreads = _condensed(found, origin, run_dir, shown)
     beside: str | RunComparison | None = against
@@ -179,10 +180,11 @@ def _condensed(
 
 def _dots(conditions: pl.DataFrame, logs: Sequence[TestLog]) -> list[Dots]:
     """Return the means of the run, and the published ones or a baseline's where any stands beside."""
+    from hjcamp.records.log import observed
+
     rows = conditions.to_dicts()
-    measured = {log.metadata.get("backend", "") for log in logs} - {"simulation", ""}
     kinds = [
-        dots_of(rows, "measured" if measured else "simulated", INDICATORS),
+        dots_of(rows, observed(logs), INDICATORS),
         dots_of(rows, "published", INDICATORS, "_published"),
         dots_of(rows, "baseline", INDICATORS, "_baseline"),
     ]

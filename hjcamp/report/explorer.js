@@ -5,7 +5,7 @@
   const head = JSON.parse(document.getElementById("explorer-head").textContent);
   const shades = ["--red", "--blue", "--green", "--purple", "--orange", "--teal"];
   const state = { test: 0, off: new Set(head.hidden), channels: null, zoom: null, by: null, sort: null };
-  const REPETITIONS = "repetitions", OBSERVED = "measured", REFERENCE = "reference";
+  const REPETITIONS = "repetitions", OBSERVED = head.observed, REFERENCE = "reference";
   const modelled = head.models.filter((name) => name !== REFERENCE);
   const toggles = [OBSERVED, REPETITIONS, ...head.models];
   const shade = (name) => getComputedStyle(root).getPropertyValue(name).trim();
@@ -19,6 +19,14 @@
   };
   const number = (value) => (value == null ? "" : Math.abs(value) >= 1e5 || (value && Math.abs(value) < 1e-3)
     ? value.toExponential(2) : String(+value.toPrecision(4)));
+
+  // Small errors of channels in SI units get a prefix: 1.7e-4 m is 170 µm.
+  const PLAIN = ["m", "m/s", "m/s^2", "N", "N m", "Pa", "V", "A", "W", "K", "s", "rad", "rad/s"];
+  function reading(value, unit, digits) {
+    const thousands = value && PLAIN.includes(unit) ? Math.min(Math.max(Math.floor(Math.log10(Math.abs(value)) / 3), -4), 0) : 0;
+    const told = +(value * 1000 ** -thousands).toPrecision(digits);
+    return `${number(told)} ${["", "m", "µ", "n", "p"][-thousands]}${unit}`;
+  }
 
   async function unpack(text) {
     const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -86,7 +94,7 @@
     const holder = make("div", area);
     const title = make("div", holder, { class: "title" });
     const unit = channel.unit ? ` (${channel.unit})` : "";
-    make("b", title, {}, kind === "left" ? `${channel.label}: ${modelled.length ? "model" : REFERENCE} − measured${unit}` : `${channel.label}${unit}`);
+    make("b", title, {}, kind === "left" ? `${channel.label}: ${modelled.length ? "model" : REFERENCE} − ${OBSERVED}${unit}` : `${channel.label}${unit}`);
     const told = make("span", title, { class: "values" });
     const lines = (u) => {
       if (kind !== "left") return;
@@ -237,7 +245,7 @@
       make("td", row, {}, test.name);
       if (state.by) test.rms.forEach((one, model) => {
         if (state.off.has(head.models[model])) return;
-        const cell = make("td", row, {}, one[state.by] == null ? "" : `${+one[state.by].toPrecision(3)} ${unit}`);
+        const cell = make("td", row, {}, one[state.by] == null ? "" : reading(one[state.by], unit, 3));
         const width = highest ? (100 * (one[state.by] || 0)) / highest : 0;
         make("span", cell, { class: "meter", style: `width:${width}%;background:var(${shades[model % shades.length]})` });
       });

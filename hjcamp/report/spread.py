@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.records.log import observed
 from hjcamp.records.of_plant import PLANT_KEY
 
 if TYPE_CHECKING:
@@ -40,12 +41,13 @@ class Spread:
 
 @dataclass(frozen=True)
 class Condition:
-    """The command phases of the repetitions of one condition, on common times (s)."""
+    """The command phases of the repetitions of one condition, on common times (s); ``observed`` is what they are called."""
 
     name: str
     tests: int
     time: NDArray[np.float64]
     signals: Mapping[str, Spread]
+    observed: str = "measured"
 
 
 class Gathering:
@@ -58,6 +60,7 @@ class Gathering:
     def __init__(self, name: str) -> None:
         self._name = name
         self._tests = 0
+        self._called: set[str] = set()
         self._time: Array = np.empty(0)
         #: Sum, lowest and highest of each signal, sample by sample.
         self._so_far: dict[str, tuple[Array, Array, Array]] = {}
@@ -68,6 +71,7 @@ class Gathering:
         if not len(phase["time_s"]):
             return
         self._tests += 1
+        self._called.add(observed([log]))
         if self._tests == 1:
             self._time = phase["time_s"].copy()
             there = [name for name in SIGNALS if name in phase]
@@ -103,7 +107,8 @@ class Gathering:
             )
             for name, (total, lowest, highest) in self._so_far.items()
         }
-        return Condition(self._name, self._tests, time, signals)
+        called = "simulated" if self._called == {"simulated"} else "measured"
+        return Condition(self._name, self._tests, time, signals, called)
 
 
 def gather(name: str, logs: Iterable[TestLog], most_points: int = MOST_POINTS) -> Condition:
