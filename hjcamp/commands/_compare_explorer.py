@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from hjcamp.discrepancy.compare import Comparison
     from hjcamp.discrepancy.residuals.replay import Replay
-    from hjcamp.records.log import observed
     from hjcamp.records.model_log import ModelledTest
     from hjcamp.report.exploration import Exploration
 
 
 def exploration_of(found: Comparison) -> Exploration:
     """Return every test with all logged channels, all models, and each model without one of its effects (off at first)."""
+    from hjcamp.records.log import observed
     from hjcamp.report.exploration import Exploration
 
     replays = _replays(found)

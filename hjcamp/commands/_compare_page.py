@@ -6,12 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hjcamp.commands._error_words import in_unit, worse_than_mean
+from hjcamp.errors import counted
 
 if TYPE_CHECKING:
     from hjcamp.discrepancy.compare import Compared, Comparison
     from hjcamp.report.discrepancy_figures import Overlay
 
 NOT_CALIBRATED = "not calibrated on these tests: friction and stiffness of another specimen count here"
+FITTED_TO = "what is fitted are short windows, pressures and forces, what is told here are whole tests; use it as it stands"
 HEADINGS = ("model", "channel", "error", "floor", "error / floor", "r2")
 
 
@@ -31,6 +33,17 @@ def error_cells(one: Compared, name: str) -> list[str]:
         over,
         "" if error.r2 is None else f"{error.r2:.3f}",
     ]
+
+
+def calibrated_in_words(found: Comparison) -> list[str]:
+    """Return the sentences of the places that the calibrated model leaves, first of all where it is the worse one."""
+    from hjcamp.report.where_words import worse_calibrated
+
+    if not found.calibrated:
+        return []
+    last = found.models[-1]
+    worse = worse_calibrated(last.replay.name, last.score, found.calibrated.score, FITTED_TO)
+    return [*worse, *places_in_words(found.calibrated)]
 
 
 def places_in_words(one: Compared) -> list[str]:
@@ -85,7 +98,7 @@ def write_pictures(found: Comparison, folder: Path) -> list[Path]:
     if calibrated:
         parts += [
             page.heading("Where: after calibrating its base parameters on these tests"),
-            page.bullets(places_in_words(calibrated)),
+            page.bullets(calibrated_in_words(found)),
             page.place_table([place.row() for place in calibrated.places]),
             page.picture(force, pictures["where_calibrated"]),
         ]
@@ -104,7 +117,7 @@ def lead_of(models: list[Compared]) -> str:
     """Return the answer in one line."""
     told = " -> ".join(f"{one.score:.2f}" for one in models)
     evidence = models[0].replay.evidence
-    tests = f"{len(evidence.tests)} tests, {len(evidence.conditions)} conditions, driven by the measured pump"
+    tests = f"{counted(len(evidence.tests), 'test')}, {counted(len(evidence.conditions), 'condition')}, driven by the measured pump"
     if not evidence.repeated:
         return f"Error over the spread of the measurement {told}; no test was repeated, so there is no floor. {tests}."
     return f"Error over floor, geometric mean of arm and lines: {told}. {tests}."

@@ -59,7 +59,8 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) 
 
     answer = told.answer()
     scale = told.judging.scale
-    fall = [f"{over(scale).capitalize()}: {' -> '.join(f'{value:.2f} ({name})' for name, value in told.scores())}."]
+    scores = " -> ".join(f"{value:.2f} ({name})" for name, value in told.scores())
+    fall = [f"{over(scale).capitalize()}: {scores}.", *told.further_off()]
     parts = [
         page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
         page.bullets([*answer[1:], *fall]),

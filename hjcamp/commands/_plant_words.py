@@ -210,11 +210,21 @@ def print_comparison(console: Console, found: Comparison) -> None:
     _head(console, found.analysis)
     table(console, *comparison_table(found))
     print_wrapped(console, [FLOORS[found.analysis.floor.source] + "."], 8)
+    print_wrapped(console, further_off(found), 8)
     worse = [one.name for one in found.models if any(one.explained < 0.0)]
     if worse:
         print_wrapped(
             console, [f"{', '.join(worse)}: worse than the mean of each window in a channel (explained below 0)."], 8
         )
+
+
+def further_off(found: Comparison) -> list[str]:
+    """Return in words where the last model is the worse for being calibrated."""
+    from hjcamp.report.where_words import worse_calibrated
+
+    last = found.models[-1]
+    why = "the fit weighs what scatters more for less, this number counts all alike; use it as it stands"
+    return worse_calibrated(last.name, last.score, found.calibrated.score, why)
 
 
 def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:

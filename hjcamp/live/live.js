@@ -114,13 +114,13 @@
     byId("nolimits").textContent = "This plant and rig declare none.";
     if (area.childElementCount !== limits.length) {
       area.replaceChildren();
-      for (const one of limits) {
+      limits.forEach((_, k) => {
         const box = make("div", area, { class: "limit" });
         for (const name of ["name", "margin", "track"]) make(name === "track" ? "div" : "span", box, { class: name });
         make("div", box.lastChild, { class: "seen" });
         make("div", box.lastChild, { class: "at" });
-        box.firstChild.textContent = one.name;
-      }
+        box.firstChild.textContent = test.watches[k].label;
+      });
     }
     limits.forEach((one, k) => {
       const told = test.watches[k], box = area.children[k];

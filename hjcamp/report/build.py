@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.report.against_run import RunComparison, read_tests, tests_of
 from hjcamp.report.ci import metrics_json, params_yaml
 from hjcamp.report.declared import TableDefinition, declared_tables
@@ -207,10 +207,11 @@ def verdict(comparison: pl.DataFrame, differs: Mapping[str, Sequence[str]]) -> s
     left = sum(map(len, differs.values()))
     others = f" Not judged: {left} of another configuration." if left else ""
     if not cells.height:
-        return f"{comparison.height} published values stand beside; they have no published deviation.{others}"
+        stand = counted(comparison.height, "published value stands", "published values stand")
+        return f"{stand} beside, without a published deviation.{others}"
     return (
-        f"{cells.height - outside} of {cells.height} means lie within {FAR_OFF:g} published standard deviations of the"
-        f" published mean; {outside} do not.{others}"
+        f"{cells.height - outside} of {counted(cells.height, 'mean')} within {FAR_OFF:g} published standard deviations of the"
+        f" published mean, {outside} outside.{others}"
     )
 
 
@@ -235,7 +236,7 @@ def _page(
     states = states_of_tests(origin)
     unfinished = [f"{count} {state}" for state, count in states.items() if state != "done"]
     campaign = str(origin.plan.get("campaign") or logs[0].metadata.get("campaign") or "Test logs")
-    facts = [run_dir.resolve().name, f"{len(logs)} tests", f"{len(spreads)} conditions", *unfinished]
+    facts = [run_dir.resolve().name, counted(len(logs), "test"), counted(len(spreads), "condition"), *unfinished]
     if left_out:
         facts.append(f"{len(left_out)} log{'s' if len(left_out) > 1 else ''} left out, see below")
     return build_page(

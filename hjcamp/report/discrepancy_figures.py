@@ -17,7 +17,10 @@ COLOURS = (RED, BLUE, GREEN)
 LABELS = ("Arm angle (deg)", "Pressure 1 (MPa)", "Pressure 2 (MPa)")
 CELLS = 14
 FEWEST = 4
-NO_MAP = "no map: the arm hardly slides in these tests"
+NO_MAP = (
+    "no map: the arm nowhere slides long and steadily enough\n"
+    "to read a force off the pressures (it rests, is slow, or sticks and slips)"
+)
 ZOOM = 0.5
 
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.model.field_unit import unit_of_field
-from hjcamp.report.units import label
+from hjcamp.report.units import condition_words, label
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
@@ -81,13 +81,13 @@ class Exploration:
         for _, channels in every:
             for channel, values in channels.items():
                 if len(values) != len(time):
-                    raise UsageError(f"{name}: channel {channel} has {len(values)} values, time has {len(time)}")
+                    raise UsageError(f"{name}: channel {channel} has {counted(len(values), 'value')}, time has {len(time)}")
         curves = sum(len(channels) for _, channels in every)
         if not self._stretch:
             room = min(max(ROOM // (max(curves, 1) * self._expected), FEWEST), MOST)
             self._stretch = max(1, -(-len(time) // room))
         step = (time[-1] - time[0]) / max(len(time) - 1, 1)
-        entry: dict[str, Any] = {"name": name, "condition": condition}
+        entry: dict[str, Any] = {"name": name, "label": condition_words(name), "condition": condition}
         entry["points"] = -(-len(time) // self._stretch)
         entry["start"] = float(time[0] + step * (self._stretch - 1) / 2)
         entry["step"] = float(step * self._stretch)

@@ -172,7 +172,7 @@
       const empty = one.of.kind === "left" && one.data.slice(1).every((all) => all.every((value) => value == null));
       one.of.holder.hidden = empty;
     }
-    root.querySelector(".now").textContent = head.tests[test].name;
+    root.querySelector(".now").textContent = head.tests[test].label;
     for (const row of list.querySelectorAll("tbody tr")) {
       const here = +row.dataset.test === test;
       row.setAttribute("aria-selected", here);
@@ -240,9 +240,9 @@
     const unit = (head.channels.find((one) => one.name === state.by) || {}).unit || "";
     for (const k of order()) {
       const test = head.tests[k];
-      if (!test.name.toLowerCase().includes(wanted.toLowerCase())) continue;
+      if (!`${test.name} ${test.label}`.toLowerCase().includes(wanted.toLowerCase())) continue;
       const row = make("tr", body, { tabindex: 0, "data-test": k, "aria-selected": k === state.test });
-      make("td", row, {}, test.name);
+      make("td", row, {}, test.label);
       if (state.by) test.rms.forEach((one, model) => {
         if (state.off.has(head.models[model])) return;
         const cell = make("td", row, {}, one[state.by] == null ? "" : reading(one[state.by], unit, 3));

@@ -31,6 +31,8 @@ def explorer_html(shown: Exploration, title: str = "Every test") -> str:
     told = shown.head()
     head = json.dumps(told, allow_nan=False).replace("<", "\\u003c")
     keys = KEYS.format(observed=told["observed"])
+    if told["averaged"] > 1:
+        keys += f" A point of a curve is the mean of {told['averaged']} samples; errors are of all samples."
     return f"""<section id="explorer" class="explorer" aria-label="{escape(title)}">
 <h2 id="tests">{escape(title)}</h2>
 <style>{library("uPlot.min.css")}

@@ -92,7 +92,7 @@ def draw_condition(condition: Condition) -> str:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     with matplotlib.rc_context(SETTINGS | {"svg.hashsalt": condition.name}):  # type: ignore[arg-type]
-        figure = _frame(tuple(condition.signals), condition.tests > 1, condition.observed)
+        figure = _frame(tuple(condition.signals), condition.banded, condition.observed)
         figure.show(condition)
         buffer = io.StringIO()
         canvas = FigureCanvasSVG(figure.figure)

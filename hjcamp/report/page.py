@@ -15,6 +15,7 @@ from hjcamp.report.figures import tidy
 from hjcamp.report.sheet import BESIDE, Cell, Sheet
 from hjcamp.report.small_multiples import small_multiples
 from hjcamp.report.spread import Condition
+from hjcamp.report.units import condition_words
 
 STYLE = Path(__file__).with_name("page.css")
 #: The page's own shades, which follow light and dark, in place of the colours of the drawing.
@@ -50,7 +51,8 @@ $explorer
 <h2 id="tables">Tables</h2>
 $tables
 <h2 id="pictures">Conditions</h2>
-<p class="soft">Lines are means over the repetitions, bands run from the lowest to the highest of them.</p>
+<p class="soft">Lines are means over the repetitions, bands run from the lowest to the highest of them,
+and of the samples that one point stands for.</p>
 <nav>
 $links
 </nav>
@@ -112,7 +114,7 @@ def build_page(
         small=small_multiples(small, numbered, {}) if small else "",
         explorer=explorer,
         tables="\n".join(folded(sheet) for sheet in sheets),
-        links="\n".join(f'<a href="#{anchor}">{escape(name)}</a>' for name, anchor in numbered.items()),
+        links="\n".join(f'<a href="#{anchor}">{escape(condition_words(name))}</a>' for name, anchor in numbered.items()),
     )
     for number, (name, picture) in enumerate(pictures.items()):
         yield ("\n" if number else "") + picture_html(name, numbered[name], picture.draw(), picture.caption)
@@ -164,6 +166,7 @@ def _class(name: str) -> str:
 
 def picture_html(name: str, anchor: str, svg: str, caption: str) -> str:
     """Return one condition's picture with its colours handed to the page."""
+    name = condition_words(name)
     svg = shaded(svg, f"{name}: angle, error, pressures, command")
     heading = f'<h3 id="{anchor}">{escape(name)}</h3>'
     return f"{heading}\n<figure>\n<figcaption>{escape(caption)}</figcaption>\n{svg}</figure>"

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST_POINTS = 400
+SWINGS = 0.25
 SIGNALS = (
     "reference_deg",
     "arm_deg",
@@ -38,6 +39,10 @@ class Spread:
     lowest: NDArray[np.float64]
     highest: NDArray[np.float64]
 
+    def swings(self, whole: float) -> bool:
+        """Whether most points stand for more than a quarter of the range ``whole``: a line of means would hide it."""
+        return bool(np.median(self.highest - self.lowest) > SWINGS * whole) if len(self.mean) else False
+
 
 @dataclass(frozen=True)
 class Condition:
@@ -48,6 +53,13 @@ class Condition:
     time: NDArray[np.float64]
     signals: Mapping[str, Spread]
     observed: str = "measured"
+
+    @property
+    def banded(self) -> bool:
+        """Whether its signals have a range that a picture must show: repetitions, or swings too fast for its points."""
+        return self.tests > 1 or any(
+            one.swings(float(np.max(one.highest) - np.min(one.lowest))) for one in self.signals.values() if len(one.mean)
+        )
 
 
 class Gathering:
@@ -98,12 +110,12 @@ class Gathering:
         Peaks survive: each stretch keeps the lowest and highest sample of all repetitions.
         """
         size = max(1, -(-len(self._time) // most_points))
-        time = _stretches(self._time, size).mean(axis=-1) if len(self._time) else self._time
+        time = stretches(self._time, size).mean(axis=-1) if len(self._time) else self._time
         signals = {
             name: Spread(
-                _stretches(total, size).mean(axis=-1) / self._tests,
-                _stretches(lowest, size).min(axis=-1),
-                _stretches(highest, size).max(axis=-1),
+                stretches(total, size).mean(axis=-1) / self._tests,
+                stretches(lowest, size).min(axis=-1),
+                stretches(highest, size).max(axis=-1),
             )
             for name, (total, lowest, highest) in self._so_far.items()
         }
@@ -127,7 +139,7 @@ def with_error(phase: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np
     return {**phase, **error}
 
 
-def _stretches(values: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+def stretches(values: Array, size: int) -> Array:
     """Return ``values`` as rows of ``size`` samples; the last sample fills up the last row."""
     short = -len(values) % size
     filled = np.concatenate([values, np.full(short, values[-1])]) if short else values

@@ -50,7 +50,7 @@ def test_bars_and_maps_name_what_they_show() -> None:
     assert all(name in errors for name in ("published", "calibrated", "with leakage", "floor", "15.50"))
     nothing = np.zeros(0)
     svg = draw_map(nothing, nothing, nothing, [("", "joint", 0.9), ("joint, by direction", "positive", 0.5)])
-    assert "joint, by direction" in svg and "all: all" not in svg and "hardly slides" in svg
+    assert "joint, by direction" in svg and "all: all" not in svg and "nowhere slides long and steadily enough" in svg
     assert "Speed of the sliders" not in svg  # no empty grid
 
 
