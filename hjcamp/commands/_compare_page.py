@@ -60,6 +60,7 @@ def write_pictures(found: Comparison, folder: Path) -> list[Path]:
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.discrepancy_figures import HorizonCurve, draw_horizon, draw_overlay
     from hjcamp.report.explorer import explorer_html
+    from hjcamp.report.names import readable
     from hjcamp.report.where_words import NO_FLOOR
     from hjcamp.storage import whole_file
 
@@ -88,7 +89,7 @@ def write_pictures(found: Comparison, folder: Path) -> list[Path]:
             else NO_FLOOR
         ),
         explorer_html(exploration_of(found)),
-        page.picture(f"Overlay: {overlay.name}, the condition with the largest error of {models[0].replay.name}", pictures["overlay"]),
+        page.picture(f"Overlay: {readable(overlay.name)}, where {models[0].replay.name} is furthest off", pictures["overlay"]),
         page.heading(f"Where: {last.replay.name}" + (", as it stands" if calibrated else "")),
         page.note(NOT_CALIBRATED.capitalize() + ".") if calibrated else "",
         page.bullets(places_in_words(last)),

@@ -123,6 +123,8 @@ def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
 
     In the channel whose error falls most with what was named, the arm where nothing was.
     """
+    from hjcamp.report.names import readable
+
     evidence = found.features.evidence
     measured = np.column_stack([evidence.joined(name) for name in CHANNELS])
     errors = [(readings - measured) ** 2 for readings in shown.readings.values()]
@@ -133,7 +135,7 @@ def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
     rows = rows[:: max(1, len(rows) // POINTS)]
     models = [(name, one[rows, k]) for name, one in shown.readings.items()]
     name, unit = list(CHANNELS.values())[k]
-    title = f"worst test: {evidence.tests[worst].name}"
+    title = f"worst test: {readable(evidence.tests[worst].name)}"
     return title, name, unit, evidence.joined("time")[rows], measured[rows, k], models
 
 

@@ -119,6 +119,8 @@ def _after(words: Words, known: Unknown) -> Scored | None:
 
 def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:
     """Return the arguments of the picture of the test and channel that the calibrated model predicts worst."""
+    from hjcamp.report.names import readable
+
     layout = words.analysis.windows.layout
     measured = layout.measured
     of_row = np.repeat(layout.of_test, layout.width)
@@ -130,7 +132,7 @@ def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:
     rows = rows[:: max(1, len(rows) // POINTS)]
     sensor = measured.sensors[k]
     shown = [(name, (layout.readings[rows, k] - one[rows, k]) * sensor.scale) for name, one in errors.items()]
-    title = f"worst test: {measured.tests[test].name}"
+    title = f"worst test: {readable(measured.tests[test].name)}"
     return (
         title, sensor.quantity.replace("_", " "), sensor.unit, layout.time[rows],
         layout.readings[rows, k] * sensor.scale, shown,

@@ -34,6 +34,8 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     from hjcamp.commands._plant_corner import fitted_parameters
     from hjcamp.commands._plant_evidence import evidence_pictures
     from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.names import readable
     from hjcamp.report.prediction_figures import draw_windows
 
     analysis, verdict = words.analysis, words.verdict
@@ -64,7 +66,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
         page.note(BAND),
     ]
     if worst := words.content["worst"]:
-        rows = [[one["condition"], one["channel"], f"{one['over_floor']:.2f}"] for one in worst]
+        rows = [[readable(one["condition"]), channel_label(one["channel"]), f"{one['over_floor']:.2f}"] for one in worst]
         parts += [page.heading("Worst conditions"), page.table_of(("condition", "channel", "over the floor"), rows)]
     parts += [
         page.heading("Calibrated first"),

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.report.figures import BLUE, GREEN, GRID, INK, RED, SETTINGS
+from hjcamp.report.names import readable
 
 Array = NDArray[np.float64]
 COLOURS = (RED, BLUE, GREEN)
@@ -90,7 +91,7 @@ def draw_overlay(one: Overlay) -> str:
                     axis.plot(time, values[inside, column], color=colour, linewidth=1.0, label=name)
                 dress(axis, label if axis is row[0] else "")
             row[0].axvspan(one.time[part][0], one.time[part][-1], color=GRID, alpha=0.6, linewidth=0.0)
-        axes[0, 0].set_title(one.name, loc="left", fontsize=9, color=INK)
+        axes[0, 0].set_title(readable(one.name), loc="left", fontsize=9, color=INK)
         axes[0, 1].set_title(f"the {ZOOM:g} s shaded", loc="left", fontsize=9, color=INK)
         axes[0, 0].legend(loc="best", fontsize=8, frameon=False, ncols=2)
         for axis in axes[-1]:

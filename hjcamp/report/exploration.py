@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError, counted
 from hjcamp.model.field_unit import unit_of_field
-from hjcamp.report.units import condition_words, label
+from hjcamp.report.names import readable
+from hjcamp.report.units import label
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
@@ -87,7 +88,7 @@ class Exploration:
             room = min(max(ROOM // (max(curves, 1) * self._expected), FEWEST), MOST)
             self._stretch = max(1, -(-len(time) // room))
         step = (time[-1] - time[0]) / max(len(time) - 1, 1)
-        entry: dict[str, Any] = {"name": name, "label": condition_words(name), "condition": condition}
+        entry: dict[str, Any] = {"name": name, "label": readable(name), "condition": condition}
         entry["points"] = -(-len(time) // self._stretch)
         entry["start"] = float(time[0] + step * (self._stretch - 1) / 2)
         entry["step"] = float(step * self._stretch)

@@ -12,10 +12,10 @@ from string import Template
 from hjcamp.report import figures
 from hjcamp.report.explorer import NOTHING_FETCHED
 from hjcamp.report.figures import tidy
+from hjcamp.report.names import readable
 from hjcamp.report.sheet import BESIDE, Cell, Sheet
 from hjcamp.report.small_multiples import small_multiples
 from hjcamp.report.spread import Condition
-from hjcamp.report.units import condition_words
 
 STYLE = Path(__file__).with_name("page.css")
 #: The page's own shades, which follow light and dark, in place of the colours of the drawing.
@@ -114,7 +114,7 @@ def build_page(
         small=small_multiples(small, numbered, {}) if small else "",
         explorer=explorer,
         tables="\n".join(folded(sheet) for sheet in sheets),
-        links="\n".join(f'<a href="#{anchor}">{escape(condition_words(name))}</a>' for name, anchor in numbered.items()),
+        links="\n".join(f'<a href="#{anchor}">{escape(readable(name))}</a>' for name, anchor in numbered.items()),
     )
     for number, (name, picture) in enumerate(pictures.items()):
         yield ("\n" if number else "") + picture_html(name, numbered[name], picture.draw(), picture.caption)
@@ -157,7 +157,8 @@ def _row_html(row: Sequence[Cell], width: int) -> str:
 
 def _cell_html(cell: Cell) -> str:
     name = "far" if cell.mark else "published" if cell.kind == "published" else ""
-    return f"<td{_class(name)}>{escape(f'{cell.text} {cell.mark}'.strip())}</td>"
+    text = readable(cell.text) if cell.kind == "key" else cell.text
+    return f"<td{_class(name)}>{escape(f'{text} {cell.mark}'.strip())}</td>"
 
 
 def _class(name: str) -> str:
@@ -166,7 +167,7 @@ def _class(name: str) -> str:
 
 def picture_html(name: str, anchor: str, svg: str, caption: str) -> str:
     """Return one condition's picture with its colours handed to the page."""
-    name = condition_words(name)
+    name = readable(name)
     svg = shaded(svg, f"{name}: angle, error, pressures, command")
     heading = f'<h3 id="{anchor}">{escape(name)}</h3>'
     return f"{heading}\n<figure>\n<figcaption>{escape(caption)}</figcaption>\n{svg}</figure>"

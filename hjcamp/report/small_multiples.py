@@ -8,8 +8,8 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.report.names import readable
 from hjcamp.report.spread import Condition, Spread, stretches
-from hjcamp.report.units import condition_words
 
 Array = NDArray[np.float64]
 WIDE, HIGH, MOST_POINTS = 150.0, 54.0, 150
@@ -33,7 +33,7 @@ def _small(condition: Condition, anchor: str, said: str) -> str:
     ends = [float(end) for one in curves.values() for end in (one.lowest.min(), one.highest.max())]
     low, high = (min(ends), max(ends)) if ends else (0.0, 1.0)
     lines = "".join(drawn(one, low, high, "wanted" if name == WANTED else "seen") for name, one in curves.items())
-    shown = escape(condition_words(condition.name))
+    shown = escape(readable(condition.name))
     return (
         f'<a href="#{anchor}"><svg viewBox="0 0 {WIDE:g} {HIGH:g}" role="img" aria-label="{shown}">{lines}</svg>'
         f"<span>{shown}</span><small>{escape(said)}</small></a>"

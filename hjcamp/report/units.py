@@ -6,8 +6,6 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from hjcamp.model.field_unit import FIELD_UNITS
-
 # SI unit: (unit that is shown, factor from SI to it). Units that are not here are shown as they are.
 SHOWN: dict[str, tuple[str, float]] = {
     "1": ("", 1.0),
@@ -71,29 +69,6 @@ def label(name: str) -> str:
         if kind in FRICTION and kind != name:
             return f"{FRICTION[kind]} friction, {direction}"
     return LABELS.get(name, name.replace("_", " "))
-
-
-def condition_words(name: str) -> str:
-    """Return the name of a condition, or of one of its tests, as people read it.
-
-    ``cycloid_pos__ffwd_pid/2`` is ``cycloid pos, ffwd pid/2``, ``frequency_hz-0.5__none`` is ``frequency 0.5 Hz, none``.
-    """
-    condition, slash, repetition = name.partition("/")
-    return ", ".join(map(_part_words, condition.split("__"))) + slash + repetition
-
-
-def _part_words(part: str) -> str:
-    key, _, value = part.partition("-")
-    try:
-        float(value)
-    except ValueError:
-        return part.replace("_", " ")
-    suffix = max((one for one in SUFFIXES if key.endswith(f"_{one}")), key=len, default="")
-    words = key.removesuffix(f"_{suffix}").replace("_", " ") if suffix else key.replace("_", " ")
-    return f"{words} {value} {SUFFIXES.get(suffix, '')}".rstrip()
-
-
-SUFFIXES = {**{one.suffix: one.shown.replace("^", "") for one in FIELD_UNITS.values()}, "hz": "Hz", "ratio": ""}
 
 
 FRICTION = {"static": "static", "coulomb": "Coulomb", "viscous": "viscous"}

@@ -7,7 +7,7 @@ import pytest
 
 from hjcamp.effects import load_effects
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.report.units import SHOWN, condition_words, label, plain, shown, told, told_interval
+from hjcamp.report.units import SHOWN, label, plain, shown, told, told_interval
 
 
 def test_every_factor_agrees_with_pint() -> None:
@@ -40,17 +40,3 @@ def test_labels() -> None:
     assert label("coulomb_positive") == "Coulomb friction, positive"
     assert label("arm_deg") == "arm angle"
     assert label("conductance_above") == "conductance above"
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("cycloid_pos__ffwd_pid", "cycloid pos, ffwd pid"),
-        ("frequency_hz-0.5__none/2", "frequency 0.5 Hz, none/2"),
-        ("offset_deg--3", "offset -3 deg"),
-        ("kp-1e-3__my-own_law", "kp 1e-3, my-own law"),
-        ("speed_m_per_s2-4", "speed 4 m/s2"),
-    ],
-)
-def test_a_condition_in_words(name: str, words: str) -> None:
-    assert condition_words(name) == words

@@ -43,7 +43,7 @@ def test_many_periods_are_an_area_of_their_whole_height(hertz: float) -> None:
 
 def test_names_are_words_and_what_was_simulated_is_called_so() -> None:
     one = sine(1.0)
-    assert "sine fast, ffwd pid" in small_multiples([one], {one.name: "a"}, {})
+    assert "sine fast, feedforward PID" in small_multiples([one], {one.name: "a"}, {})
     assert ">simulated<" in draw_condition(one) and ">measured<" in draw_condition(sine(1.0, "nidaqmx"))
     logs = [TestLog({"time_s": TIME}, {"backend": name} if name else {}) for name in ("simulation", "nidaqmx", "")]
     assert [observed(logs[:1]), observed(logs[1:2]), observed(logs[2:]), observed(logs)] == ["simulated"] + 3 * [

@@ -6,7 +6,8 @@ import re
 from collections.abc import Sequence
 
 from hjcamp.report.formats import escape_latex
-from hjcamp.report.paper.names import header, readable
+from hjcamp.report.names import readable
+from hjcamp.report.paper.names import header
 from hjcamp.report.paper.numbers import unit_latex
 from hjcamp.report.sheet import NO_TEST, Cell, Sheet
 
