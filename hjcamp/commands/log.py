@@ -94,18 +94,23 @@ def verify(paths: Paths, json: AnswerFile = None) -> None:
 def recover(
     path: Annotated[Path, typer.Argument(help="A damaged log or a .part file.")],
     output: Annotated[Path | None, typer.Option(help="The new log; NAME.recovered.mcap by default.")] = None,
+    json: AnswerFile = None,
 ) -> None:
     """Write what is whole in a damaged log to a new one."""
+    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.records.recover import recover_log
     from hjcamp.storage import check_place
 
     if output is not None:
         check_place(output, "--output")
+    check_answer_file(json)
     stem = path.name.removesuffix(".part").removesuffix(".mcap")
     result = recover_log(path, output or path.with_name(f"{stem}.recovered.mcap"))
     for problem in result.problems:
         print(f"  {problem}")
     print(f"{result.path}: {result.words}")
+    answer = {"schema": "hjcamp.recovery/1", "log": str(result.path), "kept": result.kept, "lost": result.lost}
+    write_answer(json, {**answer, "lost_is_exact": result.lost_is_exact, "problems": list(result.problems)})
 
 
 def export(
