@@ -51,7 +51,7 @@
     body.replaceChildren();
     for (const [name, one] of Object.entries(run.conditions || {})) {
       const row = make("tr", body, test && test.condition === name ? { class: "inhand" } : {});
-      make("td", row, {}, name.replaceAll("__", " / "));
+      make("td", row, {}, one.label || name);
       make("td", row, one.failed ? { class: "far" } : {}, `${one.done}/${one.total}${one.failed ? `, ${one.failed} failed` : ""}`);
       make("td", row, {}, one.error ? `${number(one.error[0])} ${one.error[1]}` : "");
     }
@@ -150,7 +150,7 @@
       if (!news.id) return;
       const same = test && JSON.stringify([test.channels, test.watches]) === JSON.stringify([news.channels, news.watches]);
       test = news; rows = []; first = -1;
-      byId("test").textContent = news.id.replaceAll("__", " / ").replace("/rep_", ", repetition ");
+      byId("test").textContent = news.label;
       if (!same) { build(); byId("limits").replaceChildren(); }
       showConditions();
     },

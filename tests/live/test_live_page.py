@@ -91,7 +91,7 @@ def test_browsers_see_the_test_in_hand_and_the_end() -> None:
             feed.close()
             last = [news for news in late if news["kind"] == "run"][-1]
     assert (last["ended"], last["state"], last["failed"]) == (True, "stopped", 1)
-    assert last["conditions"]["up"] == {"done": 1, "failed": 1, "total": 2}
+    assert last["conditions"]["up"] == {"label": "up", "done": 1, "failed": 1, "total": 2}
     assert current_feed() is None
 
 
