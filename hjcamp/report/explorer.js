@@ -85,7 +85,12 @@
   const list = root.querySelector(".list"), area = root.querySelector(".plots"), bar = root.querySelector(".bar");
   let plots = [];
   const size = () => Math.max(area.clientWidth, 200);
-  const axes = () => [0, 1].map((side) => ({
+  const ends = (unit) => (u, ticks) => {
+    const small = Math.max(...ticks.map(Math.abs)) < 0.01 && PLAIN.includes(unit);
+    return ticks.map((value) => (small ? reading(value, unit, 3) : number(value)));
+  };
+  const axes = (unit) => [0, 1].map((side) => ({
+    ...(side ? { values: ends(unit) } : {}),
     stroke: () => shade("--soft"), grid: { stroke: () => shade("--grid"), width: 1 }, ticks: { stroke: () => shade("--grid"), width: 1 },
     size: side ? 56 : 28, font: "11px system-ui, sans-serif",
   }));
@@ -117,7 +122,7 @@
         (one.told && u.series[k + 1].show && u.data[k + 1][at] != null ? [`${one.told} ${number(u.data[k + 1][at])}`] : []))].join("  ");
     };
     const made = new uPlot({
-      width: size(), height, legend: { show: false }, scales: { x: { time: false } }, axes: axes(),
+      width: size(), height, legend: { show: false }, scales: { x: { time: false } }, axes: axes(channel.unit),
       cursor: { sync: { key: "explorer" }, drag: { x: true, y: false, setScale: false }, points: { size: 5 },
         bind: { dblclick: () => () => { zoom(null); return null; } } },
       series: [{}, ...series], hooks: { draw: [lines], setCursor: [tell], setSelect: [selected] },

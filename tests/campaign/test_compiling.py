@@ -140,7 +140,7 @@ def test_the_test_of_an_effect_says_what_is_compiled(
     assert cli.run(["effects", "test", "leakage"]) == 0
     out = capfd.readouterr().out
     assert out.count("1 of 1 kernel left: the model with leakage") == 1
-    assert out.index("kernels left") < out.index("a check")
+    assert out.index("kernel left") < out.index("a check")
     assert "hjcamp run campaign=controllers '+effects.leakage={}'" in out
     assert cli.run(["plan", "campaign=controllers", "+effects.leakage={}"]) == 0
 
