@@ -128,6 +128,7 @@ def worst_overlay(models: list[Compared]) -> Overlay:
     """Return the first test of the condition in which the arm of the first model is furthest off, with all models."""
     import numpy as np
 
+    from hjcamp.records.log import observed
     from hjcamp.report.discrepancy_figures import Overlay
 
     first = models[0].replay
@@ -140,7 +141,8 @@ def worst_overlay(models: list[Compared]) -> Overlay:
     name = max(errors, key=lambda one: float(errors[one]))
     part = parts[name]
     time = evidence.tests[evidence.conditions[name][0]].time
-    return Overlay(name, time, first.measured[part], {one.replay.name: one.replay.predicted[part] for one in models})
+    predicted = {one.replay.name: one.replay.predicted[part] for one in models}
+    return Overlay(name, time, first.measured[part], predicted, observed(test.log for test in evidence.tests))
 
 
 def draw_where(one: Compared) -> str:

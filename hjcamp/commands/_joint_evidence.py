@@ -105,12 +105,15 @@ def _ends(one: Branch, low: float, high: float) -> dict[str, Any]:
 
 def evidence_pictures(found: Diagnosis, shown: Shown) -> dict[str, str]:
     """Return the pictures of the evidence by name, in order."""
+    from hjcamp.records.log import observed
     from hjcamp.report.evidence_figures import draw_correlations, draw_gains, draw_missing, draw_worst_test
 
     pictures = (
         {f"missing_{name}": svg for name, svg in draw_missing(shown.missing).items()} if shown.missing.before else {}
     )
-    pictures["worst_test"] = draw_worst_test(*_worst_test(found, shown))
+    pictures["worst_test"] = draw_worst_test(
+        *_worst_test(found, shown), observed=observed(test.log for test in found.features.evidence.tests)
+    )
     step = found.steps[0] if found.steps else None
     chance = step.null_gains if step else found.null.gains
     if len(chance):

@@ -17,6 +17,7 @@ POINTS = 1500
 
 def evidence_pictures(words: Words) -> dict[str, str]:
     """Return the pictures of the evidence by name, in order."""
+    from hjcamp.records.log import observed
     from hjcamp.report.evidence_figures import draw_correlations, draw_gains, draw_missing, draw_worst_test
 
     analysis, verdict = words.analysis, words.verdict
@@ -27,7 +28,9 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     if verdict.effects:
         models["with what was found"] = verdict.model
     errors = {name: _without_starts(words, model) for name, model in models.items()}
-    found["worst_test"] = draw_worst_test(*_worst_test(words, errors))
+    found["worst_test"] = draw_worst_test(
+        *_worst_test(words, errors), observed=observed(test.log for test in analysis.measured.tests)
+    )
     if analysis.search.steps:
         first = analysis.search.steps[0]
         found["gains"] = draw_gains(first.chance, first.gain, "residuals moved in time")

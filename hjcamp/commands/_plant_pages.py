@@ -33,6 +33,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     from hjcamp.commands._effect_links import equations_of, links, write_effect_pages
     from hjcamp.commands._plant_corner import fitted_parameters
     from hjcamp.commands._plant_evidence import evidence_pictures
+    from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.exploration import channel_label
     from hjcamp.report.names import readable
@@ -44,7 +45,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     shown = {"calibrated": analysis.base.fitted.candidate}
     if verdict.effects:
         shown["with what was found"] = verdict.model.fitted.candidate
-    pictures["windows"] = draw_windows(*_worst(analysis, shown))
+    pictures["windows"] = draw_windows(*_worst(analysis, shown), observed=observed(test.log for test in analysis.measured.tests))
     parts = [
         page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
         page.bullets(words.sentences()),
@@ -83,6 +84,7 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     """Write the pictures and the page of a comparison; return their paths, the page last."""
     from hjcamp.commands import _plant_words as said
     from hjcamp.commands._plant_explorer import exploration_of
+    from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.exploration import channel_label
     from hjcamp.report.explorer import explorer_html
@@ -101,7 +103,9 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
             channel_label(one.field), one.unit, bars, float(floor[k] * one.scale)
         )
     errors = {model.name: model.errors for model in everything}
-    pictures["windows"] = draw_windows(*_stretch(analysis, errors, errors[found.calibrated.name]))
+    pictures["windows"] = draw_windows(
+        *_stretch(analysis, errors, errors[found.calibrated.name]), observed=observed(test.log for test in layout.measured.tests)
+    )
     head, rows = said.comparison_table(found)
     last = found.models[-1]
     width = f"{layout.width * layout.measured.period:.3g} s"

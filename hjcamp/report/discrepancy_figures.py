@@ -26,12 +26,13 @@ ZOOM = 0.5
 
 
 class Overlay(NamedTuple):
-    """One test: time (n,), measured and each model's arm (deg) and pressures (MPa), (n, 3)."""
+    """One test: time (n,), measured and each model's arm (deg) and pressures (MPa), (n, 3), and what readings are called."""
 
     name: str
     time: Array
     measured: Array
     models: Mapping[str, Array]
+    observed: str = "measured"
 
 
 class HorizonCurve(NamedTuple):
@@ -85,7 +86,7 @@ def draw_overlay(one: Overlay) -> str:
         for column, (row, label) in enumerate(zip(axes, LABELS, strict=True)):
             for axis, inside in zip(row, (slice(None), part), strict=True):
                 time = one.time[inside]
-                axis.plot(time, one.measured[inside, column], color=INK, linewidth=1.6, alpha=0.55, label="measured")
+                axis.plot(time, one.measured[inside, column], color=INK, linewidth=1.6, alpha=0.55, label=one.observed)
                 for number, (name, values) in enumerate(one.models.items()):
                     colour = COLOURS[number % len(COLOURS)]
                     axis.plot(time, values[inside, column], color=colour, linewidth=1.0, label=name)

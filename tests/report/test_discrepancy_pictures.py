@@ -34,7 +34,8 @@ def overlay() -> Overlay:
 def test_the_zoom_is_where_the_first_model_is_worst() -> None:
     part = worst_part(overlay())
     assert part.start <= 300 and part.stop >= 375 and part.stop - part.start == 125
-    short = Overlay("short", TIME[:40], np.zeros((40, 3)), {"published": np.ones((40, 3))})
+    short = Overlay("short", TIME[:40], np.zeros((40, 3)), {"published": np.ones((40, 3))}, "simulated")
+    assert ">simulated<" in draw_overlay(short)
     assert worst_part(short) == slice(0, 40)
 
 
