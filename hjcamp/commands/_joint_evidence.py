@@ -138,7 +138,7 @@ def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
     rows = rows[:: max(1, len(rows) // POINTS)]
     models = [(name, one[rows, k]) for name, one in shown.readings.items()]
     name, unit = list(CHANNELS.values())[k]
-    title = f"worst test: {readable(evidence.tests[worst].name)}"
+    title = f"worst test: {readable(evidence.tests[worst].name.removesuffix('.mcap'))}"
     return title, name, unit, evidence.joined("time")[rows], measured[rows, k], models
 
 

@@ -86,8 +86,9 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     from hjcamp.commands._plant_explorer import exploration_of
     from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.exploration import channel_label, names_of
     from hjcamp.report.explorer import explorer_html
+    from hjcamp.report.names import readable
     from hjcamp.report.prediction_figures import draw_model_bars, draw_windows
     from hjcamp.report.units import told
 
@@ -121,8 +122,8 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
         page.table_of(
             ("test", *(f"{channel_label(one.field)} ({last.name})" for one in layout.measured.sensors)),
             [
-                [test.name, *(told(last.by_test[place, k] * s.scale, s.unit) for k, s in enumerate(layout.measured.sensors))]
-                for place, test in enumerate(layout.measured.tests)
+                [readable(name), *(told(last.by_test[place, k] * s.scale, s.unit) for k, s in enumerate(layout.measured.sensors))]
+                for place, name in enumerate(names_of([test.log for test in layout.measured.tests]))
             ],
         ),
     ]  # fmt: skip
