@@ -60,3 +60,8 @@ def shown(value: object) -> str:
         return f"a number of about {int(value.bit_length() * math.log10(2)) + 1} digits"
     text = repr(value)
     return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}... ({len(text)} characters)"
+
+
+def counted(number: int, one: str, many: str = "") -> str:
+    """Return a number with its word: ``1 test``, ``3 tests``; ``many`` is the plural where no s makes it."""
+    return f"{number} {one if number == 1 else many or f'{one}s'}"

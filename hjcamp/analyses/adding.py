@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, Report, joined, silent
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 
 if TYPE_CHECKING:
     from hjcamp.discrepancy.add import Addition as PumpAddition
@@ -82,7 +82,7 @@ def _add_plant(data: Data, names: list[str], name: str, model: str, report: Repo
         raise UsageError(f"hjcamp add {' '.join(names)}: each effect once")
     report("compiling, once for these effects", 0.05)
     found = added(measured, library, start, names, report)
-    comment = [f"{model} with {', '.join(names)}, fitted to {len(measured.tests)} tests of plant {measured.plant.name}"]
+    comment = [f"{model} with {', '.join(names)}, fitted to {counted(len(measured.tests), 'test')} of plant {measured.plant.name}"]
     origin = provenance(found, _command(data, names, name, model))
     write_model(path, savable(found.model.fitted.candidate), comment, origin, measured.plant)
     return Added(found, answer(found, name, str(path)), path)
@@ -100,7 +100,7 @@ def comment_of(model: str, found: PumpAddition) -> list[str]:
     errors = f"{' -> '.join(f'{one.score:.2f}' for one in told)} {times}"
     return [
         parts,
-        f"Error on {len(found.fold.held_out)} tests not used for the fit ({model}, calibrated, this): {errors}.",
+        f"Error on {counted(len(found.fold.held_out), 'test')} not used for the fit ({model}, calibrated, this): {errors}.",
         "SI units; 95 % intervals below, conditions left out one after the other.",
     ]
 

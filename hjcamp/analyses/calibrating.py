@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, Report, joined, silent
+from hjcamp.errors import counted
 
 if TYPE_CHECKING:
     from hjcamp.calibrate.identify import Calibration
@@ -62,7 +63,7 @@ def fit_plant(data: Data, name: str, report: Report = silent) -> Fitted:
     measured = data.measured
     report("compiling, once for this plant", 0.05)
     analysis = calibrated(measured, {}, report=report, unknowns=False)
-    comment = [f"base parameters of plant {measured.plant.name}, fitted to {len(measured.tests)} tests"]
+    comment = [f"base parameters of plant {measured.plant.name}, fitted to {counted(len(measured.tests), 'test')}"]
     hashes = log_hashes(test.log.path for test in measured.tests)
     origin = {"command": f"hjcamp calibrate {joined(data.paths)} --as {name}", "logs_sha256": hashes}
     write_model(path, savable(analysis.base.fitted.candidate), comment, origin, measured.plant)

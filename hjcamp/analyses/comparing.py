@@ -9,9 +9,9 @@ from hjcamp.analyses.data import Data, Report, silent
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
+    from hjcamp.analyses.plant_comparison import PlantComparison
     from hjcamp.discrepancy.compare import Comparison as PumpComparison
     from hjcamp.discrepancy.measured.evidence import Evidence
-    from hjcamp.prediction.comparison import Comparison as PlantComparison
 
 
 def check_models(names: Sequence[str]) -> None:
@@ -34,7 +34,8 @@ def compare_pump_joint(data: Data, names: Sequence[str], report: Report = silent
 
 
 def compare_plant(data: Data, names: Sequence[str], report: Report = silent) -> PlantComparison:
-    """Return saved models of any plant on its tests (`hjcamp.prediction.comparison`)."""
+    """Return saved models of any plant on its tests (`hjcamp.prediction.comparison`), and without each of their effects."""
+    from hjcamp.analyses.plant_comparison import with_lesser
     from hjcamp.effects import load_effects
     from hjcamp.prediction.comparison import compared
     from hjcamp.prediction.model_file import load_model
@@ -43,7 +44,7 @@ def compare_plant(data: Data, names: Sequence[str], report: Report = silent) -> 
     library = load_effects(plant=data.measured.plant)
     models = {name: load_model(name, data.measured.plant, library) for name in names}
     report("compiling, once for these models", 0.05)
-    return compared(data.measured, library, models, report)
+    return with_lesser(compared(data.measured, library, models, report), models)
 
 
 def calibrated_on(model: str, evidence: Evidence) -> bool:

@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hjcamp.errors import counted
+
 if TYPE_CHECKING:
     from hjcamp.discrepancy.measured.evidence import Evidence
     from hjcamp.model.plant import Plant
@@ -93,7 +95,7 @@ def _doubtful(logs: Sequence[TestLog]) -> str:
         for one in refuse_implausible(log, str(log.path)):
             doubtful.setdefault(one.field, []).append(f"{log.path}: {one.line}")
     more = {
-        field: f" (and so in {len(lines) - 1} more logs)" if len(lines) > 1 else "" for field, lines in doubtful.items()
+        field: f" (and so in {counted(len(lines) - 1, 'more log')})" if len(lines) > 1 else "" for field, lines in doubtful.items()
     }
     return "".join(f"{lines[0]}{more[field]}\n" for field, lines in doubtful.items())
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hjcamp.calibrate.constants import Constants, pump_travel
 from hjcamp.calibrate.estimate import Chart, Estimate, Finding, Series, mean_interval
 from hjcamp.calibrate.kinds import STILL_DEG
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.records.log import TestLog
 from hjcamp.sizing.tubing import ATMOSPHERE, air_fraction, tubing_modulus, tubing_volume
 
@@ -200,5 +200,5 @@ def _chart(tests: Sequence[tuple[Line, Line]], slope: float) -> tuple[Chart, ...
     volume = np.array([min(line.volume.min() for line in tests[0]), max(line.volume.max() for line in tests[0])])
     start = float(np.mean(first.pressure) - slope * 1e-6 * np.mean(first.volume))
     series.append(Series(volume * 1e9, start + slope * 1e-6 * volume, f"{slope * SCALE:.4g} MPa/mm³", "dashed", 2))
-    caption = f"Pressure against volume, joint blocked, {len(tests)} tests"
+    caption = f"Pressure against volume, joint blocked, {counted(len(tests), 'test')}"
     return (Chart("compliance", "4.4.5", caption, "Volume (mm³)", "Pressure (MPa gauge)", tuple(series)),)

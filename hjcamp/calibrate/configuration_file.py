@@ -11,7 +11,7 @@ import yaml
 from hjcamp.calibrate.estimate import Estimate
 from hjcamp.calibrate.identify import Calibration
 from hjcamp.configuration.check import check_model
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.schema import naming
 from hjcamp.storage import named_file, whole_file
@@ -100,7 +100,7 @@ def _line(key: str, one: Estimate) -> str:
     # PyYAML takes a number for one only with a point and a signed exponent.
     value = repr(float(f"{one.value:.7g}"))
     value = value if "e" not in value or "." in value else value.replace("e", ".0e")
-    return f"  {key}: {value}  # {one.unit}, {interval}, {one.tests} tests{published}"
+    return f"  {key}: {value}  # {one.unit}, {interval}, {counted(one.tests, 'test')}{published}"
 
 
 def rig_text(name: str, calibration: Calibration, reference: Mapping[str, Any]) -> str:

@@ -12,7 +12,7 @@ from hjcamp.calibrate.constants import Constants
 from hjcamp.calibrate.estimate import LEVEL, Chart, Estimate, Finding, Series, mean_interval
 from hjcamp.calibrate.friction_scatter import friction_scatter
 from hjcamp.calibrate.plateaus import STICKS, Breakaway, Plateau, Shown, per_test, read_strokes
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ def identify_friction(logs: Sequence[TestLog], constants: Constants) -> Finding:
         warnings.append(f"strokes were left out: {left_out(shown)}")
     parted = sum(_parted(log) for log in logs)
     if parted:
-        warnings.append(f"in {parted} tests a line ran down to its vapour pressure; preload more")
+        warnings.append(f"in {counted(parted, 'test')} a line ran down to its vapour pressure; preload more")
     if any(log.metadata.get("orientation") == "vertical" and log.metadata.get("payload") != "none" for log in logs):
         warnings.append("a payload on a vertical arm pulls too: what is called friction holds its weight")
     facts = {"strokes at constant speed": str(len(plateaus))}

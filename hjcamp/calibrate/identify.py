@@ -13,7 +13,7 @@ from hjcamp.calibrate.kinds import kind_of
 from hjcamp.calibrate.leakage import identify_leakage
 from hjcamp.calibrate.pump import identify_pump
 from hjcamp.calibrate.sensors import identify_sensors
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.records.log import TestLog
 
 IDENTIFIED = ("pump_step", "compliance", "leakage", "friction")
@@ -75,7 +75,7 @@ def identify(logs: Sequence[TestLog], configure: Configure) -> Calibration:
         groups.setdefault(kind_of(log) or "", []).append(log)
     if not any(kind in groups for kind in IDENTIFIED):
         raise UsageError(
-            f"none of {len(logs)} logs serves an identification. Needed is at least one of: a step of the pump, a pump "
+            f"none of {counted(len(logs), 'log')} serves an identification. Needed is at least one of: a step of the pump, a pump "
             "that moves while the joint is blocked, 15 s at rest under pressure, ramps of the pump at several speeds "
             "(campaigns pump_step, compliance, leakage, friction)"
         )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hjcamp.calibrate.constants import Constants
 from hjcamp.calibrate.estimate import Chart, Estimate, Finding, Series, mean_interval
 from hjcamp.calibrate.step_response import TransferFunction, fit, rise_time, telling_rows
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]
@@ -186,7 +186,7 @@ def _charts(name: str, responses: Array, model: TransferFunction, errors: Mappin
     return (
         Chart(f"{name}_order", "4.3.2", "Final prediction error against order", "Order", "Final prediction error",
               (Series(order, values, "final prediction error", "points"), Series(order, values, "", "faint")), True),
-        Chart(f"{name}_step", "4.3.3 to 4.3.5", f"Response to a step, {len(responses)} tests and order 3", "Time (ms)",
+        Chart(f"{name}_step", "4.3.3 to 4.3.5", f"Response to a step, {counted(len(responses), 'test')} and order 3", "Time (ms)",
               "Travel / step (1)",
               (Series(time, mean, "measured, mean"), Series(time, model_curve, "transfer function", "dashed", 1))),
     )  # fmt: skip

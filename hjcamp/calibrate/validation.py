@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hjcamp.calibrate.constants import Configure, attached_configuration, hardware_of
 from hjcamp.calibrate.estimate import Chart, Finding, Series
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]
@@ -65,6 +65,6 @@ def validate(logs: Sequence[TestLog], configure: Configure, model: str = "publis
             ]
             difference = float(np.sqrt(np.mean((measured - modelled[name][:length]) ** 2)))
             facts[f"rms difference of {name}"] = f"{difference:.3g}"
-        caption = f"{label.split(' (')[0]} in the open-loop test, {len(logs)} tests against model {model}"
+        caption = f"{label.split(' (')[0]} in the open-loop test, {counted(len(logs), 'test')} against model {model}"
         charts.append(Chart(f"validation_{signal}", figure, caption, "Time (s)", label, tuple(series)))
     return Finding("open_loop_validation", (), tuple(charts), (), facts)

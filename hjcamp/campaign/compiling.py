@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.errors import counted
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.text import Text
@@ -42,7 +44,7 @@ class Kernels:
         if not missing:
             return ""
         more = f" and {len(missing) - NAMED} more" if len(missing) > NAMED else ""
-        left = f"{len(missing)} of {len(self.needed)} kernels left"
+        left = f"{len(missing)} of {counted(len(self.needed), 'kernel')} left"
         return f"compiling, once for this model, {left}: {'; '.join(missing[:NAMED])}{more}"
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
-from hjcamp.errors import HjcampError, RigStopped, UsageError
+from hjcamp.errors import HjcampError, RigStopped, UsageError, counted
 from hjcamp.plants import DEFAULT
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> Report |
     """
     total = len(folder.plan.tests)
     kept = f", {result.kept} were there" if result.kept else ""
-    console.print(f"[bold]{folder.path}[/bold]   {total} tests, {len(result.failures)} failed{kept}")
+    console.print(f"[bold]{folder.path}[/bold]   {counted(total, 'test')}, {len(result.failures)} failed{kept}")
     for text, count in grouped(result.warnings)[:SHOWN]:
         console.print(f"  note    {text} ({count} test{'s' * (count != 1)})", style="yellow", markup=False)
     joints = [one.config for one in folder.plan.conditions if not one.config.get("plant")]
@@ -46,7 +46,7 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> Report |
         text = "\n  ".join(lines + (more if len(result.failures) > SHOWN else []))
         left = sum(entry["state"] != "done" for entry in folder.manifest["tests"].values())
         kind = RigStopped if result.made_safe else HjcampError
-        raise kind(f"{len(result.failures)} tests failed\n  {text}\n{left} to go: hjcamp resume {folder.path}")
+        raise kind(f"{counted(len(result.failures), 'test')} failed\n  {text}\n{left} to go: hjcamp resume {folder.path}")
     return report
 
 

@@ -38,7 +38,7 @@ def followed_error(columns: Mapping[str, NDArray[np.float64]], config: Mapping[s
 
 
 class Ends:
-    """Hears of each test that ends; prints a line on a terminal when the last test of a condition did."""
+    """Hears of each test that ends; prints a line, in a file too, when the last test of a condition did."""
 
     def __init__(self, folder: RunFolder, waiting: Sequence[PlannedTest], console: Console) -> None:
         plan = folder.plan
@@ -67,8 +67,7 @@ class Ends:
         self._left[name] -= 1
         if not self._left[name]:
             self._open -= 1
-            if self._console.is_terminal:
-                self._console.print(f"  {condition_line(name, self._ended[name])}   {self._open} to go", markup=False)
+            self._console.print(f"  {condition_line(name, self._ended[name])}   {self._open} to go", markup=False)
             self._ended[name] = []
 
 

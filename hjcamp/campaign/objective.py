@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.errors import HjcampError, UsageError, shown, unknown
+from hjcamp.errors import HjcampError, UsageError, counted, shown, unknown
 from hjcamp.report.indicators import INDICATORS
 from hjcamp.report.line_indicators import FURTHER
 
@@ -23,6 +23,8 @@ OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
 FUNCTIONS: dict[str, Callable[..., float]] = {"abs": abs, "sqrt": math.sqrt, "max": max, "min": min}
 SHOWN = 3
 LONGEST = 300
+#: Values of indicators at one of which a formula that can be a number is one.
+TRIED = (0.7, -1.3, 0.0)
 
 
 @dataclass(frozen=True)
@@ -50,13 +52,10 @@ class Objective:
                 count = sum(row[name] is None for row in rows)
                 more = f" and {len(lacking) - SHOWN} more" if len(lacking) > SHOWN else ""
                 raise HjcampError(
-                    f"objective={self.text}: {count} of {len(rows)} tests have no {name} "
+                    f"objective={self.text}: {counted(count, 'test has', 'tests have')} no {name} "
                     f"({', '.join(lacking[:SHOWN])}{more}); choose conditions that have it with conditions=NAME"
                 )
-        try:
-            value = sum(float(_value(self.formula, row)) for row in rows) / len(rows)
-        except (ArithmeticError, ValueError, TypeError):
-            value = math.nan
+        value = sum(_tried(self.formula, row) for row in rows) / len(rows)
         if not math.isfinite(value):
             raise HjcampError(f"objective={self.text} is no finite number in this run")
         return value
@@ -86,7 +85,16 @@ def _read(text: Any) -> Objective:
     _check(formula, said, names)
     if not names:
         raise UsageError(f"objective={said} names no indicator. Allowed: {', '.join(KNOWN)}, and formulas of them")
+    if not any(math.isfinite(_tried(formula, dict.fromkeys(names, one))) for one in TRIED):
+        raise UsageError(f"objective={said} is no finite number, whatever the indicators are")
     return Objective(said, tuple(names), formula)
+
+
+def _tried(formula: ast.expr, row: dict[str, float]) -> float:
+    try:
+        return float(_value(formula, row))
+    except (ArithmeticError, ValueError, TypeError):
+        return math.nan
 
 
 def _check(node: ast.expr, text: str, names: dict[str, None]) -> None:

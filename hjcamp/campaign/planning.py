@@ -11,7 +11,7 @@ from hjcamp.campaign.conditions import Draft, draft_conditions
 from hjcamp.campaign.objective import read_objectives
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
-from hjcamp.errors import UsageError, nearest, shown, unknown
+from hjcamp.errors import UsageError, counted, nearest, shown, unknown
 from hjcamp.records.plan import Condition, Plan, config_sha256, plan_sha256, planned_tests
 from hjcamp.schema import naming
 from hjcamp.trajectories import Trajectory, build_trajectory
@@ -125,7 +125,7 @@ def _refuse_too_many(drafts: Sequence[Draft], run: RunKeys, composer: Composer) 
         days = count * trajectory_of(first).duration / 86400
         conditions = f"{len(drafts)} condition{'s' * (len(drafts) != 1)}"
         raise UsageError(
-            f"{conditions} x {run.repetitions} repetitions = {count} tests, some {days:.3g} days of motion; "
+            f"{conditions} x {counted(run.repetitions, 'repetition')} = {counted(count, 'test')}, some {days:.3g} days of motion; "
             f"at most {run.most_tests} are made, unless you say most_tests={count}"
         )
 

@@ -17,7 +17,7 @@ from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.lock import run_lock
 from hjcamp.campaign.workers import available_workers, outcomes
 from hjcamp.cluster import threads_of
-from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
+from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError, counted
 from hjcamp.records.plan import Plan, PlannedTest
 from hjcamp.records.run_folder import refuse_links_out
 
@@ -74,7 +74,7 @@ def run_plan(
     left = len(folder.plan.tests) - result.done - result.kept
     if stopper is not None and stopper.stops is not None:
         kind = {3: RigStopped, 130: Interrupted}.get(stopper.stops, HjcampError)
-        raise kind(f"{stopper.message}\n{left} tests left; go on with: hjcamp resume {folder.path}")
+        raise kind(f"{stopper.message}\n{counted(left, 'test')} left; go on with: hjcamp resume {folder.path}")
     if state == "interrupted" and left:
         raise Interrupted(
             f"stopped, {left} of {len(folder.plan.tests)} tests left; go on with: hjcamp resume {folder.path}"

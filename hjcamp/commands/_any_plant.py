@@ -45,7 +45,8 @@ def compare_any(data: Data, names: list[str], json: Path | None, into: Path | No
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.analyses.comparing import compare_plant
-        from hjcamp.commands._plant_pages import modelled_tests, write_comparison
+        from hjcamp.commands._plant_explorer import modelled_tests
+        from hjcamp.commands._plant_pages import write_comparison
         from hjcamp.commands._plant_words import print_comparison
         from hjcamp.prediction.comparison import answer
         from hjcamp.records.model_log import write_modelled

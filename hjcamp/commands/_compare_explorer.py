@@ -14,12 +14,15 @@ if TYPE_CHECKING:
 
 def exploration_of(found: Comparison) -> Exploration:
     """Return every test with all logged channels, all models, and each model without one of its effects (off at first)."""
+    from hjcamp.records.log import observed
     from hjcamp.report.exploration import Exploration
 
     replays = _replays(found)
     floors = {name: error.floor for name, error in replays[0].errors.items() if error}
     names = [one.name for one in (*replays, *found.lesser)]
-    shown = Exploration(len(replays[0].evidence.tests), names, floors, [one.name for one in found.lesser])
+    tests = replays[0].evidence.tests
+    word = observed(test.log for test in tests)
+    shown = Exploration(len(tests), names, floors, [one.name for one in found.lesser], word)
     for test in tests_of(found):
         shown.add(test.name, test.condition, test.time, test.measured, test.models)
     return shown

@@ -6,12 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hjcamp.commands._error_words import in_unit, worse_than_mean
+from hjcamp.errors import counted
 
 if TYPE_CHECKING:
     from hjcamp.discrepancy.compare import Compared, Comparison
     from hjcamp.report.discrepancy_figures import Overlay
 
 NOT_CALIBRATED = "not calibrated on these tests: friction and stiffness of another specimen count here"
+FITTED_TO = "what is fitted are short windows, pressures and forces, what is told here are whole tests; use it as it stands"
 HEADINGS = ("model", "channel", "error", "floor", "error / floor", "r2")
 
 
@@ -33,6 +35,17 @@ def error_cells(one: Compared, name: str) -> list[str]:
     ]
 
 
+def calibrated_in_words(found: Comparison) -> list[str]:
+    """Return the sentences of the places that the calibrated model leaves, first of all where it is the worse one."""
+    from hjcamp.report.where_words import worse_calibrated
+
+    if not found.calibrated:
+        return []
+    last = found.models[-1]
+    worse = worse_calibrated(last.replay.name, last.score, found.calibrated.score, FITTED_TO)
+    return [*worse, *places_in_words(found.calibrated)]
+
+
 def places_in_words(one: Compared) -> list[str]:
     """Return the sentences of one model's places; without repetitions nothing says how much of the error is left."""
     from hjcamp.report.where_words import where_sentences
@@ -47,6 +60,7 @@ def write_pictures(found: Comparison, folder: Path) -> list[Path]:
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.discrepancy_figures import HorizonCurve, draw_horizon, draw_overlay
     from hjcamp.report.explorer import explorer_html
+    from hjcamp.report.names import readable
     from hjcamp.report.where_words import NO_FLOOR
     from hjcamp.storage import whole_file
 
@@ -75,7 +89,7 @@ def write_pictures(found: Comparison, folder: Path) -> list[Path]:
             else NO_FLOOR
         ),
         explorer_html(exploration_of(found)),
-        page.picture(f"Overlay: {overlay.name}, the condition with the largest error of {models[0].replay.name}", pictures["overlay"]),
+        page.picture(f"Overlay: {readable(overlay.name)}, where {models[0].replay.name} is furthest off", pictures["overlay"]),
         page.heading(f"Where: {last.replay.name}" + (", as it stands" if calibrated else "")),
         page.note(NOT_CALIBRATED.capitalize() + ".") if calibrated else "",
         page.bullets(places_in_words(last)),
@@ -85,7 +99,7 @@ def write_pictures(found: Comparison, folder: Path) -> list[Path]:
     if calibrated:
         parts += [
             page.heading("Where: after calibrating its base parameters on these tests"),
-            page.bullets(places_in_words(calibrated)),
+            page.bullets(calibrated_in_words(found)),
             page.place_table([place.row() for place in calibrated.places]),
             page.picture(force, pictures["where_calibrated"]),
         ]
@@ -104,7 +118,7 @@ def lead_of(models: list[Compared]) -> str:
     """Return the answer in one line."""
     told = " -> ".join(f"{one.score:.2f}" for one in models)
     evidence = models[0].replay.evidence
-    tests = f"{len(evidence.tests)} tests, {len(evidence.conditions)} conditions, driven by the measured pump"
+    tests = f"{counted(len(evidence.tests), 'test')}, {counted(len(evidence.conditions), 'condition')}, driven by the measured pump"
     if not evidence.repeated:
         return f"Error over the spread of the measurement {told}; no test was repeated, so there is no floor. {tests}."
     return f"Error over floor, geometric mean of arm and lines: {told}. {tests}."
@@ -114,6 +128,7 @@ def worst_overlay(models: list[Compared]) -> Overlay:
     """Return the first test of the condition in which the arm of the first model is furthest off, with all models."""
     import numpy as np
 
+    from hjcamp.records.log import observed
     from hjcamp.report.discrepancy_figures import Overlay
 
     first = models[0].replay
@@ -126,7 +141,8 @@ def worst_overlay(models: list[Compared]) -> Overlay:
     name = max(errors, key=lambda one: float(errors[one]))
     part = parts[name]
     time = evidence.tests[evidence.conditions[name][0]].time
-    return Overlay(name, time, first.measured[part], {one.replay.name: one.replay.predicted[part] for one in models})
+    predicted = {one.replay.name: one.replay.predicted[part] for one in models}
+    return Overlay(name, time, first.measured[part], predicted, observed(test.log for test in evidence.tests))
 
 
 def draw_where(one: Compared) -> str:

@@ -19,8 +19,10 @@ DETECTABLE = ("effect", "parameter", "smallest that would have been seen")
 
 def write_pictures(told: Told, folder: Path) -> list[Path]:
     """Write the evidence, the errors, what is unexplained, and the page that holds them; return their paths, the page last."""
+    from hjcamp.commands._corner import how_well_known
     from hjcamp.commands._effect_links import write_effect_pages
     from hjcamp.commands._error_words import over
+    from hjcamp.commands._joint_corner import fitted_parameters
     from hjcamp.commands._joint_evidence import evidence_pictures
     from hjcamp.report.discrepancy_figures import draw_errors
     from hjcamp.report.unexplained_figure import draw_unexplained
@@ -32,6 +34,8 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
         horizontal = f"{curve.driver.replace('_', ' ').capitalize()} ({curve.driver_unit})".replace(" ()", "")
         vertical = f"Unexplained {curve.quantity} ({curve.unit})"
         pictures["unexplained"] = draw_unexplained(horizontal, vertical, curve.centres, curve.forward, curve.backward)
+    known, drawn = how_well_known(*fitted_parameters(told.judging.best))
+    pictures |= drawn
     files = [folder / f"{name}.svg" for name in pictures]
     for file, svg in zip(files, pictures.values(), strict=True):
         with whole_file(file) as stream:
@@ -39,11 +43,11 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
     write_effect_pages(folder, [row["effect"] for row in told.content["candidates"]], told.library)
     path = folder / "index.html"
     with whole_file(path) as stream:
-        stream.write(_page(told, pictures, folder).encode())
+        stream.write(_page(told, pictures, known, folder).encode())
     return [*files, path]
 
 
-def _page(told: Told, pictures: dict[str, str], folder: Path) -> str:
+def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) -> str:
     from hjcamp.commands._diagnose_words import CALIBRATED, CANDIDATES, LEFT
     from hjcamp.commands._effect_links import equations_of, links
     from hjcamp.commands._error_words import error_table, over
@@ -55,7 +59,8 @@ def _page(told: Told, pictures: dict[str, str], folder: Path) -> str:
 
     answer = told.answer()
     scale = told.judging.scale
-    fall = [f"{over(scale).capitalize()}: {' -> '.join(f'{value:.2f} ({name})' for name, value in told.scores())}."]
+    scores = " -> ".join(f"{value:.2f} ({name})" for name, value in told.scores())
+    fall = [f"{over(scale).capitalize()}: {scores}.", *told.further_off()]
     parts = [
         page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
         page.bullets([*answer[1:], *fall]),
@@ -89,5 +94,5 @@ def _page(told: Told, pictures: dict[str, str], folder: Path) -> str:
         parts += [page.table_of(("effects", "why", "cosine"), rows)]
         parts += [page.note("Cosine: between the responses that the base parameters cannot take up; 1 is the same.")]
     parts += [page.heading("Calibrated first"), page.table_of(CALIBRATED, told.calibration(every=True))]
-    parts.append(links(folder))
+    parts += [*known, links(folder)]
     return page.discrepancy_page(told.title, answer[0], parts)

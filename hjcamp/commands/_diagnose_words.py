@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.diagnosing import Diagnosed, looks_at_final
 from hjcamp.report.units import label, told, told_interval
-from hjcamp.report.where_words import where_sentences
+from hjcamp.report.where_words import where_sentences, worse_calibrated
 
 if TYPE_CHECKING:
     from hjcamp.discrepancy.scale import Judged
@@ -105,6 +105,13 @@ class Told(Diagnosed):
         if self.found.final is not self.found.baseline:
             rows.append((f"with {' and '.join(self.found.final.candidate.effects)}", self.judging.after))
         return rows
+
+    def further_off(self) -> list[str]:
+        """Return in words where the model is the worse for being calibrated first, on tests not used for the fit."""
+        if self.start is None:
+            return []
+        why = "what the other tests say of its parameters does not hold for these, or the fit looks at something else"
+        return worse_calibrated(self.model, self.start.score, self.judging.before.score, why)
 
     def scores(self) -> list[tuple[str, float]]:
         """Return the errors in one number each, and the floor last where there is one."""

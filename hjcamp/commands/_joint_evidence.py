@@ -105,12 +105,15 @@ def _ends(one: Branch, low: float, high: float) -> dict[str, Any]:
 
 def evidence_pictures(found: Diagnosis, shown: Shown) -> dict[str, str]:
     """Return the pictures of the evidence by name, in order."""
+    from hjcamp.records.log import observed
     from hjcamp.report.evidence_figures import draw_correlations, draw_gains, draw_missing, draw_worst_test
 
     pictures = (
         {f"missing_{name}": svg for name, svg in draw_missing(shown.missing).items()} if shown.missing.before else {}
     )
-    pictures["worst_test"] = draw_worst_test(*_worst_test(found, shown))
+    pictures["worst_test"] = draw_worst_test(
+        *_worst_test(found, shown), observed=observed(test.log for test in found.features.evidence.tests)
+    )
     step = found.steps[0] if found.steps else None
     chance = step.null_gains if step else found.null.gains
     if len(chance):
@@ -123,6 +126,8 @@ def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
 
     In the channel whose error falls most with what was named, the arm where nothing was.
     """
+    from hjcamp.report.names import readable
+
     evidence = found.features.evidence
     measured = np.column_stack([evidence.joined(name) for name in CHANNELS])
     errors = [(readings - measured) ** 2 for readings in shown.readings.values()]
@@ -133,7 +138,7 @@ def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
     rows = rows[:: max(1, len(rows) // POINTS)]
     models = [(name, one[rows, k]) for name, one in shown.readings.items()]
     name, unit = list(CHANNELS.values())[k]
-    title = f"worst test: {evidence.tests[worst].name}"
+    title = f"worst test: {readable(evidence.tests[worst].name.removesuffix('.mcap'))}"
     return title, name, unit, evidence.joined("time")[rows], measured[rows, k], models
 
 

@@ -11,6 +11,7 @@ from hjcamp.analyses.data import joined
 from hjcamp.commands._next_work import Words, Work
 from hjcamp.discrepancy.design.propose import ALL_PAIRS, REPETITIONS, Proposal, Proposed, weighted
 from hjcamp.discrepancy.design.rivals import NOTHING, Rival
+from hjcamp.errors import counted
 from hjcamp.report.next_figure import Bar, Prediction, draw_predictions
 from hjcamp.storage import whole_file
 
@@ -68,7 +69,7 @@ def names_of(proposal: Proposal) -> str:
     """Return the rivals in words."""
     names = [one.name for one in proposal.rivals]
     if many(proposal.rivals):
-        return f"{NOTHING} and {len(names) - 1} effects"
+        return f"{NOTHING} and {counted(len(names) - 1, 'effect')}"
     return ", ".join(names[:-1]) + f" and {names[-1]}"
 
 
@@ -142,7 +143,7 @@ def tell(console: Console, proposal: Proposal, work: Work, campaign: Path, pictu
     motion = sum(one.trial.seconds for one in proposal.tests) * REPETITIONS
     number = len(proposal.tests)
     console.print(_opening(proposal, work), markup=False)
-    size = f"{number} tests x {REPETITIONS} repetitions, {motion:.0f} s of motion"
+    size = f"{counted(number, 'test')} x {counted(REPETITIONS, 'repetition')}, {motion:.0f} s of motion"
     console.print(f"PROPOSED   {size}, the best of {proposal.tried} tried in simulation", style="bold", markup=False)
     table = Table(box=None, pad_edge=False, header_style="dim")
     for heading in ("", "test", "preload", "controller", "separation"):

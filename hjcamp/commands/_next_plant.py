@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjcamp.errors import counted
 from hjcamp.report.units import told
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def title(done: PlantProposed) -> str:
     if not proposal.chosen:
         return "NO TEST TELLS"
     one = proposal.tests[0]
-    size = f"{proposal.chosen} test{'s' if proposal.chosen > 1 else ''} of {one.seconds:.3g} s"
+    size = f"{counted(proposal.chosen, 'test')} of {one.seconds:.3g} s"
     again = f", {one.repetitions} repetitions each" if one.repetitions > 1 else ""
     return f"PROPOSED   {size}{again}, the best of {proposal.tried} tried in simulation"
 

@@ -17,6 +17,7 @@ POINTS = 1500
 
 def evidence_pictures(words: Words) -> dict[str, str]:
     """Return the pictures of the evidence by name, in order."""
+    from hjcamp.records.log import observed
     from hjcamp.report.evidence_figures import draw_correlations, draw_gains, draw_missing, draw_worst_test
 
     analysis, verdict = words.analysis, words.verdict
@@ -27,7 +28,9 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     if verdict.effects:
         models["with what was found"] = verdict.model
     errors = {name: _without_starts(words, model) for name, model in models.items()}
-    found["worst_test"] = draw_worst_test(*_worst_test(words, errors))
+    found["worst_test"] = draw_worst_test(
+        *_worst_test(words, errors), observed=observed(test.log for test in analysis.measured.tests)
+    )
     if analysis.search.steps:
         first = analysis.search.steps[0]
         found["gains"] = draw_gains(first.chance, first.gain, "residuals moved in time")
@@ -119,6 +122,8 @@ def _after(words: Words, known: Unknown) -> Scored | None:
 
 def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:
     """Return the arguments of the picture of the test and channel that the calibrated model predicts worst."""
+    from hjcamp.report.names import readable
+
     layout = words.analysis.windows.layout
     measured = layout.measured
     of_row = np.repeat(layout.of_test, layout.width)
@@ -130,7 +135,7 @@ def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:
     rows = rows[:: max(1, len(rows) // POINTS)]
     sensor = measured.sensors[k]
     shown = [(name, (layout.readings[rows, k] - one[rows, k]) * sensor.scale) for name, one in errors.items()]
-    title = f"worst test: {measured.tests[test].name}"
+    title = f"worst test: {readable(measured.tests[test].name)}"
     return (
         title, sensor.quantity.replace("_", " "), sensor.unit, layout.time[rows],
         layout.readings[rows, k] * sensor.scale, shown,

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from hjcamp.analyses.plant_comparison import PlantComparison
     from hjcamp.commands._plant_words import Words
     from hjcamp.prediction.analysis import Analysis
-    from hjcamp.prediction.comparison import Comparison
-    from hjcamp.records.model_log import ModelledTest
 
 WINDOWS = 3
 EVIDENCE = {
@@ -31,10 +29,14 @@ BAND = (
 def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     """Write the pictures and the page of a diagnosis; return their paths, the page last."""
     from hjcamp.commands import _plant_words as said
+    from hjcamp.commands._corner import how_well_known
     from hjcamp.commands._effect_links import equations_of, links, write_effect_pages
-    from hjcamp.commands._plant_corner import FITTED, SAID, fitted_parameters
+    from hjcamp.commands._plant_corner import fitted_parameters
     from hjcamp.commands._plant_evidence import evidence_pictures
+    from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.names import readable
     from hjcamp.report.prediction_figures import draw_windows
 
     analysis, verdict = words.analysis, words.verdict
@@ -43,7 +45,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     shown = {"calibrated": analysis.base.fitted.candidate}
     if verdict.effects:
         shown["with what was found"] = verdict.model.fitted.candidate
-    pictures["windows"] = draw_windows(*_worst(analysis, shown))
+    pictures["windows"] = draw_windows(*_worst(analysis, shown), observed=observed(test.log for test in analysis.measured.tests))
     parts = [
         page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
         page.bullets(words.sentences()),
@@ -65,77 +67,67 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
         page.note(BAND),
     ]
     if worst := words.content["worst"]:
-        rows = [[one["condition"], one["channel"], f"{one['over_floor']:.2f}"] for one in worst]
+        rows = [[readable(one["condition"]), channel_label(one["channel"]), f"{one['over_floor']:.2f}"] for one in worst]
         parts += [page.heading("Worst conditions"), page.table_of(("condition", "channel", "over the floor"), rows)]
     parts += [
         page.heading("Calibrated first"),
         page.table_of(said.CALIBRATED, said.calibration_table(words.content["calibration"])),
     ]
-    corner, known = fitted_parameters(words)
-    if known:
-        parts += [page.heading("How well each parameter is known"), page.table_of(FITTED, known)]
-    if corner:
-        pictures["corner"] = corner
-        parts += [page.picture("Fitted parameters, two by two", corner), page.note(SAID)]
-    parts.append(links(folder))
+    known, drawn = how_well_known(*fitted_parameters(words))
+    pictures |= drawn
+    parts += [*known, links(folder)]
     write_effect_pages(folder, [row["effect"] for row in words.content["candidates"]], library)
     return _written(folder, pictures, page.discrepancy_page(words.title, "", parts))
 
 
-def write_comparison(found: Comparison, folder: Path) -> list[Path]:
+def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     """Write the pictures and the page of a comparison; return their paths, the page last."""
     from hjcamp.commands import _plant_words as said
+    from hjcamp.commands._plant_explorer import exploration_of
+    from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.exploration import channel_label, names_of
+    from hjcamp.report.explorer import explorer_html
+    from hjcamp.report.names import readable
     from hjcamp.report.prediction_figures import draw_model_bars, draw_windows
+    from hjcamp.report.units import told
 
     analysis = found.analysis
     layout = analysis.windows.layout
     floor = analysis.floor.of_sensors(layout)
     everything = (*found.models, found.calibrated)
-    pictures = {}
+    pictures, captions = {}, {}
     for k, one in enumerate(layout.measured.sensors):
+        captions[f"error_{one.field}"] = f"Error in {channel_label(one.field)}"
         bars = [(model.name, float(model.rms[k] * one.scale)) for model in everything]
         pictures[f"error_{one.field}"] = draw_model_bars(
-            one.quantity.replace("_", " "), one.unit, bars, float(floor[k] * one.scale)
+            channel_label(one.field), one.unit, bars, float(floor[k] * one.scale)
         )
     errors = {model.name: model.errors for model in everything}
-    pictures["windows"] = draw_windows(*_stretch(analysis, errors, errors[found.calibrated.name]))
+    pictures["windows"] = draw_windows(
+        *_stretch(analysis, errors, errors[found.calibrated.name]), observed=observed(test.log for test in layout.measured.tests)
+    )
     head, rows = said.comparison_table(found)
+    last = found.models[-1]
+    width = f"{layout.width * layout.measured.period:.3g} s"
     parts = [
         page.table_of(head, rows),
-        page.note(f"Error over windows of {layout.width * layout.measured.period:.3g} s. {said.FLOORS[analysis.floor.source]}."),
-        *(page.picture(f"Error in {name.removeprefix('error_')}", svg) for name, svg in pictures.items() if name != "windows"),
+        page.note(f"Error over windows of {width}. {said.FLOORS[analysis.floor.source]}."),
+        page.bullets(said.further_off(found)),
+        explorer_html(exploration_of(found)),
+        page.note(f"Predictions begin anew every {width}, where each fits best; the table has errors without what those starts do."),
+        *(page.picture(caption, pictures[name]) for name, caption in captions.items()),
         page.picture("The worst windows", pictures["windows"]),
         page.heading("Tests"),
         page.table_of(
-            ("test", *(f"{one.field} ({found.models[-1].name})" for one in layout.measured.sensors)),
+            ("test", *(f"{channel_label(one.field)} ({last.name})" for one in layout.measured.sensors)),
             [
-                [test.name, *(f"{found.models[-1].by_test[place, k] * s.scale:.4g}" for k, s in enumerate(layout.measured.sensors))]
-                for place, test in enumerate(layout.measured.tests)
+                [readable(name), *(told(last.by_test[place, k] * s.scale, s.unit) for k, s in enumerate(layout.measured.sensors))]
+                for place, name in enumerate(names_of([test.log for test in layout.measured.tests]))
             ],
         ),
     ]  # fmt: skip
     return _written(folder, pictures, page.discrepancy_page(f"Models of plant {layout.measured.plant.name}", "", parts))
-
-
-def modelled_tests(found: Comparison) -> Iterator[ModelledTest]:
-    """Yield every test with what was measured and what each model predicts over windows, in the units of the fields."""
-    from hjcamp.records.model_log import ModelledTest
-
-    layout = found.analysis.windows.layout
-    of_row = np.repeat(layout.of_test, layout.width)
-    scales = [one.scale for one in layout.measured.sensors]
-    fields = [one.field for one in layout.measured.sensors]
-
-    def channels(values: Any, rows: Any) -> dict[str, Any]:
-        return {field: values[rows, k] * scales[k] for k, field in enumerate(fields)}
-
-    for place, test in enumerate(layout.measured.tests):
-        rows = np.flatnonzero(of_row == place)
-        models = {one.name: channels(layout.readings - one.errors, rows) for one in (*found.models, found.calibrated)}
-        if len(rows):
-            measured = channels(layout.readings, rows)
-            yield ModelledTest(test.name, test.condition, layout.time[rows], measured, models, test.log.metadata)
 
 
 def _written(folder: Path, pictures: dict[str, str], html: str) -> list[Path]:

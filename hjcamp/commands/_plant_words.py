@@ -173,8 +173,10 @@ def telling_tests(
 
 def channel_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
     """Rows of a channel's error: before, after, floor, with the unit."""
+    from hjcamp.report.exploration import channel_label
+
     return [
-        [name, *(told(row[key], row["unit"]) for key in ("baseline", "augmented", "floor"))]
+        [channel_label(name), *(told(row[key], row["unit"]) for key in ("baseline", "augmented", "floor"))]
         for name, row in rows.items()
     ]  # fmt: skip
 
@@ -217,6 +219,7 @@ def print_comparison(console: Console, found: Comparison) -> None:
     _head(console, found.analysis)
     table(console, *comparison_table(found))
     print_wrapped(console, [FLOORS[found.analysis.floor.source] + "."], 8)
+    print_wrapped(console, further_off(found), 8)
     worse = [one.name for one in found.models if any(one.explained < 0.0)]
     if worse:
         print_wrapped(
@@ -224,14 +227,25 @@ def print_comparison(console: Console, found: Comparison) -> None:
         )
 
 
+def further_off(found: Comparison) -> list[str]:
+    """Return in words where the last model is the worse for being calibrated."""
+    from hjcamp.report.where_words import worse_calibrated
+
+    last = found.models[-1]
+    why = "the fit weighs what scatters more for less, this number counts all alike; use it as it stands"
+    return worse_calibrated(last.name, last.score, found.calibrated.score, why)
+
+
 def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:
     """Return the head and rows of a comparison: model, each channel's rms with the share explained, over the floor."""
+    from hjcamp.report.exploration import channel_label
+
     layout = found.analysis.windows.layout
     sensors = layout.measured.sensors
     head = (
         "model",
-        *(f"{one.field}" for one in sensors),
-        *(f"explained {one.quantity}" for one in sensors),
+        *(channel_label(one.field) for one in sensors),
+        *(f"{channel_label(one.field)} explained" for one in sensors),
         "over the floor",
     )
     rows = [

@@ -5,6 +5,8 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
+from hjcamp.errors import counted
+
 SHOWN = 20
 
 
@@ -55,6 +57,6 @@ def show_sweep(overrides: list[str], folder: Path | None) -> None:
     console.print(table)
     if len(sweep.jobs) > SHOWN:
         console.print(f"  ... and {len(sweep.jobs) - SHOWN} more")
-    whole = f"{tests} tests, {duration_text(motion)} of motion" if not sweep.space or sweep.count else "not known"
+    whole = f"{counted(tests, 'test')}, {duration_text(motion)} of motion" if not sweep.space or sweep.count else "not known"
     console.print(f"in all  {whole}", markup=False)
     console.print(f"next    hjcamp run -m {shlex.join(overrides)}", markup=False)

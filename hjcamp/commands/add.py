@@ -11,7 +11,7 @@ import typer
 from hjcamp.analyses.adding import add as add_effects
 from hjcamp.analyses.data import Data, joined
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import UsageError, nearest, unknown
+from hjcamp.errors import UsageError, counted, nearest, unknown
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -93,7 +93,7 @@ def _print(console: Console, found: Addition, path: Path, model: str, name: str,
     count = len(found.fold.held_out)
     apart = not set(found.fold.held_out) & set(found.fold.train)
     console.print(
-        f"error on {count} tests {'that were not used for the fit' if apart else '(all: there are no others)'}"
+        f"error on {counted(count, 'test')} {'that were not used for the fit' if apart else '(all: there are no others)'}"
     )
     told = [(model, found.start), ("calibrated", found.before), (name, found.after)]
     print_errors(console, told, found.scale)
@@ -116,7 +116,7 @@ def helps_told(found: Addition) -> str:
     falls = f"{'falls' if mean > 0 else 'rises'} by {abs(mean):.2g} {unit}"
     if count < 2:
         return f"{names}: the error {falls} on one test, whose scatter nothing tells."
-    judged = f"the error of the {count} tests, each on its own, {falls} on average"
+    judged = f"the error of the {counted(count, 'test')}, each on its own, {falls} on average"
     if found.helps:
         return f"{names} helps: {judged}, by more than the standard error of that ({error:.2g})."
     return (

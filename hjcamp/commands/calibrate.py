@@ -10,6 +10,7 @@ import typer
 from hjcamp.analyses.calibrating import identify_pump_joint, pairs
 from hjcamp.analyses.data import Data
 from hjcamp.commands._session import AnswerFile
+from hjcamp.errors import counted
 from hjcamp.plants import DEFAULT
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def calibrate(
     done = identify_pump_joint(data, name, pairs(only or []), conf, replace)
     found, model, rig = done.found, done.model, done.rig
     page = Path("calibration") / f"{name}.html"
-    facts = [f"{found.tests} tests", *(f"{group} {choice}" for group, choice in found.hardware.items())]
+    facts = [counted(found.tests, "test"), *(f"{group} {choice}" for group, choice in found.hardware.items())]
     charts = [chart for finding in found.findings.values() for chart in finding.charts]
     rows = [row_of(one) for one in found.estimates.values()]
     with whole_file(page) as stream:

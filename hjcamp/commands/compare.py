@@ -10,6 +10,7 @@ import typer
 from hjcamp.analyses.comparing import check_models, compare_pump_joint
 from hjcamp.analyses.data import Data, joined
 from hjcamp.commands._session import AnswerFile
+from hjcamp.errors import counted
 from hjcamp.storage import check_place
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def compare(
 def tell_of_views(console: Console, files: list[Path]) -> None:
     """Say where tests with models as topics were written, and what opens them."""
     if files:
-        console.print(f"mcap     {len(files) - 2} tests in {files[0].parent}", markup=False)
+        console.print(f"mcap     {counted(len(files) - 2, 'test')} in {files[0].parent}", markup=False)
         console.print(f"         layouts {files[-2]} (Foxglove), {files[-1]} (PlotJuggler)", markup=False)
 
 
@@ -101,11 +102,11 @@ def next_commands(found: Comparison, paths: list[Path]) -> list[str]:
 
 
 def _print(console: Console, found: Comparison, files: list[Path]) -> None:
-    from hjcamp.commands._compare_page import NOT_CALIBRATED, places_in_words
+    from hjcamp.commands._compare_page import NOT_CALIBRATED, calibrated_in_words, places_in_words
 
     models, last, calibrated = found.models, found.models[-1], found.calibrated
     evidence = last.replay.evidence
-    count = f"{len(evidence.tests)} tests, {len(evidence.conditions)} conditions"
+    count = f"{counted(len(evidence.tests), 'test')}, {counted(len(evidence.conditions), 'condition')}"
     console.print(f"{count}, replay driven by the measured pump")
     if not evidence.repeated:
         console.print("  exploratory: no test was repeated, so there is no floor to compare with", style="yellow")
@@ -118,7 +119,7 @@ def _print(console: Console, found: Comparison, files: list[Path]) -> None:
         console.print(f"where    {last.replay.name} as it stands ({NOT_CALIBRATED})", markup=False)
         _say(console, places_in_words(last))
         console.print("         after calibrating its base parameters on these tests", markup=False)
-        _say(console, places_in_words(calibrated))
+        _say(console, calibrated_in_words(found))
     else:
         console.print(f"where    {last.replay.name}", markup=False)
         _say(console, places_in_words(last))

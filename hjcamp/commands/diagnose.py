@@ -12,7 +12,7 @@ import typer
 from hjcamp.analyses.data import Data, free_model_name, joined
 from hjcamp.analyses.diagnosing import Asked, diagnose_pump_joint
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -118,7 +118,7 @@ def tell_of_compiling(console: Console, report: Callable[[str, float], None], do
     if console.is_terminal:
         report(f"compiling, once for these effects: {count - done} of {count} kernels left", 0.0)
     elif not done:
-        console.print(f"  compiling {count} kernels, once for these effects", markup=False)
+        console.print(f"  compiling {counted(count, 'kernel')}, once for these effects", markup=False)
 
 
 def next_command(
@@ -157,11 +157,11 @@ def _print(console: Console, told: Told) -> None:
             console.print(f"  {still} more moved by less than 1 %", style="dim", markup=False)
     weighed = len({name for step in found.steps for name in step.fits})
     twins = (
-        f"{len(found.null.gains)} twins with nothing missing"
+        f"{counted(len(found.null.gains), 'twin')} with nothing missing"
         if not found.lacking
         else "no twins: nothing to ask of them"
     )
-    count = f"screened {len(told.library)} effects, weighed {weighed}, {twins}"
+    count = f"screened {counted(len(told.library), 'effect')}, weighed {weighed}, {twins}"
     console.print(f"{count}   {content['seconds']:.0f} s", markup=False)
     if found.exploratory:
         console.print("exploratory: no test was repeated, so the scatter of the rig is assumed", style="yellow")
@@ -172,6 +172,7 @@ def _print(console: Console, told: Told) -> None:
     _candidates(console, told)
     console.print("error   on tests that were not used for the fit")
     print_errors(console, told.errors(), told.judging.scale)
+    print_wrapped(console, told.further_off(), 8)
     print_wrapped(console, told.where(), 8, "where")
     hidden, pairs = told.confounded(APART)
     if hidden:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import HjcampError, UsageError
+from hjcamp.errors import HjcampError, UsageError, counted
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -120,7 +120,7 @@ def write_catalogue(folder: Path) -> None:
     from hjcamp.commands._catalogue import write_pages
 
     written = write_pages(folder)
-    make_console().print(f"  {len(written)} pages  {written[-1]}", markup=False, soft_wrap=True)
+    make_console().print(f"  {counted(len(written), 'page')}  {written[-1]}", markup=False, soft_wrap=True)
 
 
 def show_catalogue(plant: str = "") -> dict[str, Any]:
@@ -147,7 +147,7 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
             table.add_row(part, name, effect.sentence(), ", ".join(effect.parameters))
         if rows:
             console.print(table)
-        said = f"{len(rows)} effects; one of them: hjcamp effects NAME"
+        said = f"{counted(len(rows), 'effect')}; one of them: hjcamp effects NAME"
         if rows is shown:
             said += f" --plant {plant}; what does not fit: hjcamp plants {plant}" if plant else ""
         else:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.storage import shown_path
 
 
@@ -73,10 +73,11 @@ def history(
         )
         table.add_row(*map(escape, cells))
     console.print(table)
-    said = f"deg, mean over {len(shared)} conditions ± its standard error; changed: conditions that differ from the row before"
-    console.print(f"  {said}, the largest named", style="dim", markup=False)
+    said = f"deg, mean over {counted(len(shared), 'condition')} ± its standard error"
+    console.print(f"  {said}; changed: conditions that differ from the row before, the largest named", style="dim", markup=False)
     if without:
-        console.print(f"  {len(without)} runs have no report: {', '.join(without[:3])}", markup=False, soft_wrap=True)
+        none = counted(len(without), "run has", "runs have")
+        console.print(f"  {none} no report: {', '.join(without[:3])}", markup=False, soft_wrap=True)
     labels = [row["commit"] if over == "commits" and row["commit"] else row["started"][:16] for row in rows]
     title = " ".join(filters)
     draw_history(figure, f"{title}: {indicator}", indicator, rows, labels)

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.storage import check_place
 
 HELP = """Turn measurements from elsewhere into test logs.
@@ -75,7 +75,7 @@ def import_table(
     for target, log in zip(targets, logs, strict=True):
         for one in log.doubtful:
             print(f"{target}: {one.line}", file=sys.stderr)
-        print(f"{target}: {log.samples} samples, {log.duration:.3f} s, fields {' '.join(log.fields)}")
+        print(f"{target}: {counted(log.samples, 'sample')}, {log.duration:.3f} s, fields {' '.join(log.fields)}")
         if target in left:
             print(f"  {target.name}.part, left by an import that was cut off, is gone")
     periods = {float(log.metadata[PERIOD_KEY]) for log in logs if PERIOD_KEY in log.metadata}

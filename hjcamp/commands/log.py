@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import HjcampError
+from hjcamp.errors import HjcampError, counted
 
 Paths = Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")]
 
@@ -42,7 +42,7 @@ def info(paths: Paths, json: AnswerFile = None) -> None:
     for path in find_logs(paths):
         found = verify_log(path)
         rows.append(found)
-        print(f"{path}: {found.samples} samples, {found.duration:.3f} s, {'whole' if found.whole else 'NOT WHOLE'}")
+        print(f"{path}: {counted(found.samples, 'sample')}, {found.duration:.3f} s, {'whole' if found.whole else 'NOT WHOLE'}")
         print(f"  of           plant {found.plant}, one sample each {span(found.period)}")
         print(f"  fields       {' '.join(found.fields)}")
         print(f"  attachments  {' '.join(found.attachments) or 'none'}")
@@ -78,15 +78,15 @@ def verify(paths: Paths, json: AnswerFile = None) -> None:
         for problem in [*found.problems, *(one.line for one in found.findings)]:
             print(f"{path}: {problem}")
     for (plant, period, fields), number in kinds.items():
-        print(f"{number} logs of plant {plant}, one sample each {span(period)}: {' '.join(fields)}")
-    whole = f"{len(logs)} logs, {len(logs) - damaged} whole, {damaged} not"
+        print(f"{counted(number, 'log')} of plant {plant}, one sample each {span(period)}: {' '.join(fields)}")
+    whole = f"{counted(len(logs), 'log')}, {len(logs) - damaged} whole, {damaged} not"
     print(f"{whole}; {implausible} with what cannot be, {doubtful} with warnings" if implausible + doubtful else whole)
     write_answer(json, {"schema": "hjcamp.logs/1", "logs": log_rows(rows)})
     if damaged:
-        raise HjcampError(f"{damaged} of {len(logs)} logs are not whole; try: hjcamp log recover PATH")
+        raise HjcampError(f"{damaged} of {counted(len(logs), 'log')} not whole; try: hjcamp log recover PATH")
     if implausible:
         raise HjcampError(
-            f"{implausible} of {len(logs)} logs hold what cannot be; "
+            f"what cannot be is in {implausible} of {counted(len(logs), 'log')}; "
             "import them again with the right units, or leave them out"
         )
 
@@ -94,18 +94,23 @@ def verify(paths: Paths, json: AnswerFile = None) -> None:
 def recover(
     path: Annotated[Path, typer.Argument(help="A damaged log or a .part file.")],
     output: Annotated[Path | None, typer.Option(help="The new log; NAME.recovered.mcap by default.")] = None,
+    json: AnswerFile = None,
 ) -> None:
     """Write what is whole in a damaged log to a new one."""
+    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.records.recover import recover_log
     from hjcamp.storage import check_place
 
     if output is not None:
         check_place(output, "--output")
+    check_answer_file(json)
     stem = path.name.removesuffix(".part").removesuffix(".mcap")
     result = recover_log(path, output or path.with_name(f"{stem}.recovered.mcap"))
     for problem in result.problems:
         print(f"  {problem}")
     print(f"{result.path}: {result.words}")
+    answer = {"schema": "hjcamp.recovery/1", "log": str(result.path), "kept": result.kept, "lost": result.lost}
+    write_answer(json, {**answer, "lost_is_exact": result.lost_is_exact, "problems": list(result.problems)})
 
 
 def export(

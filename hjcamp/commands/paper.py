@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.commands._session import AnswerFile
+from hjcamp.errors import counted
 
 
 def register(app: typer.Typer) -> None:
@@ -64,8 +65,8 @@ def paper(
     )  # fmt: skip
     console = make_console()
     console.print(
-        f"[bold]{folder}[/bold]   {len(made.tables)} tables, {len(made.figures)} figures, {len(numbers)} numbers, "
-        f"{len(made.cite)} sources"
+        f"[bold]{folder}[/bold]   {counted(len(made.tables), 'table')}, {counted(len(made.figures), 'figure')}, "
+        f"{counted(len(numbers), 'number')}, {counted(len(made.cite), 'source')}"
     )
     if numbers:
         name, one = next(

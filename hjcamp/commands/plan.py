@@ -9,7 +9,7 @@ import typer
 
 from hjcamp.commands._complete import complete_override
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 
 if TYPE_CHECKING:
     from hjcamp.records.plan import Plan
@@ -69,8 +69,8 @@ def show_plan(made: Plan) -> None:
     console = make_console()
     count = len(made.conditions)
     console.print(
-        f"[bold]{made.campaign}[/bold]: {count} condition{'s' * (count != 1)} x {made.repetitions} repetitions"
-        f" = {len(made.tests)} tests, {duration_text(made.duration)} of motion"
+        f"[bold]{made.campaign}[/bold]: {count} condition{'s' * (count != 1)} x {counted(made.repetitions, 'repetition')}"
+        f" = {counted(len(made.tests), 'test')}, {duration_text(made.duration)} of motion"
     )
     if made.description:
         console.print(f"  {made.description}", style="dim", markup=False)

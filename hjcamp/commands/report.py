@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import HjcampError, UsageError
+from hjcamp.errors import HjcampError, UsageError, counted
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
@@ -84,7 +84,7 @@ def report(
         if violations:
             more = f"\n  ... and {len(violations) - SHOWN} more" if len(violations) > SHOWN else ""
             lines = "\n  ".join(map(str, violations[:SHOWN]))
-            raise HjcampError(f"{len(violations)} means are outside the tolerances\n  {lines}{more}")
+            raise HjcampError(f"{counted(len(violations), 'mean is', 'means are')} outside the tolerances\n  {lines}{more}")
         console.print("  check   every mean is within the tolerances")
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import sys
 from contextlib import suppress
+from dataclasses import asdict
 from typing import Annotated, Any
 
 import typer
 
+from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import HjcampError
 
 Overrides = Annotated[list[str] | None, typer.Argument(metavar="OVERRIDES", help="As of hjcamp run: rig=NAME ...")]
@@ -86,17 +88,23 @@ def _say(text: str) -> None:
 def check(
     overrides: Overrides = None,
     yes: Annotated[bool, typer.Option("--yes", help="Confirm the motion without looking.")] = False,
+    json: AnswerFile = None,
 ) -> None:
     """Check wiring, noise, preload and directions with small motions; a rig must pass before it runs a campaign."""
     from hjcamp.backends import before_moving
     from hjcamp.backends.rig.check import Finding, check_rig
+    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer, free
 
+    check_answer_file(json)
     config = Composer().compose([free(line) for line in overrides or []] + ["backend=nidaqmx"]).config
     check_configuration(config)
 
+    findings: list[dict[str, Any]] = []
+
     def say(finding: Finding) -> None:
+        findings.append(asdict(finding))
         print(f"{'ok    ' if finding.passed else 'FAILED'} {finding.name:<8} {finding.text}", flush=True)
 
     def ask(question: str) -> bool:
@@ -109,19 +117,25 @@ def check(
         print(f"The rig '{name}' will move: preload, the pump by a few mm, the arm by a few degrees.")
         if not typer.confirm("Is everybody clear of it?"):
             raise HjcampError("not checked: nothing was moved")
-    if not check_rig(config, ask, say):
+    passed = check_rig(config, ask, say)
+    write_answer(json, {"schema": "hjcamp.rig_check/1", "rig": name, "passed": passed, "findings": findings})
+    if not passed:
         raise HjcampError(f"rig '{name}' has not passed its check; the outputs are safe")
     print(f"rig '{name}' has passed; this holds until its wiring or limits are changed")
 
 
-def unlock() -> None:
+def unlock(json: AnswerFile = None) -> None:
     """Say who holds each rig of this computer. A lock ends with its process, so there is nothing to remove."""
     from hjcamp.backends.rig.lock import describe, is_free, lock_folder, read_holder
+    from hjcamp.commands._session import check_answer_file, write_answer
 
+    check_answer_file(json)
     held: list[dict[str, Any]] = []
+    rigs: list[dict[str, Any]] = []
     for path in sorted(lock_folder().glob("*.lock")):
         holder = read_holder(path)
-        rig = holder.get("rig", path.stem)
+        rig = str(holder.get("rig", path.stem))
+        rigs.append({"rig": rig, "in_use": not is_free(path), "holder": describe(holder)})
         if is_free(path):
             print(f"{rig}: free (last used by {describe(holder)})")
         else:
@@ -130,3 +144,4 @@ def unlock() -> None:
             print(f"  a lock ends with its process; to end that one safely: kill {holder.get('process', 'PROCESS')}")
     if not held:
         print("no rig is in use")
+    write_answer(json, {"schema": "hjcamp.rigs/1", "rigs": rigs})

@@ -10,7 +10,7 @@ import typer
 
 from hjcamp.commands._complete import complete_override
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -166,9 +166,10 @@ def tune_laws(plan: Plan, lines: list[str], name: str | None, replace: bool, con
         doing = Doing("searching for the smallest mean error")
         with status(console, kernels_of(one.config for one in conditions), doing):
             result = retune_law(conditions, plan.tests, plan.seed)
+        each = counted(plan.repetitions, "test")
         source = [
             f"Tuned by: hjcamp tune {' '.join(lines)} (campaign '{plan.campaign}', seed {plan.seed})",
-            f"Smallest mean RMSE over {', '.join(result.conditions)}, simulated with scatter, {plan.repetitions} tests each, SI: "
+            f"Smallest mean RMSE over {', '.join(result.conditions)}, simulated with scatter, {each} each, SI: "
             f"{result.before:.5g} -> {result.after:.5g}.",
             f"{result.evaluations} evaluations of a seeded search, each between 1/{FACTOR:g} and {FACTOR:g} times its start: "
             + ", ".join(f"{key} {value:.4g}" for key, value in result.start.items())

@@ -18,7 +18,7 @@ from hjcamp.discrepancy.residuals.features import Features
 from hjcamp.discrepancy.residuals.replay import ChannelError, Replay, replay
 from hjcamp.discrepancy.residuals.views import Views
 from hjcamp.discrepancy.scale import Scale, scale_of, windows_of
-from hjcamp.errors import HjcampError
+from hjcamp.errors import HjcampError, counted
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 
@@ -101,7 +101,7 @@ def compare(
     scale = scale_of(views, plain)
     replays = {}
     for number, (name, candidate) in enumerate(asked.items()):
-        report(f"replaying {len(evidence.tests)} tests: {name}", 0.3 + 0.2 * number / len(asked))
+        report(f"replaying {counted(len(evidence.tests), 'test')}: {name}", 0.3 + 0.2 * number / len(asked))
         try:
             replays[name] = replay(views, name, candidate, scale.floors)
         except HjcampError:

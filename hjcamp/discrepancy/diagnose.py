@@ -26,6 +26,7 @@ from hjcamp.discrepancy.selection.effort import EFFORTS, Effort
 from hjcamp.discrepancy.selection.step import LEVEL, StepFitter, at_most, same_as
 from hjcamp.discrepancy.selection.verdict import judge, lacks, law_of, matters, named_by, rivals_of
 from hjcamp.discrepancy.workers.pool import Crew
+from hjcamp.errors import counted
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 
@@ -183,7 +184,7 @@ class _Search:
         in the first of them where these say enough of it after the steps ``taken``."""
         share = 0.1 + 0.8 * number / (self.work.forward + 1)
         if whole:
-            self.report(f"screening {len(self.effects)} effects", share)
+            self.report(f"screening {counted(len(self.effects), 'effect')}", share)
         screening = screen(self.fitter, current, self.effects, None if whole else ())
         if current is not self.twins_of:
             self.twins_of, self.twins, self.number = current, [], number

@@ -11,10 +11,11 @@ import numpy as np
 
 from hjcamp import backends
 from hjcamp.controllers.fit import controlled_field
+from hjcamp.errors import UsageError
 from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.plant import Plant
 from hjcamp.plants import DEFAULT, find_plant
-from hjcamp.report.exploration import NOT_CHANNELS, described, references
+from hjcamp.report.exploration import NOT_CHANNELS, channel_label, described, references
 
 PHASE = re.compile(r"(\d+) ([^,;]+)")
 
@@ -59,7 +60,16 @@ def channels_of(plant: type[Plant], table: FieldTable) -> list[dict[str, Any]]:
     return sorted(found, key=lambda one: one["panel"] != "")
 
 
+def _label(name: str) -> str:
+    """Return the name of a limit as people read it: ``arm_speed_deg_per_s`` is ``arm speed``; its unit stands with its number."""
+    try:
+        return channel_label(name)
+    except UsageError:
+        return name.replace("_", " ")
+
+
 def _plain(watch: dict[str, Any]) -> dict[str, Any]:
     """JSON has no infinity: what has no end is None."""
+    watch["label"] = _label(watch["name"])
     watch["phases"] = [None if abs(end) == float("inf") else end for end in watch["phases"]]
     return watch

@@ -16,6 +16,7 @@ import numpy as np
 from hjcamp.backends.recording import Look, Samples
 from hjcamp.live.messages import block_of, packed
 from hjcamp.model.field_unit import unit_of_field
+from hjcamp.report.names import readable
 
 #: Messages that wait for the page at most; about ten seconds of a rig. The oldest is dropped for the newest.
 ROOM = 256
@@ -43,7 +44,9 @@ class Feed:
         """Say what is run: the ``configs`` of its conditions, how many ``tests`` each has, how many were ``kept``."""
         self._configs = configs
         self._described = {}
-        self._counts = {one: {"done": kept.get(one, 0), "failed": 0, "total": tests[one]} for one in tests}
+        self._counts = {
+            one: {"label": readable(one), "done": kept.get(one, 0), "failed": 0, "total": tests[one]} for one in tests
+        }
         self._run = {"done": sum(kept.values()), "failed": 0, "total": sum(tests.values())}
         backend = str(next(iter(configs.values()), {}).get("backend", {}).get("name", ""))
         about = {
@@ -112,7 +115,8 @@ class Feed:
                 self._described[condition] = describe(self._configs[condition])
             except Exception:
                 self._described[condition] = nothing_known()
-        return {"id": test, "condition": condition, **self._described[condition]}
+        label = f"{readable(condition)}, {test.partition('/')[2].replace('rep_', 'repetition ')}".removesuffix(", ")
+        return {"id": test, "label": label, "condition": condition, **self._described[condition]}
 
     def _put(self, head: dict[str, Any], block: bytes = b"") -> None:
         self.dropped += len(self._waiting) == ROOM

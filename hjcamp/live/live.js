@@ -51,7 +51,7 @@
     body.replaceChildren();
     for (const [name, one] of Object.entries(run.conditions || {})) {
       const row = make("tr", body, test && test.condition === name ? { class: "inhand" } : {});
-      make("td", row, {}, name.replaceAll("__", " / "));
+      make("td", row, {}, one.label || name);
       make("td", row, one.failed ? { class: "far" } : {}, `${one.done}/${one.total}${one.failed ? `, ${one.failed} failed` : ""}`);
       make("td", row, {}, one.error ? `${number(one.error[0])} ${one.error[1]}` : "");
     }
@@ -114,13 +114,13 @@
     byId("nolimits").textContent = "This plant and rig declare none.";
     if (area.childElementCount !== limits.length) {
       area.replaceChildren();
-      for (const one of limits) {
+      limits.forEach((_, k) => {
         const box = make("div", area, { class: "limit" });
         for (const name of ["name", "margin", "track"]) make(name === "track" ? "div" : "span", box, { class: name });
         make("div", box.lastChild, { class: "seen" });
         make("div", box.lastChild, { class: "at" });
-        box.firstChild.textContent = one.name;
-      }
+        box.firstChild.textContent = test.watches[k].label;
+      });
     }
     limits.forEach((one, k) => {
       const told = test.watches[k], box = area.children[k];
@@ -150,7 +150,7 @@
       if (!news.id) return;
       const same = test && JSON.stringify([test.channels, test.watches]) === JSON.stringify([news.channels, news.watches]);
       test = news; rows = []; first = -1;
-      byId("test").textContent = news.id.replaceAll("__", " / ").replace("/rep_", ", repetition ");
+      byId("test").textContent = news.label;
       if (!same) { build(); byId("limits").replaceChildren(); }
       showConditions();
     },

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.model.compose import Composition
 from hjcamp.model.course import Course, Followed
 from hjcamp.model.effect import Effect
@@ -113,7 +113,7 @@ def finite_everywhere(bench: EffectBench, draws: int = 8) -> str:
             if not np.all(np.isfinite(bench.readings(_first(course, SHORT), 1.0, values))):
                 shown = ", ".join(f"{key} = {value:g}" for key, value in values.items())
                 raise UsageError(f"effect {bench.effect.name}: not finite in the test '{name}' with {shown}")
-    return f"{len(places)} places within the bounds"
+    return f"{counted(len(places), 'place')} within the bounds"
 
 
 def off_is_absent(bench: EffectBench) -> str:

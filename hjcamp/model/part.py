@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from types import CodeType
 from typing import Any
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.model.part_lines import (
     Change,
     called_like,
@@ -113,7 +113,7 @@ class _Writer:
             raise UsageError(f"{label}: it assigns its argument '{wrong[0]}'; give that line another name")
         results = [] if result is None else elements(result) if len(targets) > 1 else [result]
         if len(results) != len(targets) and not isinstance(line, ast.Return):
-            raise UsageError(f"{label} returns {len(results)} values for {len(targets)} names")
+            raise UsageError(f"{label} returns {counted(len(results), 'value')} for {counted(len(targets), 'name')}")
         # a result takes the name that it is given, where the arguments do not use that name themselves
         used = {name for value in given.values() for name in names_in_tree(value)}
         for target, value in zip(targets, results, strict=False):

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.model.amount_formula import plain_functions
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
@@ -212,7 +212,7 @@ def finite_everywhere(bench: PlaceBench) -> str:
         if not np.all(np.isfinite(bench.along(values))):
             shown = ", ".join(f"{key} = {value:g}" for key, value in values.items())
             raise UsageError(f"effect {bench.effect.name}: not finite with {shown}")
-    return f"{len(places)} places within the bounds"
+    return f"{counted(len(places), 'place')} within the bounds"
 
 
 def off_is_absent(bench: PlaceBench) -> str:

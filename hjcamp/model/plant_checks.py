@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.model.amount import dimension
 from hjcamp.model.amount_formula import plain_functions
 from hjcamp.model.equation_units import Units
@@ -39,14 +39,15 @@ def check_equations(plant: type[Plant]) -> str:
         for name in group:
             if sum(name in other for other in (plant.states, plant.parameters, plant.inputs)) > 1:
                 raise UsageError(f"{where}: '{name}' is declared twice, as a state, parameter or input")
-    return f"{len(plant.states)} states, {len(vocabulary.statements)} lines, {len(vocabulary.ports)} places"
+    lines, places = counted(len(vocabulary.statements), "line"), counted(len(vocabulary.ports), "place")
+    return f"{counted(len(plant.states), 'state')}, {lines}, {places}"
 
 
 def check_units_of(plant: type[Plant]) -> str:
     """Refuse a line whose unit does not fit; the message names the line."""
     units = Units(plant)
     units.follow(read_vocabulary(plant).statements)
-    return f"{len(read_vocabulary(plant).signals)} lines with units"
+    return f"{counted(len(read_vocabulary(plant).signals), 'line')} with units"
 
 
 def check_measured(plant: type[Plant]) -> str:
@@ -54,7 +55,7 @@ def check_measured(plant: type[Plant]) -> str:
     where = f"plant {plant.name}"
     vocabulary = read_vocabulary(plant)
     if plant.channels:
-        return f"{len(plant.channels)} channels"
+        return counted(len(plant.channels), "channel")
     if not plant.measured:
         raise UsageError(f'{where}: nothing is measured; write FIELD_UNIT = Measured("SENSOR", of="STATE")')
     units = Units(plant)
@@ -72,7 +73,7 @@ def check_measured(plant: type[Plant]) -> str:
     for name, given in plant.inputs.items():
         if name not in ALWAYS and not given.field:
             field_of(name, given.unit, where)
-    return f"{len(plant.measured)} channels"
+    return counted(len(plant.measured), "channel")
 
 
 def check_finite(plant: type[Plant]) -> str:
@@ -103,7 +104,7 @@ def check_passive(plant: type[Plant]) -> str:
                     f"plant {plant.name}: the friction of '{port.name}' is {friction:.3g} at a velocity of {velocity:.3g}: "
                     "it drives the motion instead of braking it (signs of coulomb and viscous?)"
                 )
-    return f"{len(contacts)} contacts"
+    return counted(len(contacts), "contact")
 
 
 CHECKS: dict[str, Callable[[type[Plant]], str]] = {

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.errors import UsageError, shown
+from hjcamp.errors import UsageError, counted, shown
 from hjcamp.notebook.data import Data, load
 from hjcamp.notebook.result import Picture, Result, frame_of, quiet
 
@@ -32,10 +32,9 @@ class Plan(Result):
     @property
     def title(self) -> str:
         """How many tests of how long."""
-        return (
-            f"{self.plan.campaign}: {len(self.plan.conditions)} conditions x {self.plan.repetitions} repetitions = "
-            f"{len(self.plan.tests)} tests, {self.plan.duration:.0f} s of motion"
-        )
+        plan = self.plan
+        size = f"{counted(len(plan.conditions), 'condition')} x {counted(plan.repetitions, 'repetition')}"
+        return f"{plan.campaign}: {size} = {counted(len(plan.tests), 'test')}, {plan.duration:.0f} s of motion"
 
     @property
     def frame(self) -> pl.DataFrame:
@@ -69,11 +68,11 @@ class Run(Result):
     @property
     def title(self) -> str:
         """Where it is and how many tests it has."""
-        return f"{self.path}: {self.frame.height} tests"
+        return f"{self.path}: {counted(self.frame.height, 'test')}"
 
     def sentences(self) -> list[str]:
         """Return what was noted, and where the page is."""
-        return [*(f"{text} ({count} tests)" for text, count in self.warnings.items()), f"report: {self.page}"]
+        return [*(f"{text} ({counted(count, 'test')})" for text, count in self.warnings.items()), f"report: {self.page}"]
 
     @property
     def frame(self) -> pl.DataFrame:
@@ -127,7 +126,7 @@ class Runs(Result):
     @property
     def title(self) -> str:
         """How many."""
-        return f"{self.frame.height} runs"
+        return counted(self.frame.height, "run")
 
     @property
     def frame(self) -> pl.DataFrame:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.errors import counted
 from hjcamp.notebook.result import Picture, Result, frame_of, quiet
 
 if TYPE_CHECKING:
@@ -156,7 +157,7 @@ def effects(name: str | None = None, plant: str = "pump_joint") -> Catalogue | O
         }
         for key, one in library.effects.items()
     ]
-    return Catalogue(f"{len(rows)} effects that plant {plant} can have", frame_of(rows, EFFECTS))
+    return Catalogue(f"{counted(len(rows), 'effect')} that plant {plant} can have", frame_of(rows, EFFECTS))
 
 
 def plants(name: str | None = None) -> Catalogue | OnePlant:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from hjcamp import analyses
 from hjcamp.analyses.data import Data as Read
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.notebook.result import Picture, Result, frame_of
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ class Data(Read, Result):
     def title(self) -> str:
         """How many tests of which plant."""
         conditions = len({log.condition_key for log in self.logs})
-        return f"{len(self.logs)} tests, {conditions} conditions, plant {self.plant_name}"
+        return f"{counted(len(self.logs), 'test')}, {counted(conditions, 'condition')}, plant {self.plant_name}"
 
     @property
     def answer(self) -> Mapping[str, Any]:  # type: ignore[override]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
-from hjcamp.errors import HjcampError
+from hjcamp.errors import HjcampError, counted
 
 if TYPE_CHECKING:
     import polars as pl
@@ -98,7 +98,7 @@ def table_html(frame: pl.DataFrame) -> str:
         "<tr>" + "".join(f"<td>{html.escape(_cell(value))}</td>" for value in row) + "</tr>"
         for row in frame.head(MOST_ROWS).rows()
     )
-    more = f"<p>... and {frame.height - MOST_ROWS} more rows</p>" if frame.height > MOST_ROWS else ""
+    more = f"<p>... and {counted(frame.height - MOST_ROWS, 'more row')}</p>" if frame.height > MOST_ROWS else ""
     return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{more}"
 
 

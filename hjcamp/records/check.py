@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from hjcamp.errors import UsageError, nearest
+from hjcamp.errors import UsageError, counted, nearest
 from hjcamp.model.field_table import FieldTable
 from hjcamp.records.log import COMMAND_PHASE, PHASES, TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, span
@@ -73,7 +73,7 @@ def check_time(time: np.ndarray, period: float, where: str, said: bool = False) 
         lost = int(np.rint(steps[gaps] / period - 1).sum())
         raise UsageError(
             f"{where}: gap of {span(steps[first])} after sample {first} (time {time[first]:.6g} s); "
-            f"{lost} samples are missing in {len(gaps)} gaps"
+            f"{counted(lost, 'sample is', 'samples are')} missing in {counted(len(gaps), 'gap')}"
         )
     mean = float(time[-1] - time[0]) / (len(time) - 1)
     if abs(mean / period - 1) > RATE_TOLERANCE:

@@ -11,7 +11,7 @@ import numpy as np
 from mcap.opcode import Opcode
 from mcap.records import Channel
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.records.chunks import Damaged
 from hjcamp.records.layout import MESSAGE_PREFIX
 from hjcamp.records.protobuf_samples import message_type
@@ -69,7 +69,7 @@ def _channel(found: Scan, topic: str, source: Path, where: str) -> Channel:
     if topic not in topics:
         raise unknown("topic", topic, topics, str(source))
     if topics.count(topic) > 1:
-        raise UsageError(f"{source}: {topics.count(topic)} channels on {topic}; one can be read")
+        raise UsageError(f"{source}: {counted(topics.count(topic), 'channel')} on {topic}; one can be read")
     return next(channel for channel in found.channels.values() if channel.topic == topic)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.model.field_unit import field_of
 from hjcamp.plants import DEFAULT
 from hjcamp.records.check import check_finite, check_phase
@@ -98,7 +98,7 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> TestLog
     fields, times = _fields(source, rules)
     rows = len(next(iter(fields.values())))
     if rows < 2:
-        raise UsageError(f"{where}: {rows} rows are no test")
+        raise UsageError(f"{where}: {counted(rows, 'row is', 'rows are')} no test")
     if rules.period is not None and "time_s" not in fields:
         times = np.arange(rows) * rules.period
     if times is None:

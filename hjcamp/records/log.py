@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, period_of, table_of
 
 TOPIC = "/test/sample"
 COMMAND_PHASE = 3.0
+SIMULATION = "simulation"
 PHASES = {0: "preload", 1: "pressure adjustment", 2: "rest", 3: "command and control", 4: "release"}
 
 
@@ -99,3 +100,8 @@ def condition_key(metadata: Mapping[str, str], path: Path | None = None) -> str:
     if any(metadata.get(name) for name in choices):
         return " ".join(f"{name}={metadata[name]}" for name in choices if metadata.get(name))
     return path.stem if path is not None else "unnamed"
+
+
+def observed(logs: Iterable[TestLog]) -> str:
+    """Return what the readings of logs are called: ``simulated`` where a simulation made all of them, else ``measured``."""
+    return "simulated" if {log.metadata.get("backend") for log in logs} == {SIMULATION} else "measured"

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.records.json_file import read_json_file
 
 SCHEMA = "hjcamp.plan/1"
@@ -169,7 +169,8 @@ def _test_problem(plan: Plan) -> str | None:
     number, conditions = len(plan.conditions) * plan.repetitions, len(plan.conditions)
     if len(plan.tests) != number:
         return (
-            f"tests holds {len(plan.tests)}; {conditions} conditions with {plan.repetitions} repetitions are {number}"
+            f"tests holds {len(plan.tests)}; {counted(conditions, 'condition')} with "
+            f"{counted(plan.repetitions, 'repetition')} {'is' if number == 1 else 'are'} {number}"
         )
     expected = planned_tests([one.name for one in plan.conditions], plan.repetitions, plan.seed)
     for place, (there, here) in enumerate(zip(plan.tests, expected, strict=True)):

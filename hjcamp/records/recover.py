@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.plants import DEFAULT
 from hjcamp.records.check import check_log, check_names
 from hjcamp.records.container import CHANNEL, Container
@@ -71,11 +71,11 @@ class Recovery:
     def words(self) -> str:
         """What is known of the samples, and what is not."""
         if self.lost_is_exact:
-            return f"{self.kept} samples kept, {self.lost} lost"
+            return f"{counted(self.kept, 'sample')} kept, {self.lost} lost"
         between = f", {self.lost} lost among them" if self.lost else ""
         phase = "" if self.phase is None else f" in phase {self.phase} ({PHASES.get(self.phase, 'unknown')})"
         return (
-            f"{self.kept} samples kept{between}, the last at {self.until:.3f} s{phase}; "
+            f"{counted(self.kept, 'sample')} kept{between}, the last at {self.until:.3f} s{phase}; "
             "how many came after it is not known: the file does not say how many it held"
         )
 

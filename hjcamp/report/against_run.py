@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
-from hjcamp.errors import UsageError, nearest
+from hjcamp.errors import UsageError, counted, nearest
 from hjcamp.report.indicators import INDICATORS, configuration, frame_with_varied, row_of
 from hjcamp.report.origin import read_origin
 from hjcamp.report.published.configurations import difference
@@ -157,7 +157,7 @@ class RunComparison:
         ours, theirs = self.run.conditions, self.baseline.conditions
         notes = [
             f"Baseline: {self.baseline.name}. ▲ ▼: the means differ, Welch's t test, p < {SIGNIFICANT:g} after Holm's "
-            f"correction for {self.cells['p'].count()} tests."
+            f"correction for {counted(self.cells['p'].count(), 'test')}."
         ]
         notes += [f"{_of(names, len(self.pairs))}{text}." for text, names in list(self.changes.items())[: 2 * SHOWN]]
         if len(self.changes) > 2 * SHOWN:

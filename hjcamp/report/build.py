@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.report.against_run import RunComparison, read_tests, tests_of
 from hjcamp.report.ci import metrics_json, params_yaml
 from hjcamp.report.declared import TableDefinition, declared_tables
@@ -73,6 +73,7 @@ def build_report(
     read, an unknown ``against`` or table, or a baseline that has no condition of this run.
     """
     from hjcamp.records.find import refuse_mixed_plants, tell
+    from hjcamp.records.log import observed
     from hjcamp.records.run_folder import refuse_links_out
     from hjcamp.records.stored import stored_logs
 
@@ -95,7 +96,7 @@ def build_report(
         raise UsageError(f"{run_dir}: there are no test logs to report on")
     refuse_mixed_plants(found)
     found = in_plan_order(found, origin)
-    shown = Exploration(len(found), [REFERENCE])
+    shown = Exploration(len(found), [REFERENCE], observed=observed(found))
     baseline = read_tests(Path(against)) if against is not None and against not in AGAINST else None
     indicators, spreads = _condensed(found, origin, run_dir, shown)
     beside: str | RunComparison | None = against
@@ -179,10 +180,11 @@ def _condensed(
 
 def _dots(conditions: pl.DataFrame, logs: Sequence[TestLog]) -> list[Dots]:
     """Return the means of the run, and the published ones or a baseline's where any stands beside."""
+    from hjcamp.records.log import observed
+
     rows = conditions.to_dicts()
-    measured = {log.metadata.get("backend", "") for log in logs} - {"simulation", ""}
     kinds = [
-        dots_of(rows, "measured" if measured else "simulated", INDICATORS),
+        dots_of(rows, observed(logs), INDICATORS),
         dots_of(rows, "published", INDICATORS, "_published"),
         dots_of(rows, "baseline", INDICATORS, "_baseline"),
     ]
@@ -205,10 +207,11 @@ def verdict(comparison: pl.DataFrame, differs: Mapping[str, Sequence[str]]) -> s
     left = sum(map(len, differs.values()))
     others = f" Not judged: {left} of another configuration." if left else ""
     if not cells.height:
-        return f"{comparison.height} published values stand beside; they have no published deviation.{others}"
+        stand = counted(comparison.height, "published value stands", "published values stand")
+        return f"{stand} beside, without a published deviation.{others}"
     return (
-        f"{cells.height - outside} of {cells.height} means lie within {FAR_OFF:g} published standard deviations of the"
-        f" published mean; {outside} do not.{others}"
+        f"{cells.height - outside} of {counted(cells.height, 'mean')} within {FAR_OFF:g} published standard deviations of the"
+        f" published mean, {outside} outside.{others}"
     )
 
 
@@ -233,7 +236,7 @@ def _page(
     states = states_of_tests(origin)
     unfinished = [f"{count} {state}" for state, count in states.items() if state != "done"]
     campaign = str(origin.plan.get("campaign") or logs[0].metadata.get("campaign") or "Test logs")
-    facts = [run_dir.resolve().name, f"{len(logs)} tests", f"{len(spreads)} conditions", *unfinished]
+    facts = [run_dir.resolve().name, counted(len(logs), "test"), counted(len(spreads), "condition"), *unfinished]
     if left_out:
         facts.append(f"{len(left_out)} log{'s' if len(left_out) > 1 else ''} left out, see below")
     return build_page(

@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import polars as pl
 
+from hjcamp.errors import counted
 from hjcamp.report.check import Violation
 from hjcamp.report.formats import to_markdown
 from hjcamp.report.indicators import INDICATORS
@@ -25,7 +26,7 @@ def summary_markdown(title: str, verdict: str, sheets: Sequence[Sheet], violatio
     parts = [f"# {title}\n"]
     if violations is not None:
         parts.append(
-            f"**{len(violations)} means are outside the tolerances.**\n"
+            f"**{counted(len(violations), 'mean is', 'means are')} outside the tolerances.**\n"
             if violations
             else "All means are within the tolerances.\n"
         )

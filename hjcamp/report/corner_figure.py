@@ -28,6 +28,11 @@ def correlation_of(covariance: Array) -> Array:
     return np.asarray(np.clip(found, -1.0, 1.0))
 
 
+def told_correlation(value: float) -> str:
+    """Return a correlation with sign and two decimals; one that rounds to nothing is 0."""
+    return "0" if abs(value) < 0.005 else f"{value:+.2f}"
+
+
 def ellipse(correlation: float, radius: float) -> Array:
     r"""Return points (2, 73) of the contour :math:`z^T R^{-1} z = r^2` of two standardized normal values."""
     angle = np.linspace(0.0, 2.0 * np.pi, 73)
@@ -48,8 +53,8 @@ def draw_corner(names: Sequence[str], values: Sequence[str], correlation: Array)
         for (row, column), axis in np.ndenumerate(axes):
             if column > row:
                 axis.set_axis_off()
-                axis.text(0.0, 0.5, f"{correlation[row, column]:+.2f}".replace("-", "−"), ha="center", va="center",
-                          fontsize=8, color=INK, transform=axis.get_xaxis_transform())  # fmt: skip
+                axis.text(0.0, 0.5, told_correlation(float(correlation[row, column])).replace("-", "−"), ha="center",
+                          va="center", fontsize=8, color=INK, transform=axis.get_xaxis_transform())  # fmt: skip
                 continue
             dress(axis, "")
             axis.set_xlim(-REACH, REACH)

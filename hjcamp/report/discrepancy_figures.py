@@ -11,23 +11,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.report.figures import BLUE, GREEN, GRID, INK, RED, SETTINGS
+from hjcamp.report.names import readable
 
 Array = NDArray[np.float64]
 COLOURS = (RED, BLUE, GREEN)
 LABELS = ("Arm angle (deg)", "Pressure 1 (MPa)", "Pressure 2 (MPa)")
 CELLS = 14
 FEWEST = 4
-NO_MAP = "no map: the arm hardly slides in these tests"
+NO_MAP = (
+    "no map: the arm nowhere slides long and steadily enough\n"
+    "to read a force off the pressures (it rests, is slow, or sticks and slips)"
+)
 ZOOM = 0.5
 
 
 class Overlay(NamedTuple):
-    """One test: time (n,), measured and each model's arm (deg) and pressures (MPa), (n, 3)."""
+    """One test: time (n,), measured and each model's arm (deg) and pressures (MPa), (n, 3), and what readings are called."""
 
     name: str
     time: Array
     measured: Array
     models: Mapping[str, Array]
+    observed: str = "measured"
 
 
 class HorizonCurve(NamedTuple):
@@ -81,13 +86,13 @@ def draw_overlay(one: Overlay) -> str:
         for column, (row, label) in enumerate(zip(axes, LABELS, strict=True)):
             for axis, inside in zip(row, (slice(None), part), strict=True):
                 time = one.time[inside]
-                axis.plot(time, one.measured[inside, column], color=INK, linewidth=1.6, alpha=0.55, label="measured")
+                axis.plot(time, one.measured[inside, column], color=INK, linewidth=1.6, alpha=0.55, label=one.observed)
                 for number, (name, values) in enumerate(one.models.items()):
                     colour = COLOURS[number % len(COLOURS)]
                     axis.plot(time, values[inside, column], color=colour, linewidth=1.0, label=name)
                 dress(axis, label if axis is row[0] else "")
             row[0].axvspan(one.time[part][0], one.time[part][-1], color=GRID, alpha=0.6, linewidth=0.0)
-        axes[0, 0].set_title(one.name, loc="left", fontsize=9, color=INK)
+        axes[0, 0].set_title(readable(one.name), loc="left", fontsize=9, color=INK)
         axes[0, 1].set_title(f"the {ZOOM:g} s shaded", loc="left", fontsize=9, color=INK)
         axes[0, 0].legend(loc="best", fontsize=8, frameon=False, ncols=2)
         for axis in axes[-1]:

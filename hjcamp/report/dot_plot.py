@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from hjcamp.report.discrepancy_figures import draw, dress
 from hjcamp.report.figures import BLUE, GRID, INK, RED
+from hjcamp.report.names import readable
 
 MOST_ROWS = 60
 ROW, FRAME = 0.24, 1.0
@@ -60,7 +61,7 @@ def draw_dots(conditions: Sequence[str], indicators: Sequence[str], kinds: Seque
             panel.set_xlabel(TITLES.get(indicator, indicator), color=INK, fontsize=8.5)
             if not any(value < 0 for kind in kinds for (_, one), (value, _) in kind.values.items() if one == indicator):
                 panel.set_xlim(left=0.0)
-        panels[0].set_yticks(range(len(shown)), shown, fontsize=7.5)
+        panels[0].set_yticks(range(len(shown)), [readable(name) for name in shown], fontsize=7.5)
         panels[0].set_ylim(len(shown) - 0.4, -0.6)
         handles, labels = panels[0].get_legend_handles_labels()
         if handles:

@@ -124,7 +124,8 @@ def _limits(values: Sequence[Array]) -> tuple[float, float]:
 
 
 def draw_worst_test(
-    title: str, quantity: str, unit: str, time: Array, measured: Array, models: Sequence[tuple[str, Array]]
+    title: str, quantity: str, unit: str, time: Array, measured: Array, models: Sequence[tuple[str, Array]],
+    *, observed: str = "measured",
 ) -> str:
     """Return the worst test: measured (n,) and each model's prediction above, their residuals below; SI or field units."""
     label, scaled = readable(quantity, unit, measured, *(values for _, values in models))
@@ -132,7 +133,7 @@ def draw_worst_test(
 
     def paint(figure: Any) -> None:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1))
-        above.plot(time, scaled[0], color=INK, linewidth=1.6, alpha=0.5, label="measured")
+        above.plot(time, scaled[0], color=INK, linewidth=1.6, alpha=0.5, label=observed)
         for (name, _), values, error, colour in zip(models, scaled[1:], left, (RED, BLUE), strict=False):
             above.plot(time, values, color=colour, linewidth=0.9, label=name)
             below.plot(time, error, color=colour, linewidth=0.9)

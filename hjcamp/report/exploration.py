@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.model.field_unit import unit_of_field
+from hjcamp.report.names import readable
 from hjcamp.report.units import label
 
 if TYPE_CHECKING:
@@ -32,7 +33,8 @@ class Exploration:
     """Tests, added one after the other; of each only its points for the page are kept.
 
     A channel is a name that ends with its unit (``arm_deg``), whatever the plant. ``tests`` is how many will be added,
-    ``models`` their models in order, ``hidden`` those that are switched off at first, ``floors`` the floor of each channel in its unit.
+    ``models`` their models in order, ``hidden`` those that are switched off at first, ``floors`` the floor of each channel in its unit,
+    ``observed`` what readings are called.
     """
 
     def __init__(
@@ -41,7 +43,9 @@ class Exploration:
         models: Sequence[str],
         floors: Mapping[str, float | None] | None = None,
         hidden: Sequence[str] = (),
+        observed: str = "measured",
     ) -> None:
+        self._observed = observed
         self._expected = tests
         self._models = list(models)
         self._hidden = list(hidden)
@@ -64,9 +68,11 @@ class Exploration:
         time: Array,
         measured: Channels,
         models: Mapping[str, Channels] | None = None,
+        errors: Mapping[str, Mapping[str, float]] | None = None,
     ) -> None:
-        """Add one test: ``time`` (n,) at equal distances in s, each channel (n,), ``models`` by name.
+        """Add one test: ``time`` (n,) at equal distances in s, each channel (n,), ``models`` by name, NaN where one says nothing.
 
+        ``errors`` are those of each model by channel, in its unit; the root mean square of the difference where none are given.
         Raises ``UsageError`` for a channel of another length and for one without a unit.
         """
         given = models or {}
@@ -76,13 +82,13 @@ class Exploration:
         for _, channels in every:
             for channel, values in channels.items():
                 if len(values) != len(time):
-                    raise UsageError(f"{name}: channel {channel} has {len(values)} values, time has {len(time)}")
+                    raise UsageError(f"{name}: channel {channel} has {counted(len(values), 'value')}, time has {len(time)}")
         curves = sum(len(channels) for _, channels in every)
         if not self._stretch:
             room = min(max(ROOM // (max(curves, 1) * self._expected), FEWEST), MOST)
             self._stretch = max(1, -(-len(time) // room))
         step = (time[-1] - time[0]) / max(len(time) - 1, 1)
-        entry: dict[str, Any] = {"name": name, "condition": condition}
+        entry: dict[str, Any] = {"name": name, "label": readable(name), "condition": condition}
         entry["points"] = -(-len(time) // self._stretch)
         entry["start"] = float(time[0] + step * (self._stretch - 1) / 2)
         entry["step"] = float(step * self._stretch)
@@ -91,7 +97,10 @@ class Exploration:
             for model, channels in every
             for channel, values in channels.items()
         ]
-        entry["rms"] = [_errors(measured, given.get(model, {})) for model in self._models]
+        told = errors or {}
+        entry["rms"] = [
+            _finite(told[one]) if one in told else _errors(measured, given.get(one, {})) for one in self._models
+        ]
         self._tests.append(entry)
 
     def add_log(self, name: str, log: TestLog) -> None:
@@ -106,6 +115,7 @@ class Exploration:
         return {
             "channels": list(self._channels.values()),
             "models": self._models,
+            "observed": self._observed,
             "hidden": self._hidden,
             "floors": {name: floor for name, floor in self._floors.items() if floor},
             "tests": self._tests,
@@ -138,6 +148,11 @@ def described(channel: str, where: str) -> dict[str, Any]:
             "unit": "" if unit.shown == "1" else unit.shown}  # fmt: skip
 
 
+def channel_label(channel: str) -> str:
+    """Return the name of a channel as people read it, without its unit: ``position_m`` is ``position``."""
+    return str(described(channel, "a channel")["label"])
+
+
 def references(columns: Channels) -> dict[str, Array]:
     """Return what is wanted of each measured channel: ``reference_CHANNEL``, or ``reference_UNIT`` for the first of that unit."""
     wanted: dict[str, Array] = {}
@@ -160,6 +175,10 @@ def _errors(measured: Channels, modelled: Channels) -> dict[str, float]:
             if np.isfinite(square).any():
                 found[channel] = float(np.sqrt(np.nanmean(square)))
     return found
+
+
+def _finite(errors: Mapping[str, float]) -> dict[str, float]:
+    return {channel: value for channel, value in errors.items() if np.isfinite(value)}
 
 
 def _means(values: Array, size: int) -> Array:

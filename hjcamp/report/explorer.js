@@ -5,7 +5,7 @@
   const head = JSON.parse(document.getElementById("explorer-head").textContent);
   const shades = ["--red", "--blue", "--green", "--purple", "--orange", "--teal"];
   const state = { test: 0, off: new Set(head.hidden), channels: null, zoom: null, by: null, sort: null };
-  const REPETITIONS = "repetitions", OBSERVED = "measured", REFERENCE = "reference";
+  const REPETITIONS = "repetitions", OBSERVED = head.observed, REFERENCE = "reference";
   const modelled = head.models.filter((name) => name !== REFERENCE);
   const toggles = [OBSERVED, REPETITIONS, ...head.models];
   const shade = (name) => getComputedStyle(root).getPropertyValue(name).trim();
@@ -19,6 +19,14 @@
   };
   const number = (value) => (value == null ? "" : Math.abs(value) >= 1e5 || (value && Math.abs(value) < 1e-3)
     ? value.toExponential(2) : String(+value.toPrecision(4)));
+
+  // Small errors of channels in SI units get a prefix: 1.7e-4 m is 170 µm.
+  const PLAIN = ["m", "m/s", "m/s^2", "N", "N m", "Pa", "V", "A", "W", "K", "s", "rad", "rad/s"];
+  function reading(value, unit, digits) {
+    const thousands = value && PLAIN.includes(unit) ? Math.min(Math.max(Math.floor(Math.log10(Math.abs(value)) / 3), -4), 0) : 0;
+    const told = +(value * 1000 ** -thousands).toPrecision(digits);
+    return `${number(told)} ${["", "m", "µ", "n", "p"][-thousands]}${unit}`;
+  }
 
   async function unpack(text) {
     const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -77,7 +85,12 @@
   const list = root.querySelector(".list"), area = root.querySelector(".plots"), bar = root.querySelector(".bar");
   let plots = [];
   const size = () => Math.max(area.clientWidth, 200);
-  const axes = () => [0, 1].map((side) => ({
+  const ends = (unit) => (u, ticks) => {
+    const small = Math.max(...ticks.map(Math.abs)) < 0.01 && PLAIN.includes(unit);
+    return ticks.map((value) => (small ? reading(value, unit, 3) : number(value)));
+  };
+  const axes = (unit) => [0, 1].map((side) => ({
+    ...(side ? { values: ends(unit) } : {}),
     stroke: () => shade("--soft"), grid: { stroke: () => shade("--grid"), width: 1 }, ticks: { stroke: () => shade("--grid"), width: 1 },
     size: side ? 56 : 28, font: "11px system-ui, sans-serif",
   }));
@@ -86,7 +99,7 @@
     const holder = make("div", area);
     const title = make("div", holder, { class: "title" });
     const unit = channel.unit ? ` (${channel.unit})` : "";
-    make("b", title, {}, kind === "left" ? `${channel.label}: ${modelled.length ? "model" : REFERENCE} − measured${unit}` : `${channel.label}${unit}`);
+    make("b", title, {}, kind === "left" ? `${channel.label}: ${modelled.length ? "model" : REFERENCE} − ${OBSERVED}${unit}` : `${channel.label}${unit}`);
     const told = make("span", title, { class: "values" });
     const lines = (u) => {
       if (kind !== "left") return;
@@ -109,7 +122,7 @@
         (one.told && u.series[k + 1].show && u.data[k + 1][at] != null ? [`${one.told} ${number(u.data[k + 1][at])}`] : []))].join("  ");
     };
     const made = new uPlot({
-      width: size(), height, legend: { show: false }, scales: { x: { time: false } }, axes: axes(),
+      width: size(), height, legend: { show: false }, scales: { x: { time: false } }, axes: axes(channel.unit),
       cursor: { sync: { key: "explorer" }, drag: { x: true, y: false, setScale: false }, points: { size: 5 },
         bind: { dblclick: () => () => { zoom(null); return null; } } },
       series: [{}, ...series], hooks: { draw: [lines], setCursor: [tell], setSelect: [selected] },
@@ -164,7 +177,7 @@
       const empty = one.of.kind === "left" && one.data.slice(1).every((all) => all.every((value) => value == null));
       one.of.holder.hidden = empty;
     }
-    root.querySelector(".now").textContent = head.tests[test].name;
+    root.querySelector(".now").textContent = head.tests[test].label;
     for (const row of list.querySelectorAll("tbody tr")) {
       const here = +row.dataset.test === test;
       row.setAttribute("aria-selected", here);
@@ -232,12 +245,12 @@
     const unit = (head.channels.find((one) => one.name === state.by) || {}).unit || "";
     for (const k of order()) {
       const test = head.tests[k];
-      if (!test.name.toLowerCase().includes(wanted.toLowerCase())) continue;
+      if (!`${test.name} ${test.label}`.toLowerCase().includes(wanted.toLowerCase())) continue;
       const row = make("tr", body, { tabindex: 0, "data-test": k, "aria-selected": k === state.test });
-      make("td", row, {}, test.name);
+      make("td", row, {}, test.label);
       if (state.by) test.rms.forEach((one, model) => {
         if (state.off.has(head.models[model])) return;
-        const cell = make("td", row, {}, one[state.by] == null ? "" : `${+one[state.by].toPrecision(3)} ${unit}`);
+        const cell = make("td", row, {}, one[state.by] == null ? "" : reading(one[state.by], unit, 3));
         const width = highest ? (100 * (one[state.by] || 0)) / highest : 0;
         make("span", cell, { class: "meter", style: `width:${width}%;background:var(${shades[model % shades.length]})` });
       });

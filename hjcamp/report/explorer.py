@@ -20,7 +20,7 @@ NOTHING_FETCHED = (
 )
 KEYS = (
     "Drag: zoom, double click: back. Keys: left and right arrow, other test; + and -, zoom; 0, whole test; "
-    "1 to 9, models; m, measured; r, repetitions."
+    "1 to 9, models; m, what was {observed}; r, repetitions."
 )
 
 
@@ -28,7 +28,11 @@ def explorer_html(shown: Exploration, title: str = "Every test") -> str:
     """Return the explorer of a page, which `page.css` dresses; nothing where there is no test."""
     if not shown.tests:
         return ""
-    head = json.dumps(shown.head(), allow_nan=False).replace("<", "\\u003c")
+    told = shown.head()
+    head = json.dumps(told, allow_nan=False).replace("<", "\\u003c")
+    keys = KEYS.format(observed=told["observed"])
+    if told["averaged"] > 1:
+        keys += f" A point of a curve is the mean of {told['averaged']} samples; errors are of all samples."
     return f"""<section id="explorer" class="explorer" aria-label="{escape(title)}">
 <h2 id="tests">{escape(title)}</h2>
 <style>{library("uPlot.min.css")}
@@ -36,7 +40,7 @@ def explorer_html(shown: Exploration, title: str = "Every test") -> str:
 <noscript><p class="soft">This part needs JavaScript; the pictures below do not.</p></noscript>
 <div class="bar" role="toolbar"></div>
 <div class="split"><div class="list"></div><div class="plots"></div></div>
-<p class="soft keys">{escape(KEYS)}</p>
+<p class="soft keys">{escape(keys)}</p>
 <script type="application/json" id="explorer-head">{head}</script>
 <script type="text/plain" id="explorer-points">{shown.points()}</script>
 <script>{library("uPlot.iife.js")}</script>

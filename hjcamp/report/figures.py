@@ -24,6 +24,9 @@ PAPER = "#fffffe"  # white that nothing else is: the page puts its own in its pl
 WIDTH, HEIGHT = 7.4, 6.6
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.1, 0.98, 0.965, 0.065, 0.045
 
+# In labels, it stands for what the readings are: measured or simulated.
+OBSERVED = "{observed}"
+
 
 class Curve(NamedTuple):
     """One signal in a panel."""
@@ -43,8 +46,8 @@ class Panel(NamedTuple):
 
 
 PANELS = (
-    Panel("Arm angle (deg)", (Curve("arm_deg", "measured", BLUE), Curve("reference_deg", "reference", INK, True)), 1.4),
-    Panel("Error (deg)", (Curve("error_deg", "reference − measured", BLUE),)),
+    Panel("Arm angle (deg)", (Curve("arm_deg", OBSERVED, BLUE), Curve("reference_deg", "reference", INK, True)), 1.4),
+    Panel("Error (deg)", (Curve("error_deg", f"reference − {OBSERVED}", BLUE),)),
     Panel("Pressure (MPa gauge)", (Curve("pressure1_mpa", "line 1", BLUE), Curve("pressure2_mpa", "line 2", RED))),
     Panel(
         "Pump command (deg)",
@@ -65,7 +68,7 @@ def panels_by_unit(signals: Sequence[str]) -> list[Panel]:
     panels = []
     for unit, names in units.items():
         curves = [
-            Curve(name, name.rpartition("_")[0], INK if name.startswith("reference_") else COLOURS[k % len(COLOURS)],
+            Curve(name, name.rpartition("_")[0].replace("_", " "), INK if name.startswith("reference_") else COLOURS[k % len(COLOURS)],
                   name.startswith("reference_"))
             for k, name in enumerate(names)
         ]  # fmt: skip
@@ -89,7 +92,7 @@ def draw_condition(condition: Condition) -> str:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     with matplotlib.rc_context(SETTINGS | {"svg.hashsalt": condition.name}):  # type: ignore[arg-type]
-        figure = _frame(tuple(condition.signals), condition.tests > 1)
+        figure = _frame(tuple(condition.signals), condition.banded, condition.observed)
         figure.show(condition)
         buffer = io.StringIO()
         canvas = FigureCanvasSVG(figure.figure)
@@ -100,9 +103,10 @@ def draw_condition(condition: Condition) -> str:
 class Frame:
     """The figure of conditions with the same signals: panels, axes and legends are made once, and filled for each."""
 
-    def __init__(self, signals: Sequence[str], banded: bool) -> None:
+    def __init__(self, signals: Sequence[str], banded: bool, observed: str) -> None:
         from matplotlib.figure import Figure
 
+        self._observed = observed
         self.figure = Figure(figsize=(WIDTH, HEIGHT))
         self.figure.patch.set_visible(False)
         self._lines: dict[str, Any] = {}
@@ -128,7 +132,8 @@ class Frame:
                 band = PolyCollection([], color=curve.colour, alpha=0.22, linewidth=0.0)
                 self._bands[curve.signal] = axes.add_collection(band, autolim=False)
             style = (0, (4, 2.5)) if curve.dashed else "-"
-            (line,) = axes.plot([], [], color=curve.colour, linewidth=1.2, linestyle=style, label=curve.label)
+            (line,) = axes.plot([], [], color=curve.colour, linewidth=1.2, linestyle=style,
+                                label=curve.label.format(observed=self._observed))  # fmt: skip
             self._lines[curve.signal] = line
 
     def show(self, condition: Condition) -> None:
@@ -155,8 +160,8 @@ class Frame:
 
 
 @lru_cache(maxsize=4)
-def _frame(signals: tuple[str, ...], banded: bool) -> Frame:
-    return Frame(signals, banded)
+def _frame(signals: tuple[str, ...], banded: bool, observed: str) -> Frame:
+    return Frame(signals, banded, observed)
 
 
 def _dress(axes: Any, title: str, legend: bool, last: bool) -> None:

@@ -12,6 +12,7 @@ from string import Template
 from hjcamp.report import figures
 from hjcamp.report.explorer import NOTHING_FETCHED
 from hjcamp.report.figures import tidy
+from hjcamp.report.names import readable
 from hjcamp.report.sheet import BESIDE, Cell, Sheet
 from hjcamp.report.small_multiples import small_multiples
 from hjcamp.report.spread import Condition
@@ -50,7 +51,8 @@ $explorer
 <h2 id="tables">Tables</h2>
 $tables
 <h2 id="pictures">Conditions</h2>
-<p class="soft">Lines are means over the repetitions, bands run from the lowest to the highest of them.</p>
+<p class="soft">Lines are means over the repetitions, bands run from the lowest to the highest of them,
+and of the samples that one point stands for.</p>
 <nav>
 $links
 </nav>
@@ -112,7 +114,7 @@ def build_page(
         small=small_multiples(small, numbered, {}) if small else "",
         explorer=explorer,
         tables="\n".join(folded(sheet) for sheet in sheets),
-        links="\n".join(f'<a href="#{anchor}">{escape(name)}</a>' for name, anchor in numbered.items()),
+        links="\n".join(f'<a href="#{anchor}">{escape(readable(name))}</a>' for name, anchor in numbered.items()),
     )
     for number, (name, picture) in enumerate(pictures.items()):
         yield ("\n" if number else "") + picture_html(name, numbered[name], picture.draw(), picture.caption)
@@ -155,7 +157,8 @@ def _row_html(row: Sequence[Cell], width: int) -> str:
 
 def _cell_html(cell: Cell) -> str:
     name = "far" if cell.mark else "published" if cell.kind == "published" else ""
-    return f"<td{_class(name)}>{escape(f'{cell.text} {cell.mark}'.strip())}</td>"
+    text = readable(cell.text) if cell.kind == "key" else cell.text
+    return f"<td{_class(name)}>{escape(f'{text} {cell.mark}'.strip())}</td>"
 
 
 def _class(name: str) -> str:
@@ -164,6 +167,7 @@ def _class(name: str) -> str:
 
 def picture_html(name: str, anchor: str, svg: str, caption: str) -> str:
     """Return one condition's picture with its colours handed to the page."""
+    name = readable(name)
     svg = shaded(svg, f"{name}: angle, error, pressures, command")
     heading = f'<h3 id="{anchor}">{escape(name)}</h3>'
     return f"{heading}\n<figure>\n<figcaption>{escape(caption)}</figcaption>\n{svg}</figure>"

@@ -30,7 +30,8 @@ def readable(name: str, unit: str, *values: Array) -> tuple[str, list[Array]]:
 
 
 def draw_windows(
-    name: str, unit: str, time: Array, measured: Array, models: Sequence[tuple[str, Array]], edges: Array
+    name: str, unit: str, time: Array, measured: Array, models: Sequence[tuple[str, Array]], edges: Array,
+    *, observed: str = "measured",
 ) -> str:
     """Return a stretch of one channel: measured and predicted above, residuals below; gaps at the windows' ``edges``."""
     colours = (RED, GREEN, BLUE, INK)
@@ -39,7 +40,7 @@ def draw_windows(
 
     def paint(figure: Any) -> None:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-        above.plot(time, scaled[0], color=INK, linewidth=1.0, label="measured")
+        above.plot(time, scaled[0], color=INK, linewidth=1.0, label=observed)
         inside = edges[(edges > 0) & (edges < len(time))]
         for (called, _), values, error, colour in zip(models, scaled[1:], left, colours, strict=False):
             values[inside - 1] = error[inside - 1] = np.nan

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from hjcamp.errors import counted
 from hjcamp.report.discrepancy_page import discrepancy_page
 
 # Text sorts as text with numbers in it, so that 10 comes after 9.
@@ -34,7 +35,7 @@ def runs_page(columns: Sequence[str], rows: Sequence[Mapping[str, Any]], links: 
     )
     field = '<p><input type="search" placeholder="filter runs" aria-label="filter runs"></p>'
     table = f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'
-    return discrepancy_page("Runs", f"{len(rows)} runs", [field, table, SCRIPT])
+    return discrepancy_page("Runs", counted(len(rows), "run"), [field, table, SCRIPT])
 
 
 def _cell(name: str, value: Any, links: Mapping[str, str]) -> str:

@@ -8,10 +8,13 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.spread import Condition
+from hjcamp.report.names import readable
+from hjcamp.report.spread import Condition, Spread, stretches
 
 Array = NDArray[np.float64]
-WIDE, HIGH, MOST_POINTS = 150.0, 54.0, 75
+WIDE, HIGH, MOST_POINTS = 150.0, 54.0, 150
+#: An area of fewer points, each of which covers most of a period, has no teeth.
+AREA_POINTS = 38
 WANTED, MEASURED = "reference_deg", "arm_deg"
 
 
@@ -26,26 +29,38 @@ def small_multiples(conditions: Sequence[Condition], anchors: Mapping[str, str],
 
 def _small(condition: Condition, anchor: str, said: str) -> str:
     names = [name for name in (WANTED, MEASURED) if name in condition.signals] or list(condition.signals)[:1]
-    curves = [condition.signals[name].mean for name in names]
-    low, high = (
-        (f(one) for f, one in ((np.min, np.concatenate(curves)), (np.max, np.concatenate(curves))))
-        if curves and len(curves[0])
-        else (0.0, 1.0)
-    )
-    lines = "".join(
-        f'<polyline points="{_points(curve, float(low), float(high))}" class="{"wanted" if name == WANTED else "seen"}"/>'
-        for name, curve in zip(names, curves, strict=True)
-    )
+    curves = {name: condition.signals[name] for name in names if len(condition.signals[name].mean)}
+    ends = [float(end) for one in curves.values() for end in (one.lowest.min(), one.highest.max())]
+    low, high = (min(ends), max(ends)) if ends else (0.0, 1.0)
+    lines = "".join(drawn(one, low, high, "wanted" if name == WANTED else "seen") for name, one in curves.items())
+    shown = escape(readable(condition.name))
     return (
-        f'<a href="#{anchor}"><svg viewBox="0 0 {WIDE:g} {HIGH:g}" role="img" aria-label="{escape(condition.name)}">{lines}</svg>'
-        f"<span>{escape(condition.name)}</span><small>{escape(said)}</small></a>"
+        f'<a href="#{anchor}"><svg viewBox="0 0 {WIDE:g} {HIGH:g}" role="img" aria-label="{shown}">{lines}</svg>'
+        f"<span>{shown}</span><small>{escape(said)}</small></a>"
     )
 
 
-def _points(values: Array, low: float, high: float) -> str:
-    if not len(values):
-        return ""
-    picked = values[:: max(1, -(-len(values) // MOST_POINTS))]
-    across = np.linspace(1.0, WIDE - 1.0, len(picked))
-    up = HIGH - 2.0 - (picked - low) / ((high - low) or 1.0) * (HIGH - 4.0)
-    return " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(across, up, strict=True))
+def few_points(signal: Spread, most: int) -> Spread:
+    """Return a signal in at most so many points: mean, lowest and highest of each equal stretch."""
+    size = max(1, -(-len(signal.mean) // most))
+    return Spread(
+        stretches(signal.mean, size).mean(axis=-1),
+        stretches(signal.lowest, size).min(axis=-1),
+        stretches(signal.highest, size).max(axis=-1),
+    )
+
+
+def drawn(signal: Spread, low: float, high: float, kind: str) -> str:
+    """Return a signal as a line, or as the area between its ends where it swings too fast for one."""
+    line = few_points(signal, MOST_POINTS)
+    if line.swings(high - low):
+        area = few_points(signal, AREA_POINTS)
+        outline = [*_points(area.highest, low, high), *_points(area.lowest, low, high)[::-1]]
+        return f'<polygon points="{" ".join(outline)}" class="{kind}"/>'
+    return f'<polyline points="{" ".join(_points(line.mean, low, high))}" class="{kind}"/>'
+
+
+def _points(values: Array, low: float, high: float) -> list[str]:
+    across = np.linspace(1.0, WIDE - 1.0, len(values))
+    up = HIGH - 2.0 - (values - low) / ((high - low) or 1.0) * (HIGH - 4.0)
+    return [f"{x:.1f},{y:.1f}" for x, y in zip(across, up, strict=True)]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.records.log import observed
 from hjcamp.records.of_plant import PLANT_KEY
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST_POINTS = 400
+SWINGS = 0.25
 SIGNALS = (
     "reference_deg",
     "arm_deg",
@@ -37,15 +39,27 @@ class Spread:
     lowest: NDArray[np.float64]
     highest: NDArray[np.float64]
 
+    def swings(self, whole: float) -> bool:
+        """Whether most points stand for more than a quarter of the range ``whole``: a line of means would hide it."""
+        return bool(np.median(self.highest - self.lowest) > SWINGS * whole) if len(self.mean) else False
+
 
 @dataclass(frozen=True)
 class Condition:
-    """The command phases of the repetitions of one condition, on common times (s)."""
+    """The command phases of the repetitions of one condition, on common times (s); ``observed`` is what they are called."""
 
     name: str
     tests: int
     time: NDArray[np.float64]
     signals: Mapping[str, Spread]
+    observed: str = "measured"
+
+    @property
+    def banded(self) -> bool:
+        """Whether its signals have a range that a picture must show: repetitions, or swings too fast for its points."""
+        return self.tests > 1 or any(
+            one.swings(float(np.max(one.highest) - np.min(one.lowest))) for one in self.signals.values() if len(one.mean)
+        )
 
 
 class Gathering:
@@ -58,6 +72,7 @@ class Gathering:
     def __init__(self, name: str) -> None:
         self._name = name
         self._tests = 0
+        self._called: set[str] = set()
         self._time: Array = np.empty(0)
         #: Sum, lowest and highest of each signal, sample by sample.
         self._so_far: dict[str, tuple[Array, Array, Array]] = {}
@@ -68,6 +83,7 @@ class Gathering:
         if not len(phase["time_s"]):
             return
         self._tests += 1
+        self._called.add(observed([log]))
         if self._tests == 1:
             self._time = phase["time_s"].copy()
             there = [name for name in SIGNALS if name in phase]
@@ -94,16 +110,17 @@ class Gathering:
         Peaks survive: each stretch keeps the lowest and highest sample of all repetitions.
         """
         size = max(1, -(-len(self._time) // most_points))
-        time = _stretches(self._time, size).mean(axis=-1) if len(self._time) else self._time
+        time = stretches(self._time, size).mean(axis=-1) if len(self._time) else self._time
         signals = {
             name: Spread(
-                _stretches(total, size).mean(axis=-1) / self._tests,
-                _stretches(lowest, size).min(axis=-1),
-                _stretches(highest, size).max(axis=-1),
+                stretches(total, size).mean(axis=-1) / self._tests,
+                stretches(lowest, size).min(axis=-1),
+                stretches(highest, size).max(axis=-1),
             )
             for name, (total, lowest, highest) in self._so_far.items()
         }
-        return Condition(self._name, self._tests, time, signals)
+        called = "simulated" if self._called == {"simulated"} else "measured"
+        return Condition(self._name, self._tests, time, signals, called)
 
 
 def gather(name: str, logs: Iterable[TestLog], most_points: int = MOST_POINTS) -> Condition:
@@ -122,7 +139,7 @@ def with_error(phase: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np
     return {**phase, **error}
 
 
-def _stretches(values: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+def stretches(values: Array, size: int) -> Array:
     """Return ``values`` as rows of ``size`` samples; the last sample fills up the last row."""
     short = -len(values) % size
     filled = np.concatenate([values, np.full(short, values[-1])]) if short else values

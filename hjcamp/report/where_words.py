@@ -11,6 +11,7 @@ NO_FLOOR = (
     "repetitions of the same tests give one (3 of each condition are usual: hjcamp run ... repetitions=3)."
 )
 TELLING = 0.05
+WORSE = 1.02
 UNEVEN = 1.5
 HOW = {
     "joint": "its force balance fails even with pressures and motion as measured",
@@ -87,6 +88,16 @@ def where_sentences(places: Sequence[Place], over: float | None = None) -> list[
         again = " (the same error, divided another way)" if number else ""
         said.append(f"{text}, in {place.shown} of {place.conditions} conditions{again}.")
     return said
+
+
+def worse_calibrated(name: str, before: float, after: float, why: str) -> list[str]:
+    """Return in words that a model is further off with its base parameters calibrated than as it stands; nothing where it is not.
+
+    ``before`` and ``after`` are its errors over the floor (or spread), ``why`` says what the fit looks at.
+    """
+    if not after > WORSE * before:
+        return []
+    return [f"Calibrated, {name} is further off than as it stands ({after:.2f} against {before:.2f}): {why}."]
 
 
 def strongest_cuts(places: Sequence[Place]) -> list[Place]:

@@ -124,7 +124,7 @@ def test_unusable_calls(folder: Path, capfd: pytest.CaptureFixture[str], argumen
 def test_logs_that_serve_nothing_are_refused() -> None:
     log = friction_log(0.01)
     still = {name: values[:500] * 0.0 for name, values in log.columns.items() if name != "time_s"}
-    with pytest.raises(Exception, match="none of 1 logs serves an identification"):
+    with pytest.raises(Exception, match="none of 1 log serves an identification"):
         identify([TestLog({"time_s": log.columns["time_s"][:500], **still})], configuration_for)
 
 

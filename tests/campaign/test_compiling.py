@@ -76,7 +76,7 @@ def test_a_status_line_says_what_is_compiled_then_what_is_done(cold: Path, monke
         compiled("text", "follow")
         doing.now("searching, 12")
         console.print("second")
-    assert out.getvalue().index("1 of 1 kernels left: one") < out.getvalue().index("searching, 12")
+    assert out.getvalue().index("1 of 1 kernel left: one") < out.getvalue().index("searching, 12")
 
 
 def test_a_bar_says_what_is_compiled(cold: Path) -> None:
@@ -139,8 +139,8 @@ def test_the_test_of_an_effect_says_what_is_compiled(
     )
     assert cli.run(["effects", "test", "leakage"]) == 0
     out = capfd.readouterr().out
-    assert out.count("1 of 1 kernels left: the model with leakage") == 1
-    assert out.index("kernels left") < out.index("a check")
+    assert out.count("1 of 1 kernel left: the model with leakage") == 1
+    assert out.index("kernel left") < out.index("a check")
     assert "hjcamp run campaign=controllers '+effects.leakage={}'" in out
     assert cli.run(["plan", "campaign=controllers", "+effects.leakage={}"]) == 0
 
@@ -176,4 +176,4 @@ def test_tuning_says_what_is_compiled(
     monkeypatch.setattr("hjcamp.campaign.critical_gain.critical_point", lambda *given: CriticalPoint(2.0, 0.1))
     assert cli.run(["tune"]) == 0
     out = capfd.readouterr().out
-    assert "1 of 1 kernels left: the test loop with no effect" in out
+    assert "1 of 1 kernel left: the test loop with no effect" in out

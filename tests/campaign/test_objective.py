@@ -49,6 +49,8 @@ def test_the_value_is_the_mean_over_tests(text: str, value: float) -> None:
         ("print(rmse1_deg)", "is no number"),
         ("[rmse1_deg]", "is no number"),
         ("rmse1_deg" + " + 1" * 200, "at most 300 characters"),
+        ("rmse1_deg/0", "no finite number, whatever"),
+        ("rmse1_deg*(-1)**0.5", "no finite number, whatever"),
         ([], "names nothing"),
         (["rmse1_deg", "kp"], "unknown indicator 'kp'"),
     ],
@@ -60,7 +62,7 @@ def test_what_is_no_number_of_a_run_is_refused(given: object, said: str) -> None
 
 
 def test_an_indicator_that_some_tests_lack_is_said_with_their_conditions() -> None:
-    with pytest.raises(HjcampError, match=r"1 of 3 tests have no sse_deg \(ramp\)"):
+    with pytest.raises(HjcampError, match=r"1 test has no sse_deg \(ramp\)"):
         read_objectives("abs(sse_deg)")[0].of(RUN)
 
 

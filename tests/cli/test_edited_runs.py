@@ -197,7 +197,7 @@ FILES: dict[str, tuple[str, Callable[[Path], object], str]] = {
     "another plan": ("manifest.json", lambda f: edit(f, lambda m: m.update(plan_sha256="0")), "plan_sha256 is not"),
     "a cut manifest": ("manifest.json", drop_half, "manifest.json: this is not JSON"),
     "no conditions": ("plan.json", lambda f: edit(f, lambda p: p.update(conditions=[])), "conditions is empty"),
-    "no tests": ("plan.json", lambda f: edit(f, lambda p: p.update(tests=[])), "tests holds 0; 1 conditions with 2"),
+    "no tests": ("plan.json", lambda f: edit(f, lambda p: p.update(tests=[])), "tests holds 0; 1 condition with 2"),
     "a seed x": ("plan.json", lambda f: edit(f, lambda p: p.update(seed="x")), "seed is 'x'; a valid integer is"),
     "a test's seed x": (
         "plan.json",

@@ -59,6 +59,8 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     assert all(
         said in page for said in ("missing: calibrated model", "missing: with leakage", "worst test", "these tests")
     )
+    known = page[page.index("How well each parameter is known") :]
+    assert "leakage conductance" in known and known.count("<svg") == 1 and Path("diagnose/corner.svg").is_file()
     assert "residual with itself" in page and 'href="effect_leakage.html"' in page
     assert Path("diagnose/effect_leakage.html").is_file() and read_answer(Path("diagnose/answer.json")) == found
 

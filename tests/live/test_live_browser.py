@@ -40,7 +40,7 @@ def test_the_page_follows_a_test_to_the_end_of_the_run() -> None:
             }
             feed.look("up__pva/rep_01", "up__pva")(Samples({**columns, "reference_deg": arm}, 0, 0, 0))
             page.locator("#clock:text-is('0.10 s')").wait_for(timeout=20_000)
-            assert page.inner_text("#test") == "up / pva, repetition 01"
+            assert page.inner_text("#test") == "up, PVA, repetition 01"
             assert page.inner_text("#state") == "running"
             limit = page.locator(".limit").first
             assert "near" in limit.get_attribute("class")

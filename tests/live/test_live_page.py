@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import socket
@@ -11,15 +12,17 @@ import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import hjcamp
 from hjcamp.backends.recording import Recording, Samples
 from hjcamp.backends.rig.journal import SCALES, Journal
-from hjcamp.campaign.ends import condition_line, followed_error
+from hjcamp.campaign.ends import Ends, condition_line, followed_error
 from hjcamp.campaign.execution import Outcome
 from hjcamp.cli import run
 from hjcamp.commands._live import take_live
@@ -88,7 +91,7 @@ def test_browsers_see_the_test_in_hand_and_the_end() -> None:
             feed.close()
             last = [news for news in late if news["kind"] == "run"][-1]
     assert (last["ended"], last["state"], last["failed"]) == (True, "stopped", 1)
-    assert last["conditions"]["up"] == {"done": 1, "failed": 1, "total": 2}
+    assert last["conditions"]["up"] == {"label": "up", "done": 1, "failed": 1, "total": 2}
     assert current_feed() is None
 
 
@@ -181,6 +184,16 @@ def test_one_line_for_a_condition() -> None:
     ended = [Outcome(f"a__b/rep_0{k}", "a__b", "done", 1.5, error=("arm_deg", 0.5 + 0.1 * k)) for k in range(3)]
     ended.append(Outcome("a__b/rep_03", "a__b", "failed", 0.5, "lost"))
     assert condition_line("a__b", ended) == "a / b   4 tests, 1 failed, RMS error of arm angle 0.6 ± 0.1 deg, 5.0 s"
+    # in a file, as in a CI job, a line is there when the condition has ended, whole and without control codes
+    file, tests = io.StringIO(), [SimpleNamespace(id=one.test, condition="a__b", log="x") for one in ended]
+    plan = SimpleNamespace(tests=tests, conditions=[], repetitions=4)
+    ends = Ends(
+        cast(Any, SimpleNamespace(plan=plan, path=Path())), cast(Any, tests), Console(file=file, soft_wrap=True)
+    )
+    for outcome in ended:
+        assert file.getvalue() == ""
+        ends(outcome)
+    assert file.getvalue() == f"  {condition_line('a__b', ended)}   0 to go\n"
     columns = {"time_s": np.array([-1.0, 0.0, 1.0]), "command_deg": np.zeros(3), "reference_deg": np.full(3, 3.0)}
     assert followed_error({**columns, "arm_deg": np.array([9.0, 0.0, 6.0])}, {}) == ("arm_deg", 3.0)
     assert followed_error({"time_s": np.zeros(2), "arm_deg": np.zeros(2)}, {}) is None

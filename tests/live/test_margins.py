@@ -93,6 +93,7 @@ def test_another_plant_brings_its_own_channels_and_limits() -> None:
     assert first == ["reference_deg", "arm_deg"]
     assert {one["panel"] for one in told["channels"]} == {"", "MPa", "1"}
     assert [one["name"] for one in told["watches"]] == ["arm_deg", "pressure1_mpa", "pressure2_mpa"]
+    assert [one["label"] for one in told["watches"]] == ["arm angle", "line 1", "line 2"]
     limits = {one.name: (one.low, one.high) for one in plausible_watches(plant)}
     assert limits["arm_deg"] == pytest.approx((-360.0, 360.0))
     assert limits["pressure1_mpa"] == pytest.approx((-0.12, 2.0))

@@ -218,7 +218,7 @@ def spoil(name: str, rows: slice, value: object) -> Callable[[dict[str, np.ndarr
         (lambda columns: columns.update(t=columns["t"] * 1e-6), "no logger is faster"),
         (spoil("u", slice(9, 10), 1.7e308), "'voltage_v' is inf at sample 9"),
         (lambda columns: columns.update(t=columns["t"] * 1e9), "is the unit of time_s right"),
-        (lambda columns: columns.update({name: values[:1] for name, values in columns.items()}), "1 rows are no test"),
+        (lambda columns: columns.update({name: values[:1] for name, values in columns.items()}), "1 row is no test"),
     ],
 )
 def test_a_table_that_cannot_be_is_one_message(folder: Path, change: Callable[..., object], told: str) -> None:

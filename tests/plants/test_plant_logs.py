@@ -233,7 +233,7 @@ def test_info_and_verify_show_the_fields_of_the_plant(plants: Path, capsys: pyte
     assert "plant tanks, one sample each 4 s" in told and "reference_level_v level_v pump_v" in told
     assert "300 samples, 1200.000 s, whole" in told
     assert cli.run(["log", "verify", "logs"]) == 0
-    assert "1 logs of plant tanks, one sample each 4 s: time_s reference_level_v" in capsys.readouterr().out
+    assert "1 log of plant tanks, one sample each 4 s: time_s reference_level_v" in capsys.readouterr().out
 
 
 COMMANDS = (

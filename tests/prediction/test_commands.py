@@ -78,6 +78,19 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     assert done.exit_code == 0, done.output
     declared, added = json.loads((stage / "c.json").read_text(encoding="utf-8"))["models"]
     assert added["error"]["position_m"]["rms"] < 0.2 * declared["error"]["position_m"]["rms"]
+    page = (stage / "compare" / "index.html").read_text(encoding="utf-8")
+    head = json.loads(page.partition('id="explorer-head">')[2].partition("</script>")[0])
+    assert head["models"] == ["published", "with_spring", "calibrated here", "with_spring without spring"]
+    assert head["hidden"] == ["with_spring without spring"] and head["observed"] == "measured"
+    assert [one["name"] for one in head["channels"]] == ["position_m", "voltage_v"]
+    [test] = head["tests"]
+    assert {one["model"] for one in test["curves"]} == {-1, 0, 1, 2, 3}
+    assert [row["position_m"] for row in test["rms"][:2]] == pytest.approx(
+        [one["error"]["position_m"]["rms"] for one in (declared, added)]
+    )
+    # without its spring the model is about as wrong as the declared one
+    assert test["rms"][3]["position_m"] > 5.0 * test["rms"][1]["position_m"]
+    assert "position_m<" not in page
 
 
 def test_a_group_has_its_page_though_the_model_has_one_of_it(stage: Path, monkeypatch: pytest.MonkeyPatch) -> None:

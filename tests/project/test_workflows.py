@@ -17,7 +17,7 @@ from hjcamp.commands import command_files, load
 ROOT = Path(__file__).parents[2]
 OURS = ROOT / ".github" / "workflows" / "ci.yml"
 #: What a machine of the service has, and what makes an environment there.
-THERE = {"cat", "pip"}
+THERE = {"cat", "pip", "rm", "test"}
 
 
 def workflows() -> dict[str, dict[Any, Any]]:
@@ -45,7 +45,7 @@ def test_every_job_has_a_machine_and_steps_that_do_something() -> None:
             assert job["runs-on"] and job["steps"][0]["uses"].startswith("actions/checkout@")
     for name, step in steps():
         assert ("uses" in step) != ("run" in step), (name, step)
-        assert re.fullmatch(r"actions/[a-z-]+@v\d+", step.get("uses", "actions/checkout@v4")), (name, step)
+        assert re.fullmatch(r"actions/[a-z-]+(/[a-z]+)?@v\d+", step.get("uses", "actions/checkout@v4")), (name, step)
 
 
 def test_every_version_of_python_that_the_package_takes_is_tested() -> None:

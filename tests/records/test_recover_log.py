@@ -101,7 +101,7 @@ def test_a_broken_chunk_costs_only_itself(tmp_path: Path, good: bytes) -> None:
     (tmp_path / "broken.mcap").write_bytes(broken)
     recovery = recover_log(tmp_path / "broken.mcap", tmp_path / "saved.mcap")
     assert recovery.kept + recovery.lost == SAMPLES and recovery.lost_is_exact and 0 < recovery.lost <= 505
-    with pytest.raises(UsageError, match=rf"gap of .* {recovery.lost} samples are missing in 1 gaps"):
+    with pytest.raises(UsageError, match=rf"gap of .* {recovery.lost} samples are missing in 1 gap"):
         read_log(tmp_path / "saved.mcap")
 
 

@@ -207,7 +207,7 @@ def test_each_of_two_gain_sets_is_judged_by_itself() -> None:
     rmse1 = comparison.filter(pl.col("indicator") == "rmse1_deg")
     assert sorted(set(rmse1["condition"])) == ["ramp_pos__kp-1.05", "ramp_pos__scattered"]
     assert verdict(comparison, {SOFTER: ["ramp_pos__kp-0.7"]}) == (
-        "1 of 6 means lie within 2 published standard deviations of the published mean; 5 do not."
+        "1 of 6 means within 2 published standard deviations of the published mean, 5 outside."
         " Not judged: 1 of another configuration."
     )
 

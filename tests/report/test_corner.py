@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hjcamp.commands._corner import Estimate, how_well_known, known_rows
 from hjcamp.report.corner_figure import MOST, RADII, correlation_of, draw_corner, ellipse
 
 
@@ -31,3 +32,25 @@ def test_the_picture_says_names_values_and_correlations() -> None:
         assert said in svg
     many = [f"p{k}" for k in range(MOST + 2)]
     assert f">p{MOST}<" not in draw_corner(many, many, np.eye(len(many)))
+
+
+def estimate(name: str, effect: str = "") -> Estimate:
+    return Estimate(effect, f"{effect} {name}".strip(), 0.002, "m", (0.001, 0.003), 0.00054, name == "low")
+
+
+def test_the_table_says_value_interval_and_what_is_hardly_told_apart() -> None:
+    alike = np.array([[1.0, -0.97, 0.001], [-0.97, 1.0, 0.0], [0.001, 0.0, 1.0]])
+    rows = known_rows([estimate("one"), estimate("two"), estimate("low")], alike)
+    assert rows[0] == ["one", "2 mm", "1 to 3", "two", "-0.97", "hardly told apart"]
+    assert rows[2][-2:] == ["0", "at its bound"]
+    assert alike[0, 0] == 1.0
+
+
+def test_where_room_is_short_effects_come_first_then_what_is_most_alike() -> None:
+    found = [*(estimate(f"p{k}") for k in range(MOST + 3)), estimate("size", "spring")]
+    correlation = np.eye(len(found))
+    correlation[1, 2] = correlation[2, 1] = 0.8
+    parts, pictures = how_well_known(found, correlation)
+    assert ">spring<" in pictures["corner"] and ">p2<" in pictures["corner"] and "2 ± 0.54 mm" in pictures["corner"]
+    assert f">p{MOST}<" not in pictures["corner"] and f"{MOST} of {len(found)}" in "".join(parts)
+    assert how_well_known(found[:1], np.eye(1))[1] == {} and how_well_known([], np.eye(0)) == ([], {})

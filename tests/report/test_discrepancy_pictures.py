@@ -34,7 +34,8 @@ def overlay() -> Overlay:
 def test_the_zoom_is_where_the_first_model_is_worst() -> None:
     part = worst_part(overlay())
     assert part.start <= 300 and part.stop >= 375 and part.stop - part.start == 125
-    short = Overlay("short", TIME[:40], np.zeros((40, 3)), {"published": np.ones((40, 3))})
+    short = Overlay("short", TIME[:40], np.zeros((40, 3)), {"published": np.ones((40, 3))}, "simulated")
+    assert ">simulated<" in draw_overlay(short)
     assert worst_part(short) == slice(0, 40)
 
 
@@ -50,7 +51,7 @@ def test_bars_and_maps_name_what_they_show() -> None:
     assert all(name in errors for name in ("published", "calibrated", "with leakage", "floor", "15.50"))
     nothing = np.zeros(0)
     svg = draw_map(nothing, nothing, nothing, [("", "joint", 0.9), ("joint, by direction", "positive", 0.5)])
-    assert "joint, by direction" in svg and "all: all" not in svg and "hardly slides" in svg
+    assert "joint, by direction" in svg and "all: all" not in svg and "nowhere slides long and steadily enough" in svg
     assert "Speed of the sliders" not in svg  # no empty grid
 
 

@@ -144,6 +144,19 @@ def test_a_drag_zooms_every_plot_and_a_deep_link_leads_back(page: Any) -> None:
     assert "from" not in address(page)
 
 
+def test_small_errors_of_si_units_have_a_prefix(page: Any) -> None:
+    shown = Exploration(1, ["far", "near", "angle"])
+    models = {"far": {"a_m": TIME + 0.2, "b_deg": TIME}, "near": {"a_m": TIME + 1.234e-7}, "angle": {"b_deg": TIME + 2e-4}}
+    shown.add("a", "a", TIME, {"a_m": TIME, "b_deg": TIME}, models, {"angle": {"b_deg": 2e-4, "a_m": float("nan")}})
+    file = Path(page.file.removeprefix("file://")).with_name("small.html")
+    file.write_text(discrepancy_page("Small", "", [explorer_html(shown)]), encoding="utf-8")
+    page.goto(file.as_uri())
+    page.wait_for_selector("#explorer[data-ready]", timeout=20_000)
+    assert page.locator("tbody td").all_inner_texts() == ["a", "200 mm", "123 nm", ""]
+    page.select_option("select", "b_deg")
+    assert page.locator("tbody td").all_inner_texts() == ["a", "0 deg", "", "2.00e-4 deg"]
+
+
 def test_narrow_dark_and_nothing_fetched(page: Any) -> None:
     page.emulate_media(color_scheme="dark")
     page.set_viewport_size({"width": 500, "height": 900})
@@ -158,8 +171,8 @@ def test_narrow_dark_and_nothing_fetched(page: Any) -> None:
 
 
 def test_the_list_of_tests_is_not_cut_and_residuals_say_of_what(page: Any) -> None:
-    def opened(name: str, models: list[str]) -> None:
-        shown = Exploration(1, models)
+    def opened(name: str, models: list[str], observed: str = "measured") -> None:
+        shown = Exploration(1, models, observed=observed)
         shown.add(name, "a", TIME, {"a_m": TIME}, {one: {"a_m": TIME + 0.1} for one in models})
         file = Path(page.file.removeprefix("file://")).with_name("other.html")
         file.write_text(discrepancy_page("Cart", "", [explorer_html(shown)]), encoding="utf-8")
@@ -172,6 +185,9 @@ def test_the_list_of_tests_is_not_cut_and_residuals_say_of_what(page: Any) -> No
     assert page.locator("#explorer .title b").nth(1).inner_text() == "a: model − measured (m)"
     opened("a", ["reference"])
     assert page.locator("#explorer .title b").nth(1).inner_text() == "a: reference − measured (m)"
+    opened("a", ["reference"], "simulated")
+    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: reference − simulated (m)"
+    assert page.locator("button[data-of=simulated]").count() == 1 and "what was simulated" in page.inner_text(".keys")
 
 
 def test_paper_cuts_no_table_and_no_picture(page: Any) -> None:

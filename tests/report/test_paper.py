@@ -17,11 +17,12 @@ from hjcamp.commands.paper import paper
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.records.write import write_log
+from hjcamp.report.names import readable
 from hjcamp.report.paper.cite import bibliography, entries_of, sources_of
 from hjcamp.report.paper.figures import formats_of, style_of
-from hjcamp.report.paper.names import distinct, macro, readable
+from hjcamp.report.paper.names import distinct, macro
 from hjcamp.report.paper.numbers import Quantity, of_estimate, uncertain, unit_latex
-from hjcamp.report.paper.tables import paper_table
+from hjcamp.report.paper.tables import paper_table, plain_sheet
 from hjcamp.report.sheet import Cell, Sheet
 
 
@@ -187,3 +188,10 @@ def test_latex_compiles_the_folder(run: Path, tmp_path: Path) -> None:
         pytest.skip("this LaTeX has no siunitx")
     assert done.returncode == 0, done.stdout[-2000:]
     assert (out / "main.pdf").read_bytes().startswith(b"%PDF") and "Undefined control sequence" not in done.stdout
+    assert "Overfull" not in done.stdout and "Font shape" not in done.stdout
+
+
+def test_a_deviation_finer_than_its_mean_is_not_rounded_away() -> None:
+    sheet = plain_sheet("a", "A", ("name", "published"), [("x", "1.8 ± 0.04"), ("y", "5.7 ± 1.08"), ("z", "12")])
+    text = paper_table(sheet, "a")
+    assert "x & 1.80(4)" in text and "y & 5.7(11)" in text and "z & 12 " in text and "table-format=2.2(2)" in text

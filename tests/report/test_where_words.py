@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import pytest
 
-from hjcamp.report.where_words import grouped_bars, phrase, where_sentences
+from hjcamp.report.where_words import grouped_bars, phrase, where_sentences, worse_calibrated
 
 
 class Place(NamedTuple):
@@ -61,6 +61,13 @@ def test_little_left_is_said_first() -> None:
     assert alone.startswith("No test was repeated, so there is no floor") and "repetitions=3" in alone
     assert "stands out" not in alone
     assert where_sentences([], 1.2)[0].startswith("What is left is 1.2 x the floor: nothing stands out")
+
+
+def test_a_calibration_that_makes_it_worse_is_said() -> None:
+    [said] = worse_calibrated("published", 0.74, 1.10, "the fit looks elsewhere")
+    assert said == "Calibrated, published is further off than as it stands (1.10 against 0.74): the fit looks elsewhere."
+    assert worse_calibrated("published", 1.0, 1.01, "") == worse_calibrated("a", 6.0, 1.0, "") == []
+    assert worse_calibrated("a", 1.0, float("nan"), "") == []
 
 
 def test_repetitions_are_told_only_where_they_differ() -> None:

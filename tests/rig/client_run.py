@@ -64,7 +64,7 @@ def make_client_row(kind: str, phase: str, folder: Path, composer: Any) -> Row:
         run_plan(open_folder(run), Console(file=io.StringIO()))
         whole = [read_log(run / test.log) for test in plan.tests]
         resumed = f"{len(whole)} of {len(plan.tests)} tests" if open_folder(run).complete else "NOT COMPLETE"
-    message = said.removeprefix("hjcamp: ").partition(" 1 tests left")[0]
+    message = said.removeprefix("hjcamp: ").partition(" 1 test left")[0]
     return Row(kind, phase, outputs, log, code, resumed, message, str(folder))
 
 

@@ -66,7 +66,7 @@ CASES = (
         "limit: samples missed in all",
         "one_late_sample",
         ("rig.limits.missed_in_all=0",),
-        "1 samples were missed in all",
+        "1 sample was missed in all",
     ),
     Case("limit: output clipped", action="clipped", says="output pump is clipped: 229"),
     Case("stop: SIGTERM", action="sigterm", says="SIGTERM was received"),

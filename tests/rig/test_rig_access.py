@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import os
 import subprocess
 import sys
@@ -88,7 +89,9 @@ def test_nothing_moves_before_the_check(
     with pytest.raises(RigUnavailable, match="run `hjcamp rig check rig=virtual` first"):
         backends.run_test(config, 1)
     assert device.samples == 0
-    assert cli.run(["rig", "check", "rig=virtual", "--yes"]) == 0
+    assert cli.run(["rig", "check", "rig=virtual", "--yes", "--json", "-"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["passed"] and said["rig"] == "virtual" and all(one["passed"] for one in said["findings"])
     backends.run_test(config, 1)
     config["rig"]["inputs"]["arm"]["sign"] = -1  # another wiring is not checked
     with pytest.raises(RigUnavailable):
@@ -111,8 +114,11 @@ def test_the_check_finds(
     fault: str, words: str, code: int, device: VirtualDevice, capsys: pytest.CaptureFixture[str]
 ) -> None:
     device.faults = [parse_fault(fault)]
-    assert cli.run(["rig", "check", "rig=virtual", "--yes"]) == code
+    assert cli.run(["rig", "check", "rig=virtual", "--yes", "--json", "-"]) == code
     out, err = capsys.readouterr()
+    if code == 1:
+        answer = json.loads(out)
+        assert not answer["passed"] and sum(not one["passed"] for one in answer["findings"]) == 1
     assert words in out + err
     assert device.volts["Dev1/ao1"] == 0.0  # the preload stands still
     device.faults = []

@@ -11,6 +11,7 @@ from typing import Any
 from hjcamp.backends.rig.schema import LimitSettings
 from hjcamp.backends.rig.silence import RELEASE_PHASE, Coupling, Silence
 from hjcamp.backends.rig.wiring import Output
+from hjcamp.errors import counted
 from hjcamp.schema import checked
 
 DEGREE = pi / 180
@@ -85,9 +86,9 @@ class LimitCheck:
         if missed:
             self.missed += missed
             if missed > limits.missed_at_once:
-                return f"{missed} samples were missed at once (limit {limits.missed_at_once:g})"
+                return f"{counted(missed, 'sample was', 'samples were')} missed at once (limit {limits.missed_at_once:g})"
             if self.missed > limits.missed_in_all:
-                return f"{self.missed} samples were missed in all (limit {limits.missed_in_all:g})"
+                return f"{counted(self.missed, 'sample was', 'samples were')} missed in all (limit {limits.missed_in_all:g})"
         for place, (low, high) in enumerate(self._voltages):
             if not low <= volts[place] <= high:
                 return f"pressure sensor {place + 1} is lost: {volts[place]:.3f} V is outside {low:g} to {high:g} V"

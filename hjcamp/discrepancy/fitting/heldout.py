@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -156,20 +157,9 @@ class Local:
             moves.append(np.clip(np.linalg.pinv(hessian - own) @ slope, -MOST_MOVE, MOST_MOVE))
         return np.array(moves)
 
-    def intervals(self) -> dict[tuple[str, str], tuple[float, float, float]]:
-        r"""Return (value, low, high) of every unknown by (effect, name): 95 % intervals, SI.
-
-        .. math:: \mathrm{cov} = \frac{C-1}{C} \sum_c (\Delta_c - \bar\Delta)(\Delta_c - \bar\Delta)^T, \quad
-                  \Delta_c = (H - H_c)^{-1} g_c
-
-        with the condition as the unit of evidence, left out one after the other (jackknife; Bell & McCaffrey 2002, Survey
-        Methodology 28(2), 169-181): what a model gets wrong about a condition it gets wrong in each of its repetitions,
-        and one condition alone may tell a parameter. C conditions, Student's t with C - 1 degrees of freedom; with fewer
-        than five conditions the test is the unit. The form of a law adds 3 % (7.5 % for an effect) of the value, since no
-        number of tests shows that another rig's friction has another shape.
-        """
-        from scipy.special import stdtrit
-
+    @cached_property
+    def _spread(self) -> tuple[Array, int]:
+        """The standard deviation of each unknown on the fitted scale, and its degrees of freedom; see ``intervals``."""
         units = self._units()
         count = len(units)
         weighted, hessian, _ = self._system(self.fitter)
@@ -185,8 +175,37 @@ class Local:
         form = form * np.array(
             [1.0 if one.logarithmic else abs(at) for one, at in zip(self.unknowns, places, strict=True)]
         )
-        deviation = np.hypot(deviation, form)
-        wide = float(stdtrit(max(count - 1, 1), 0.975)) * deviation
+        return np.hypot(deviation, form), max(count - 1, 1)
+
+    @property
+    def standard_errors(self) -> Array:
+        """The standard error of each unknown (unknowns,), SI."""
+        places = read(self.fit.candidate, self.unknowns)
+        sizes = [math.exp(at) if one.logarithmic else one.scale for one, at in zip(self.unknowns, places, strict=True)]
+        return np.asarray(self._spread[0] * np.array(sizes))
+
+    @property
+    def covariance(self) -> Array:
+        """The inverse (unknowns, unknowns) of the loss's curvature, on the fitted scale."""
+        return np.asarray(np.linalg.pinv(self._system(self.fitter)[1]))
+
+    def intervals(self) -> dict[tuple[str, str], tuple[float, float, float]]:
+        r"""Return (value, low, high) of every unknown by (effect, name): 95 % intervals, SI.
+
+        .. math:: \mathrm{cov} = \frac{C-1}{C} \sum_c (\Delta_c - \bar\Delta)(\Delta_c - \bar\Delta)^T, \quad
+                  \Delta_c = (H - H_c)^{-1} g_c
+
+        with the condition as the unit of evidence, left out one after the other (jackknife; Bell & McCaffrey 2002, Survey
+        Methodology 28(2), 169-181): what a model gets wrong about a condition it gets wrong in each of its repetitions,
+        and one condition alone may tell a parameter. C conditions, Student's t with C - 1 degrees of freedom; with fewer
+        than five conditions the test is the unit. The form of a law adds 3 % (7.5 % for an effect) of the value, since no
+        number of tests shows that another rig's friction has another shape.
+        """
+        from scipy.special import stdtrit
+
+        deviation, freedom = self._spread
+        places = read(self.fit.candidate, self.unknowns)
+        wide = float(stdtrit(freedom, 0.975)) * deviation
         return {
             (one.effect, one.name): (one.back(place), one.back(place - half), one.back(place + half))
             for one, place, half in zip(self.unknowns, places.tolist(), wide.tolist(), strict=True)

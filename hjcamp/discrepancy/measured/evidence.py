@@ -21,7 +21,7 @@ from hjcamp.discrepancy.measured.signals import (
     smooth,
     yielding,
 )  # fmt: skip
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]
@@ -74,7 +74,7 @@ def prepare_test(log: TestLog) -> TestEvidence:
     hardware = hardware_of(log)
     arm = columns["arm_deg"] * DEGREE
     if len(arm) < 10 * STRIDE:
-        raise UsageError(f"{name}: {len(arm)} samples in the command phase; at least {10 * STRIDE} are needed")
+        raise UsageError(f"{name}: {counted(len(arm), 'sample')} in the command phase; at least {10 * STRIDE} are needed")
     pump = (
         columns["pump_deg"] * DEGREE if "pump_deg" in columns else hardware.pump_motion(columns["command_deg"] * DEGREE)
     )

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.report.paper.names import macro
 from hjcamp.report.paper.numbers import Quantity, of_estimate
 from hjcamp.report.paper.tables import plain_sheet
@@ -89,7 +89,7 @@ def _calibration(answer: Mapping[str, Any], name: str) -> Sheet:
             ]
         )
     headers = ["constant", "unit", "value", "95 % interval", "published"]
-    return plain_sheet(name, f"Constants identified from {answer['tests']} tests", headers, rows)
+    return plain_sheet(name, f"Constants identified from {counted(answer['tests'], 'test')}", headers, rows)
 
 
 def _estimate(row: Mapping[str, Any]) -> str:

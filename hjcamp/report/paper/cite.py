@@ -8,6 +8,7 @@ import unicodedata
 from collections.abc import Iterable
 
 THESIS = """@misc{thesis,
+  key = {thesis},
   title = {{Design and Control of a Closed-Circuit Servo-Controlled Miniature Hydraulic Rotary Joint}},
   howpublished = {Thesis},
   note = {author, university and year are to be completed},

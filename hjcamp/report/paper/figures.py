@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from hjcamp.errors import UsageError, unknown
 from hjcamp.report.dot_plot import Dots
 from hjcamp.report.figures import BLUE, GRID, INK, RED
-from hjcamp.report.paper.names import readable
+from hjcamp.report.names import readable
 from hjcamp.report.spread import Condition
 from hjcamp.storage import whole_file
 

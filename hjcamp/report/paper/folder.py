@@ -167,7 +167,7 @@ def _main(paper: Paper) -> str:
     filled = {
         "tables": "\n".join(rf"\input{{{name.removesuffix('.tex')}}}" for name in paper.tables),
         "figures": "\n\n".join(rf"\noindent\includegraphics{{{name}}}" for name in pictures),
-        "numbers": "\n".join(rf"\item \texttt{{\textbackslash {name}}}: \{name}" for name in paper.numbers),
+        "numbers": "\n".join(rf"\item \texttt{{\char92 {name}}}: \{name}" for name in paper.numbers),
     }
     text = MAIN
     for name, content in filled.items():

@@ -6,25 +6,14 @@ import re
 from collections.abc import Iterable
 
 from hjcamp.report.formats import escape_latex
+from hjcamp.report.names import readable
 
-WORDS = {
-    "pid": "PID", "pva": "PVA", "ffwd": "feedforward", "pos": "positive", "neg": "negative", "rmse1": "RMSE1", "rmse2": "RMSE2",
-    "hz": "Hz", "none": "none", "ldpe": "LDPE", "hdpe": "HDPE",
-}  # fmt: skip
 TITLES = {
     "RMSE1": r"RMSE\textsubscript{1}", "RMSE2": r"RMSE\textsubscript{2}", "|e|max": r"$|e|_\mathrm{max}$", "SSE": "SSE",
     "|SSE|": r"$|\mathrm{SSE}|$", "n": "$n$",
 }  # fmt: skip
 MACROS = {"rmse1_deg": "RmseOne", "rmse2_deg": "RmseTwo", "e_max_deg": "EMax", "sse_deg": "Sse"}
 DIGITS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
-NUMBER = re.compile(r"(?<![A-Za-z])(\d+)p(\d+)")
-
-
-def readable(name: str) -> str:
-    """Return a name of a choice or condition for people: ``sine_0p5hz__ffwd_pid`` is "sine 0.5 Hz, feedforward PID"."""
-    parts = [NUMBER.sub(r"\1.\2", part.replace("_", " ")) for part in name.split("__")]
-    parts = [re.sub(r"(\d)(hz|mm|g|s)\b", r"\1 \2", part) for part in parts]
-    return ", ".join(" ".join(WORDS.get(word, word) for word in part.split()) for part in parts)
 
 
 def header(text: str) -> str:

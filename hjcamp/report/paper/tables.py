@@ -6,11 +6,14 @@ import re
 from collections.abc import Sequence
 
 from hjcamp.report.formats import escape_latex
-from hjcamp.report.paper.names import header, readable
+from hjcamp.report.names import readable
+from hjcamp.report.paper.names import header
 from hjcamp.report.paper.numbers import unit_latex
 from hjcamp.report.sheet import NO_TEST, Cell, Sheet
 
-NEEDS = "% needs \\usepackage{booktabs,siunitx}"
+NEEDS = "% needs \\usepackage{booktabs,graphicx,siunitx}"
+#: A table that is wider than the text is made smaller; no other is.
+FITTED = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 #: A number, its deviation, and what may stand behind them: a mark, an arrow, a change in brackets.
 VALUE = re.compile(r"(-?)(\d+)(?:\.(\d+))?(?: ± (\d+\.?\d*))?(?: ([^\w\s].*))?")
 UNIT = "unit"
@@ -34,6 +37,7 @@ def paper_table(sheet: Sheet, label: str) -> str:
         r"\centering\small\setlength{\tabcolsep}{4pt}",
         rf"\caption{{{escape_latex(sheet.title)}}}",
         rf"\label{{tab:{label}}}",
+        FITTED,
         rf"\begin{{tabular}}{{{spec}}}",
         r"\toprule",
         " & ".join(heads) + r" \\",
@@ -48,7 +52,7 @@ def paper_table(sheet: Sheet, label: str) -> str:
             cells = [_cell(cell, bool(formats[place]), sheet.headers[place]) for place, cell in enumerate(row)]
             behind = [f" & {escape_latex(_after(cell))}" if place in marked else "" for place, cell in enumerate(row)]
             lines.append(" & ".join(map("".join, zip(cells, behind, strict=True))) + r" \\")
-    lines += [r"\bottomrule", r"\end{tabular}"]
+    lines += [r"\bottomrule", r"\end{tabular}}"]
     lines += [rf"\par\footnotesize {escape_latex(note)}" for note in sheet.notes]
     return "\n".join([*lines, r"\end{table}", ""])
 
@@ -75,13 +79,21 @@ def _format(cells: Sequence[Cell]) -> str:
     there = [one for one in found if one is not None]
     sign = "-" if any(one[1] for one in there) else ""
     digits = max(len(one[2]) for one in there)
-    places = max(len(one[3] or "") for one in there)
+    places = max(_places(one) for one in there)
     errors = [len(_error(one)) for one in there if one[4]]
     return f"{sign}{digits}.{places}" + (f"({max(errors)})" if errors else "")
 
 
+def _places(found: re.Match[str]) -> int:
+    """Return the decimals of a number, so many more that a small deviation is not rounded to nothing: 1.8 ± 0.04 is 1.80(4)."""
+    places, most = len(found[3] or ""), len((found[4] or "").partition(".")[2])
+    while places < most and not round(float(found[4]) * 10**places):
+        places += 1
+    return places
+
+
 def _error(found: re.Match[str]) -> str:
-    return str(round(float(found[4]) * 10 ** len(found[3] or "")))
+    return str(round(float(found[4]) * 10 ** _places(found)))
 
 
 def _kind(number: str, marked: bool) -> str:
@@ -101,4 +113,5 @@ def _cell(cell: Cell, is_number: bool, heading: str) -> str:
     found = VALUE.fullmatch(cell.text)
     if found is None:
         return "{--}" if cell.text == NO_TEST else "{}"
-    return f"{found[1]}{found[2]}" + (f".{found[3]}" if found[3] else "") + (f"({_error(found)})" if found[4] else "")
+    decimals = (found[3] or "").ljust(_places(found), "0")
+    return f"{found[1]}{found[2]}" + (f".{decimals}" if decimals else "") + (f"({_error(found)})" if found[4] else "")

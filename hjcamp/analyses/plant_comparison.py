@@ -1,0 +1,35 @@
+"""Models of any plant beside measured tests, and each of them without one of its effects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.comparison import Comparison, Shown, _predicted, _shown, _whole
+
+
+@dataclass(frozen=True)
+class PlantComparison(Comparison):
+    """Models of any plant on the same tests; ``lesser`` are the models that have effects, each without one of them."""
+
+    lesser: tuple[Shown, ...]
+
+
+def with_lesser(found: Comparison, models: Mapping[str, Candidate]) -> PlantComparison:
+    """Return a comparison of ``models`` with each of them without one of its effects; one that runs away is left out."""
+    analysis = found.analysis
+    windows, measured = analysis.windows, analysis.windows.layout.measured
+    kept, there, lesser = windows.starts.copy(), {one.key for one in models.values()}, []
+    for name, model in models.items():
+        for effect in model.effects:
+            less = model.without([effect])
+            if less.key in there:
+                continue
+            features, errors = _predicted(analysis, _whole(measured, less))
+            if np.isfinite(features).all():
+                lesser.append(_shown(analysis, f"{name} without {effect}", features, errors))
+    windows.starts = kept
+    return PlantComparison(analysis, found.models, found.calibrated, tuple(lesser))

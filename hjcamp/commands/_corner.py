@@ -1,0 +1,95 @@
+"""How well each fitted parameter is known: the table beside the corner plot, in words, for any diagnosis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+FITTED = ("parameter", "value", "95 %", "most like", "correlation", "")
+#: Of these a test says hardly more than of their sum or ratio.
+ALIKE = 0.95
+SAID = (
+    "Lines hold 68 and 95 %, in standard errors from the value above each column. Their shape is the curvature of the fit: a "
+    "correlation near 1 or -1 means that these tests hardly tell the two apart, and that each is known less well than both "
+    "together. Standard errors are those of the intervals in the table: from how parts of the tests differ."
+)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted parameter, SI: ``error`` is its standard error, ``effect`` is empty for one of the base."""
+
+    effect: str
+    label: str
+    value: float
+    unit: str
+    ci95: tuple[float, float]
+    error: float
+    at_bound: bool
+
+
+def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[str], dict[str, str]]:
+    """Return the parts of a page and the picture (by name) of fitted parameters; ``correlation`` (k, k) is of the fit.
+
+    Nothing for no parameter, no picture for one alone. More than the picture has room for: those of effects, then those most alike.
+    """
+    from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.corner_figure import MOST, draw_corner
+
+    if not found:
+        return [], {}
+    parts = [page.heading("How well each parameter is known"), page.table_of(FITTED, known_rows(found, correlation))]
+    if len(found) < 2:
+        return parts, {}
+    drawn = sorted(_first(found, correlation)[:MOST])
+    picture = draw_corner(
+        [found[place].label for place in drawn], [_value(found[place]) for place in drawn], correlation[np.ix_(drawn, drawn)]
+    )  # fmt: skip
+    which = f": {len(drawn)} of {len(found)}, those of effects and those most alike" if len(drawn) < len(found) else ""
+    return [*parts, page.picture(f"Fitted parameters, two by two{which}", picture), page.note(SAID)], {
+        "corner": picture
+    }
+
+
+def known_rows(found: Sequence[Estimate], correlation: Array) -> list[list[str]]:
+    """Return the rows of the table: parameter, value, interval, which other is most like it, how much, what to mind."""
+    from hjcamp.report.corner_figure import told_correlation
+    from hjcamp.report.units import told, told_interval
+
+    rows, beside = [], _beside(correlation)
+    for place, one in enumerate(found):
+        row = [one.label, told(one.value, one.unit), told_interval({"unit": one.unit, "ci95": one.ci95})]
+        most, said = "", ""
+        if len(found) > 1:
+            other = int(np.argmax(beside[place]))
+            most, said = found[other].label, told_correlation(float(correlation[place, other]))
+        alike = beside[place].max() > ALIKE
+        rows.append([*row, most, said, "at its bound" if one.at_bound else "hardly told apart" if alike else ""])
+    return rows
+
+
+def _beside(correlation: Array) -> Array:
+    """Return sizes (k, k) of the correlations with others."""
+    sizes = np.abs(correlation)
+    np.fill_diagonal(sizes, -1.0)
+    return np.asarray(sizes)
+
+
+def _first(found: Sequence[Estimate], correlation: Array) -> list[int]:
+    """Return the places of parameters in the order in which they deserve room."""
+    most = _beside(correlation).max(axis=1)
+    return sorted(range(len(found)), key=lambda place: (not found[place].effect, -float(most[place])))
+
+
+def _value(one: Estimate) -> str:
+    """Return value and standard error in the unit that people read: ``80 ± 0.2 kg``."""
+    from hjcamp.report.units import plain, shown
+
+    value, name = shown(one.value, one.unit)
+    # the unit by the value's size: that of its error may be another
+    factor = value / one.value if one.value else shown(1.0, one.unit)[0]
+    return f"{plain(value)} ± {plain(abs(one.error * factor), 2)} {name}".rstrip()
