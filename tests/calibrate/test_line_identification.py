@@ -71,6 +71,7 @@ def test_leakage_rates_and_threshold() -> None:
     assert found["leakage.conductance"].value == pytest.approx(0.005 / 2.57e13, rel=0.02)
 
 
+@pytest.mark.study
 def test_leakage_below_the_threshold_names_none() -> None:
     found = identify_leakage([leakage_log(0.5, seed=seed) for seed in range(2)], 2.57e13, 700.0)
     assert "leakage.threshold" not in {one.name for one in found.estimates}

@@ -53,7 +53,10 @@ def same(one: Composition, other: Composition) -> None:
     assert json.dumps(one.choices) == json.dumps(other.choices)
 
 
-LONG = {"bandwidth", "two_pumps", "valve_timing", "dither_map", "preload"}
+LONG = {
+    "bandwidth", "two_pumps", "valve_timing", "dither_map", "preload", "first_state", "stiffness", "controllers", "pid_design",
+    "previous_work",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(

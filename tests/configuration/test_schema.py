@@ -81,6 +81,7 @@ def test_every_group_refuses_an_unknown_key(composer: Composer, empty_folder: Pa
             check_configuration(changed(config, f"{group}.nmae", 1.0))
 
 
+@pytest.mark.study
 def test_every_choice_of_ours_fits(composer: Composer, empty_folder: Path) -> None:
     groups = [group for group in composer.groups() if group not in ("campaign", "table")]
     for group in groups:
@@ -102,7 +103,8 @@ def test_every_choice_of_ours_fits(composer: Composer, empty_folder: Path) -> No
                 check_configuration(composer.compose(["controller=ffwd_pid", f"{group}={choice}"]).config)
 
 
-@pytest.mark.parametrize("backend", ["simulation", pytest.param("nidaqmx", marks=pytest.mark.study)])
+@pytest.mark.study  # what every condition composes to is checked where the campaigns are planned
+@pytest.mark.parametrize("backend", ["simulation", "nidaqmx"])
 def test_every_campaign_of_ours_fits(composer: Composer, empty_folder: Path, backend: str) -> None:
     for campaign in composer.options("campaign"):
         if backend == "nidaqmx" and composer.compose([f"campaign={campaign}"]).config["campaign"].get("fixed", {}).get(

@@ -129,6 +129,7 @@ def test_flags_that_are_refused(flag: str, call: Callable[..., tuple[int, str]])
     assert code == 2 and flag.split("=")[0] in said, said
 
 
+@pytest.mark.study
 def test_every_file_of_ours_would_pass_as_a_users(empty_folder: Path) -> None:
     """So does whoever begins with a copy of one, or of all."""
     choices: tuple[list[str], ...] = ([], ["payload=brass_8p5g", "orientation=vertical", "controller=ffwd_pid"])

@@ -45,6 +45,7 @@ def test_residuals_do_not_depend_on_the_number_of_workers(leak: Path, effect: st
     assert np.any(found[0] != 0.0)
 
 
+@pytest.mark.study
 def test_a_model_without_effects_is_followed_alike_by_the_kernel_that_has_none(
     leak: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

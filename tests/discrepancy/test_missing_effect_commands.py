@@ -179,6 +179,7 @@ def test_comparison_without_repetitions_is_exploratory(call: Call, leak: Path) -
     assert "after calibrating its base parameters" in answer.out
 
 
+@pytest.mark.study
 def test_without_repetitions_the_leak_is_still_found_and_added(call: Call, leak: Path) -> None:
     once = sorted(leak.glob("*_r1.mcap"))
     answer = call("diagnose", *once, "--effort", "quick", "--json", "d.json")

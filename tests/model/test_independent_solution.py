@@ -26,7 +26,7 @@ WITH_EVERY_EFFECT = Physics(
 AHEAD = 1 / 3
 
 
-@pytest.mark.parametrize(("amplitude_deg", "frequency"), [(120.0, 2.0), (60.0, 0.5)])
+@pytest.mark.parametrize(("amplitude_deg", "frequency"), [pytest.param(120.0, 2.0, marks=pytest.mark.study), (60.0, 0.5)])
 def test_open_loop_sine_follows_the_independent_solution(amplitude_deg: float, frequency: float) -> None:
     # 4.6: p10 and p20 as recorded; amplitude 120 deg at 2 Hz is equation 4.6.2
     reference = sine(amplitude_deg, frequency, 4.0)
@@ -49,7 +49,10 @@ def test_every_effect_follows_the_independent_solution(amplitude_deg: float, fre
     assert np.abs(found["arm_deg"] - expected).max() < 0.02 * DEGREE
 
 
-@pytest.mark.parametrize(("direction", "payload"), [(1.0, False), (-1.0, False), (1.0, True), (-1.0, True)])
+@pytest.mark.parametrize(
+    ("direction", "payload"),
+    [pytest.param(1.0, False, marks=pytest.mark.study), (-1.0, False), (1.0, True), pytest.param(-1.0, True, marks=pytest.mark.study)],
+)
 def test_closed_loop_follows_the_independent_solution(direction: float, payload: bool) -> None:
     # with counts the loop sees equal angles, so that the two do not drift apart where the loop is unstable
     reference = cycloid(120.0 * direction)

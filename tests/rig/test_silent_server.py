@@ -92,9 +92,10 @@ def test_the_cable_is_cut(running: Test) -> None:
     assert re.search(rf"COULD NOT BE WRITTEN \(.* last written: {OUTPUTS}\)", said), said
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     "numbers",
-    [pytest.param((signal.SIGTERM,), marks=pytest.mark.study), (signal.SIGINT, signal.SIGINT)],
+    [(signal.SIGTERM,), (signal.SIGINT, signal.SIGINT)],
     ids=["sigterm", "ctrl_c"],
 )
 def test_a_stop_is_heard_while_the_server_hangs(running: Test, numbers: tuple[int, ...]) -> None:

@@ -12,6 +12,9 @@ from truth.axis_hidden import FORMS
 from truth.contact import CONTACTS, contact_step, falling
 from truth.hidden_form import find_form, level_of
 
+# nothing of the program stands on it: it makes the data of the benchmarks
+pytestmark = pytest.mark.study
+
 PULSED = Axis(kp=0.0, kv=0.0, ki=0.0)  # nobody holds it: the pulses alone drive it
 
 

@@ -12,6 +12,9 @@ from truth.servo import PERIOD, Swing, run
 from truth.servo_case import build_servo_case, simulate_servo, write_pendulum_case, write_servo_case
 from truth.servo_hidden import ROPE_FORMS, SERVO_FORMS
 
+# nothing of the program stands on it: it makes the data of the benchmarks
+pytestmark = pytest.mark.study
+
 FREE = Axis(
     mass=0.02,
     gain=1.0,

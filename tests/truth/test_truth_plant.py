@@ -24,6 +24,9 @@ from truth.pump import servo_step
 from truth.scatter import Scatter
 from truth.simulate import COLUMNS
 
+# nothing of the program stands on it: it makes the data of the benchmarks
+pytestmark = pytest.mark.study
+
 QUIET = Scatter(0, 0, 1e-9, 0, 0, 0, 0)
 SIXTEEN_POINT_EIGHT = 360 / (np.pi * 6.82)
 
