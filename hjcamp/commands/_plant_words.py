@@ -61,7 +61,8 @@ class Words:
         names = ", ".join(self.verdict.effects)
         drivers = self.content["drivers"]
         place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
-        said = names or (f"depends on {local}{' of ' if place else ''}{place.replace('_', ' ')}" if drivers else "")
+        of_place = f" of {place.replace('_', ' ')}" if place and place != local else ""
+        said = names or (f"depends on {local}{of_place}" if drivers else "")
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
 
     def sentences(self) -> list[str]:
@@ -78,9 +79,11 @@ class Words:
             found.append(f"These tests do not rule out: {sets}.")
         if verdict.word == "outside_library" and self.content["unknowns"]:
             first = self.content["unknowns"][0]
+            place, driver = first["port"], first["driver"].rpartition("_")[2]
+            where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
             found.append(
-                f"A {first['quantity']} at {first['port']} that depends on its {first['driver'].rpartition('_')[2]}, of a form that "
-                "no effect of the library has, predicts better. Its curve is on the page."
+                f"A {first['quantity']} {where} {driver}, of a form that no effect of the library has, predicts better. Its curve is "
+                "on the page."
             )
         if verdict.follows:
             found.append(
@@ -102,9 +105,9 @@ class Words:
             )
         if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
             first = self.content["unknowns"][0] if self.content["unknowns"] else None
-            over = f" over {first['driver'].replace('_', ' ')}" if first else ""
+            freest = f"a free law over {first['driver'].replace('_', ' ')}" if first else "a regression on the motion"
             left = 100.0 * min(verdict.law_left, 1.0)
-            found.append(f"The law leaves {left:.0f} % of what a free law{over} takes: its form is not quite this.")
+            found.append(f"The law leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
         if verdict.word != "cannot_tell":
             found.append(
                 f"Error on chapters left out, over the floor: {error['baseline']:.2f} calibrated"

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +70,13 @@ class Scored:
     def beyond(self, other: Scored) -> tuple[str, ...]:
         """Return the names of effects that another model lacks."""
         return tuple(name for name in self.names if name not in other.names)
+
+
+class Follows(NamedTuple):
+    """The share of a model's rms that follows from the motion, and the logarithm of the factor by which `size` falls without it."""
+
+    share: float
+    taken: float
 
 
 @dataclass(frozen=True)
@@ -288,8 +295,8 @@ class Search:
         left, whole = (np.mean(f**2, axis=0).reshape(sensors, -1).mean(axis=1) + 1.0 for f in (one, other))
         return math.sqrt(float(np.min(left / whole)))
 
-    def follows_motion(self, model: Scored) -> float:
-        """Return the share of a model's rms that does not follow from the motion, by whatever law; 1 where none is shown to.
+    def follows_motion(self, model: Scored) -> Follows:
+        """Return how much of what a model leaves follows from the motion, by whatever law; nothing where none is shown to.
 
         It is shown where a regression predicts chapters left out better at the level of all claims, by a share that matters,
         and by more than friction that differs as every contact's does.
@@ -300,9 +307,11 @@ class Search:
         t, count = ratio_t(advantages(found.features, before, chapters), apart)
         left = self.rms_ratio(found.features, before)
         if t <= critical(count, self.claims) or left > 1.0 - MATTERS:
-            return 1.0
+            return Follows(0.0, 0.0)
         scatter = self.scatter(model)[found.rows]
-        return left if np.linalg.norm(before - found.features) > np.linalg.norm(scatter) else 1.0
+        if np.linalg.norm(before - found.features) <= np.linalg.norm(scatter):
+            return Follows(0.0, 0.0)
+        return Follows(1.0 - left, max(math.log(size(before) / size(found.features)), 0.0))
 
     def beats(self, model: Scored, other: Scored, level: float = LEVEL) -> bool:
         """Whether a model is better on chapters that it does not know, at a level."""

@@ -88,20 +88,25 @@ def judged(analysis: Analysis) -> Verdict:
     unknown = _left(analysis, model, last)
     p_value = first.p_value
     if not added:
-        follows = search.follows_motion(base) if unknown is None else 1.0
-        if unknown is None and follows == 1.0 and not _far_above_floor(analysis, base):
+        follows = search.follows_motion(base).share if unknown is None else 0.0
+        if unknown is None and not follows and not _far_above_floor(analysis, base):
             return Verdict(NOTHING, (), base, p_value, ((),), 0.0, None, ())
-        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, (), 1.0 - follows)
+        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, (), follows)
     # what repetitions share is hardly touched: whatever was found is not what is missing
     removable = math.log(base.left_out / _least(analysis))
     if _far_above_floor(analysis, model) and _taken(base, model) < MOST_OF_IT * removable:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
     if _hardly_touched(analysis, model):
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
+    # a regression on the motion is the freest law of all
+    follows_on, taken = search.follows_motion(model), _taken(base, model)
+    law_left = follows_on.taken / (taken + follows_on.taken)
+    if law_left > 1.0 - MOST_OF_IT:
+        share = search.follows_motion(base).share if unknown is None else 0.0
+        return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, (), share)
     models = _confidence_set(analysis, model, added)
-    law_left = 0.0
     if unknown is not None:
-        law_left = 1.0 - _taken(base, model) / max(_taken(base, unknown), 1e-12)
+        law_left = max(law_left, 1.0 - taken / max(_taken(base, unknown), 1e-12))
     # one free law that does as well with no more parameters: the names are not the simpler explanation
     freedom = len(model.fitted.free)
     alone = next(

@@ -68,6 +68,13 @@ def test_what_depends_on_two_quantities_is_outside_though_no_law_of_one_takes_it
     assert follows["share"] > 0.5 and "position_m" in " ".join(follows["quantities"])
 
 
+def test_a_name_that_takes_less_than_a_regression_still_finds_is_no_answer(axis: Path) -> None:
+    # a spring is there, and beside it what no law of the library has: three times as much
+    found = asked(lambda x, v: -50.0 * (x - 0.03) - 2500.0 * x * v)
+    assert (found["verdict"], found["effects"]) == ("outside_library", [])
+    assert found["law_left"] > 0.5 and found["follows_motion"]["share"] > 0.5
+
+
 def test_few_tests_cannot_tell(axis: Path) -> None:
     measured = measured_tests([measured_log(seconds=0.6)])
     library = load_effects(plant=measured.plant)
