@@ -74,7 +74,7 @@ def add_any(there: Data, names_and_paths: list[str], name: str, model: str, json
         from hjcamp.commands.add import split
         from hjcamp.prediction.addition import Addition
 
-        names, paths = split(names_and_paths, library_of_data(there))
+        names, paths = split(names_and_paths, library_of_data(there), there.plant)
         done = add(there, names, name, model, report)
         write_answer(json, done.content)
     assert isinstance(done.found, Addition)

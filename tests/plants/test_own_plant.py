@@ -63,6 +63,11 @@ MISTAKES = {
     "a start that is none": ("typical=0.05", 'typical=0.05, start="unknwn"', 'a number or "unknown"'),
     "a lowest value that is none": ("typical=0.05", 'typical=0.05, low=float("nan")', "cannot fall below"),
     "scatter below zero": ("typical=0.05", "typical=0.05, scatter=-1.0", "from 0 on"),
+    "an element within a line": (
+        "rate.position = state.velocity",
+        "rate.position = sensor(state.velocity) / 1.0",
+        "alone on",
+    ),
     "a period of nothing": ("period = 0.001", "period = 0.0", "period is 0.0; the seconds between"),
     "a period in words": ("period = 0.001", 'period = "1 ms"', "the seconds between"),
     "an unknown loop": ("period = 0.001", 'loop = "foriegn"', "did you mean 'foreign'"),

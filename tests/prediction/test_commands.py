@@ -141,6 +141,8 @@ def test_next_takes_the_diagnosis_of_the_same_logs_and_sets_its_group_apart(stag
         (["add", "spring", "spring", "logs", "--as", "x"], "each effect once"),
         (["add", "sprong", "logs", "--as", "x"], "spring"),
         (["add", "spring", "logs", "--as", "published"], "exists already"),
+        (["add", "leakage", "logs", "--as", "x"], "effect leakage: needs a store"),
+        (["calibrate", "logs", "--as", "x", "--only", "pump=pump1"], "name the logs themselves"),
         (["compare", "logs", "--model", "other"], "plant pump_joint"),
         (["compare", "logs", "--model", "broken"], "mass"),
         (["next", "logs", "--rivals", "sprong"], "did you mean 'spring'"),
