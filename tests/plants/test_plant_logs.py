@@ -261,6 +261,8 @@ def test_logs_of_a_plant_that_is_not_here_are_named(plants: Path, capsys: pytest
     (plants / "plants" / "axis.py").unlink()
     assert cli.run(["compare", "logs"]) == 2
     assert "unknown plant 'axis' in logs" in capsys.readouterr().err
+    assert cli.run(["log", "info", "logs"]) == 0
+    assert "problem      unknown plant 'axis'" in capsys.readouterr().out
 
 
 def test_an_analysis_says_which_periods_it_knows(plants: Path, capsys: pytest.CaptureFixture[str]) -> None:
