@@ -65,7 +65,7 @@ def _add_pump_joint(data: Data, names: list[str], name: str, model: str, report:
 
 def _add_plant(data: Data, names: list[str], name: str, model: str, report: Report) -> Added:
     from hjcamp.configuration.saved_model import check_new_name, write_model
-    from hjcamp.errors import unknown
+    from hjcamp.effects import library_of
     from hjcamp.prediction.addition import added, answer, provenance
     from hjcamp.prediction.model_file import load_model, savable
 
@@ -75,7 +75,8 @@ def _add_plant(data: Data, names: list[str], name: str, model: str, report: Repo
     start = load_model(model, measured.plant, library)
     for one in names:
         if one not in library:
-            raise unknown("effect", one, library)
+            # says why, where the effect is one that does not fit this plant
+            library_of(measured.plant).find(one)
         if one in start.effects:
             raise UsageError(f"effect {one}: model '{model}' has it already")
     if len(set(names)) < len(names):

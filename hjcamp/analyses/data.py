@@ -51,7 +51,7 @@ class Data:
         """The plant of these tests."""
         from hjcamp.plants import find_plant
 
-        return find_plant(self.plant_name)
+        return find_plant(self.plant_name, str(self.paths[0]))
 
     @cached_property
     def evidence(self) -> Evidence:

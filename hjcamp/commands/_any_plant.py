@@ -75,7 +75,7 @@ def add_any(there: Data, names_and_paths: list[str], name: str, model: str, json
         from hjcamp.commands.add import split
         from hjcamp.prediction.addition import Addition
 
-        names, paths = split(names_and_paths, library_of_data(there))
+        names, paths = split(names_and_paths, library_of_data(there), there.plant)
         done = add(there, names, name, model, report)
         write_answer(json, done.content)
     assert isinstance(done.found, Addition)
@@ -91,6 +91,7 @@ def calibrate_any(data: Data, name: str, json: Path | None = None) -> None:
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.analyses.calibrating import fit_plant
+        from hjcamp.analyses.untold import untold
         from hjcamp.commands._plant_words import print_calibration
 
         done = fit_plant(data, name, report)
@@ -100,9 +101,12 @@ def calibrate_any(data: Data, name: str, json: Path | None = None) -> None:
             "tests": len(done.analysis.measured.tests),
             "hardware": {},
         }
-        rest: dict[str, Any] = {"notes": [], "model": str(done.model), "rig": None, "page": None}
+        notes = untold(done.analysis)
+        rest: dict[str, Any] = {"notes": notes, "model": str(done.model), "rig": None, "page": None}
         write_answer(json, {**head, "calibration": done.rows, **rest})
     print_calibration(console, done.analysis, done.rows)
+    for note in notes:
+        console.print(f"note    {note}", markup=False)
     console.print(f"model   {done.model}", markup=False)
     console.print(f"next    hjcamp compare {joined(data.paths)} --model published --model {name}", markup=False)
 

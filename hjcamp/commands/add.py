@@ -12,6 +12,7 @@ from hjcamp.analyses.adding import add as add_effects
 from hjcamp.analyses.data import Data, joined
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError, counted, nearest, unknown
+from hjcamp.plants import DEFAULT
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -69,8 +70,13 @@ def add(
     console.print(f"        hjcamp run campaign=controllers controller.model={name}", markup=False)
 
 
-def split(words: list[str], library: Any) -> tuple[list[str], list[Path]]:
-    """Return effects and paths; the first word that is no effect, nor nearly the name of one, begins the paths."""
+def split(words: list[str], library: Any, plant: Any = DEFAULT) -> tuple[list[str], list[Path]]:
+    """Return effects and paths; the first word that is no effect, nor nearly the name of one, begins the paths.
+
+    An effect that does not fit the ``plant`` is refused with its reason.
+    """
+    from hjcamp.effects import library_of
+
     names: list[str] = []
     for index, word in enumerate(words):
         if word in library:
@@ -78,6 +84,7 @@ def split(words: list[str], library: Any) -> tuple[list[str], list[Path]]:
         elif names and (Path(word).exists() or "/" in word or nearest(word, library) is None):
             return names, [Path(one) for one in words[index:]]
         else:
+            library_of(plant).find(word)
             raise unknown("effect", word, library)
     raise UsageError("no logs were named: after the effects give a run folder, a folder of logs, or log files")
 

@@ -10,7 +10,7 @@ import typer
 from hjcamp.analyses.calibrating import identify_pump_joint, pairs
 from hjcamp.analyses.data import Data
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import counted
+from hjcamp.errors import UsageError, counted
 from hjcamp.plants import DEFAULT
 
 if TYPE_CHECKING:
@@ -45,6 +45,10 @@ def calibrate(
     check_name(name, conf, replace)
     data = Data(paths)
     if not data.of_pump_joint:
+        if only:
+            raise UsageError(
+                f"--only {only[0]}: it chooses logs of pump_joint; of plant {data.plant_name} name the logs themselves"
+            )
         calibrate_any(data, name, json)
         return
     done = identify_pump_joint(data, name, pairs(only or []), conf, replace)

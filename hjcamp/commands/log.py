@@ -43,6 +43,8 @@ def info(paths: Paths, json: AnswerFile = None) -> None:
         found = verify_log(path)
         rows.append(found)
         print(f"{path}: {counted(found.samples, 'sample')}, {found.duration:.3f} s, {'whole' if found.whole else 'NOT WHOLE'}")
+        for problem in () if found.whole else found.problems[:1]:
+            print(f"  problem      {problem}")
         print(f"  of           plant {found.plant}, one sample each {span(found.period)}")
         print(f"  fields       {' '.join(found.fields)}")
         print(f"  attachments  {' '.join(found.attachments) or 'none'}")

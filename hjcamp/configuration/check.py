@@ -18,6 +18,7 @@ from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
+from hjcamp.plants import DEFAULT
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.schema import Group, checked, naming
 from hjcamp.trajectories import build_trajectory
@@ -81,6 +82,11 @@ def check_model(model: Any, path: str, further: Sequence[type[Effect]] = ()) -> 
 
     ``further`` are the effects of the configuration, which may name the same things.
     """
+    if "plant" in model:
+        of = shown(model["plant"])
+        raise UsageError(
+            f"{path}: '{model.get('name')}' is of plant {of}; this test is of plant {DEFAULT}: write plant={of}"
+        )
     checked(SavedModel, model, path)
     effects = {one.name: one for one in (*chosen_effects(model["effects"], f"{path}.effects")[0], *further)}
     for name, value in model["parameters"].items():

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from hjcamp.errors import UsageError
-from hjcamp.model.user_file import load_module
+from hjcamp.model.user_file import check_name, load_module
 
 Kind = TypeVar("Kind")
 
@@ -37,10 +37,17 @@ def class_in(path: Path, base: type[Kind], package: str | None = None, name: str
     return found[0]
 
 
+def files_in(folder: Path, file_of_kind: str) -> list[tuple[str, Path]]:
+    """Return the names and files of a user's folder: ``NAME.py``, or ``NAME/plant.py`` where that is the ``file_of_kind``."""
+    found = [(path.stem, path) for path in sorted(folder.glob("*.py"))]
+    found += [(path.parent.name, path) for path in sorted(folder.glob(f"*/{file_of_kind}"))]
+    return [(name, path) for name, path in found if not name.startswith(("_", "."))]
+
+
 def scan(package_folder: Path, package: str, base: type[Kind], folders: Sequence[Path] = ()) -> dict[str, type[Kind]]:
     """Return every class derived from ``base`` by file name: the package's own, then those of ``folders``.
 
-    One of the package's own may be a folder; the class is then in a file of its kind (``plants/NAME/plant.py``).
+    One may be a folder; the class is then in a file of its kind (``plants/NAME/plant.py``).
     """
     found: dict[str, type[Kind]] = {}
     for path in sorted(package_folder.glob("*.py")):
@@ -48,19 +55,19 @@ def scan(package_folder: Path, package: str, base: type[Kind], folders: Sequence
             own = class_in(path, base, package)
             if own is not None:
                 found[path.stem] = own
-    for path in sorted(package_folder.glob(f"*/{base.__name__.lower()}.py")):
+    file_of_kind = f"{base.__name__.lower()}.py"
+    for path in sorted(package_folder.glob(f"*/{file_of_kind}")):
         own = class_in(path, base, f"{package}.{path.parent.name}", path.parent.name)
         if own is not None:
             found[path.parent.name] = own
     found = dict(sorted(found.items()))
     for folder in folders:
-        for path in sorted(folder.glob("*.py")):
-            if path.stem.startswith("_"):
-                continue
-            theirs = class_in(path, base)
+        for name, path in files_in(folder, file_of_kind):
+            check_name(path if path.name != file_of_kind else path.parent)
+            theirs = class_in(path, base, name=name)
             if theirs is None:
                 raise UsageError(f"{path}: no class derived from {base.__name__} in this file")
-            if path.stem in found:
-                raise UsageError(f"{path}: the name '{path.stem}' is taken; choose another file name")
-            found[path.stem] = theirs
+            if name in found:
+                raise UsageError(f"{path}: the name '{name}' is taken; choose another file name")
+            found[name] = theirs
     return found

@@ -10,6 +10,7 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.model.amount import Amount, dimension, text
 from hjcamp.model.amount_formula import MATHEMATICS, evaluated, names
 from hjcamp.model.plant import Plant
+from hjcamp.model.port import KINDS
 
 if TYPE_CHECKING:
     from hjcamp.model.vocabulary import Statement
@@ -41,6 +42,8 @@ USUAL = (
     "W",
     "K",
 )
+# What stands for lines of its own, and no value.
+MARKS = (*KINDS, "slot", "signal", "outside", "part")
 MODULES = ("np", "numpy", "math", "jnp", "scipy")
 FUNCTIONS = ", ".join(("abs", "min", "max", *MATHEMATICS))
 _PREFIXES = {"s_": "state", "p_": "parameter", "u_": "input"}
@@ -132,6 +135,10 @@ class Units:
         if name in MODULES:
             return UsageError(
                 f"{where}: '{name}.' is not needed: write sin(...), sqrt(...) alone; known are {FUNCTIONS}"
+            )
+        if name in MARKS:
+            return UsageError(
+                f"{where}: {name}(...) stands alone on its line: give it a name, NAME = {name}(...), and use that"
             )
         own = [
             one for one in list(self.scope)[self._known :] if one[:2] not in _PREFIXES and one[:2] not in ("d_", "__")

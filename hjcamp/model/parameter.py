@@ -7,9 +7,10 @@ import numbers
 from dataclasses import dataclass, field
 from typing import Any
 
-from hjcamp.errors import UsageError, shown
+from hjcamp.errors import UsageError, shown, unknown
 
 PRIORS = ("uniform", "log-uniform", "normal", "log-normal")
+HOLDS = ("previous", "linear")
 # Two thirds of what a log-normal prior expects lie within this factor of the default.
 USUAL_FACTOR = 3.0
 
@@ -109,6 +110,14 @@ class State:
 
     def __set_name__(self, owner: type, name: str) -> None:
         object.__setattr__(self, "name", name)
+        where = f"{owner.__name__}.{name}"
+        _check_size(self.typical, f"{where}: typical")
+        if self.start != "unknown" and finite_number(self.start) is None:
+            raise UsageError(f'{where}: start is {shown(self.start)}; a number or "unknown" is needed')
+        if not _is_number(self.low) or self.low == math.inf:
+            raise UsageError(f"{where}: low is {shown(self.low)}; a number is needed: what the state cannot fall below")
+        if (finite_number(self.scatter) or 0.0) < 0.0 or finite_number(self.scatter) is None:
+            raise UsageError(f"{where}: scatter is {shown(self.scatter)}; a number from 0 on is needed")
 
 
 @dataclass(frozen=True)
@@ -132,6 +141,12 @@ class Input:
 
     def __set_name__(self, owner: type, name: str) -> None:
         object.__setattr__(self, "name", name)
+        where = f"{owner.__name__}.{name}"
+        _check_size(self.typical, f"{where}: typical")
+        if finite_number(self.default) is None:
+            raise UsageError(f"{where}: default is {shown(self.default)}; a finite number is needed")
+        if self.hold not in HOLDS:
+            raise unknown("hold", str(self.hold), HOLDS, where)
 
     def usual(self, generator: Any) -> float:
         """Return a value that it may well have."""
@@ -157,6 +172,9 @@ class Measured:
 
     def __set_name__(self, owner: type, name: str) -> None:
         object.__setattr__(self, "name", name)
+        for word in ("counts", "noise"):
+            if getattr(self, word) is not None:
+                _check_size(getattr(self, word), f"{owner.__name__}.{name}: {word}")
 
 
 @dataclass(frozen=True)
@@ -207,6 +225,15 @@ class Cut:
     driven: dict[str, str] = field(default_factory=dict)
     slopes: dict[str, str] = field(default_factory=dict)
     frozen: tuple[str, ...] = ()
+
+
+def _check_size(value: object, what: str) -> None:
+    if (finite_number(value) or 0.0) <= 0.0:
+        raise UsageError(f"{what} is {shown(value)}; a finite number above zero is needed (SI)")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool) and not math.isnan(value)
 
 
 def finite_number(value: object) -> float | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import copy
 import inspect
-import textwrap
 from collections.abc import Callable, Sequence
 from types import CodeType
 from typing import Any
@@ -56,6 +55,15 @@ def whole_code(function: Function) -> CodeType:
     return code
 
 
+def _parsed(lines: Sequence[str]) -> ast.stmt:
+    """Return the definition in the lines of a function, wherever it stands; comments and continued lines may stand at the left."""
+    if not lines[0][:1].isspace():
+        return ast.parse("".join(lines)).body[0]
+    block = ast.increment_lineno(ast.parse("".join(["if True:\n", *lines])), -1).body[0]
+    assert isinstance(block, ast.If)
+    return block.body[0]
+
+
 class _Writer:
     """Writes out the parts of one function; ``above`` are the functions by which it is used itself."""
 
@@ -63,7 +71,7 @@ class _Writer:
         self.function, self.stack = function, (*above, function)
         lines, self.first = inspect.getsourcelines(function)
         self.file = inspect.getsourcefile(function) or "?"
-        definition = ast.parse(textwrap.dedent("".join(lines))).body[0]
+        definition = _parsed(lines)
         if not isinstance(definition, ast.FunctionDef):
             raise UsageError(f"{self.file}: line {self.first}: a part must be a function (def NAME(...): ...)")
         self.definition = definition

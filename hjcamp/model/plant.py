@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.cached import cached
 from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.field_table import Field
 from hjcamp.model.instance import Instance
 from hjcamp.model.law import Law
-from hjcamp.model.parameter import Channel, Cut, Input, Measured, Parameter, State, declared
+from hjcamp.model.parameter import Channel, Cut, Input, Measured, Parameter, State, declared, finite_number
 from hjcamp.model.port import Port
 from hjcamp.model.scatter import FrictionScatter
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from hjcamp.model.course import Course
     from hjcamp.schema import Group
 
+# Whose controller holds the measured motion: one in the tests themselves, or somebody else's.
+LOOPS = ("own", "foreign")
 # What every plant's equations may use: the regime of its contact, the time, and what friction scatters by.
 # Of several contacts each has a regime of its own, ``drive.direction_NAME``.
 ALWAYS = {
@@ -74,6 +77,12 @@ class Plant:
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
+        if (finite_number(cls.period) or 0.0) <= 0.0:
+            raise UsageError(
+                f"{cls.__name__}: period is {shown(cls.period)}; the seconds between two samples are needed"
+            )
+        if cls.loop not in LOOPS:
+            raise unknown("loop", str(cls.loop), LOOPS, cls.__name__)
         cls.states = declared(cls, State)
         cls.parameters = declared(cls, Parameter)
         cls.inputs = declared(cls, Input)

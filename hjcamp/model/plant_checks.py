@@ -86,7 +86,8 @@ def check_finite(plant: type[Plant]) -> str:
             states = ", ".join(f"{name} = {place[f's_{name}']:.4g}" for name in plant.states)
             raise UsageError(
                 f"plant {plant.name}, line {line.line}: '{line.target} = {line.expression}' {problem} at {states}; "
-                "hold what is under a root or logarithm in its range, with max(x, 0.0), or give the state its low=..."
+                "hold what is under a root or logarithm in its range, with max(x, 0.0), keep what divides from 0, "
+                "or give the state its low=..."
             )
     return f"{DRAWS} places"
 

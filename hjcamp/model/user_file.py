@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import keyword
+import re
 import sys
 import threading
 import traceback
 import types
 from pathlib import Path
 
-from hjcamp.errors import HjcampError, UsageError
+from hjcamp.errors import HjcampError, UsageError, unknown
 from hjcamp.model.time_limit import time_limit
 from hjcamp.storage import check_is_file
 
@@ -88,4 +90,18 @@ def _what_is_wrong(path: Path, problem: BaseException) -> str:
             return said if said.startswith(str(path)) else f"{where}: {said}"
     if isinstance(problem, SystemExit):
         return f"{where}: this file ends the program ({type(problem).__name__}: {problem}); it may only define things"
+    if said := _unknown_argument(problem):
+        return f"{where}: {said}"
     return f"{where}: cannot be loaded: {type(problem).__name__}: {problem}"
+
+
+def _unknown_argument(problem: BaseException) -> str:
+    """Return what is wrong where a declaration (``State(...)``) is given an argument that it has not, else nothing."""
+    found = re.match(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", str(problem))
+    frames = list(traceback.walk_tb(problem.__traceback__))
+    kind = frames[-1][0].f_globals.get(found[1]) if found and frames else None
+    if found is None or not dataclasses.is_dataclass(kind):
+        return ""
+    return str(
+        unknown("argument", found[2], [one.name for one in dataclasses.fields(kind) if one.init], f"{found[1]}(...)")
+    )

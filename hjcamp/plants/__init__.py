@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hjcamp.errors import unknown
-from hjcamp.model.catalogue import scan
+from hjcamp.model.catalogue import files_in, scan
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_folders import extension_folders
 
@@ -31,7 +31,7 @@ def plant_names(folder: Path) -> list[str]:
     """Return the plants of a folder by name; a user's files are not run for it."""
     if folder == OWN_PLANTS:
         return sorted(load_plants([]))
-    return sorted(path.stem for path in folder.glob("*.py") if not path.stem.startswith("_"))
+    return sorted({name for name, _ in files_in(folder, "plant.py")})
 
 
 def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | None = None) -> type[Plant]:

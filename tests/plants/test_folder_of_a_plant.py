@@ -6,10 +6,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from hjcamp.configuration.composer import Composer
+from hjcamp.errors import UsageError
 from hjcamp.model.catalogue import scan
 from hjcamp.model.plant import Plant
-from hjcamp.plants import OWN_PLANTS, load_plants
+from hjcamp.plants import OWN_PLANTS, load_plants, plant_names
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.two_pumps import TwoPumps
 
@@ -38,6 +41,22 @@ def test_a_folder_with_a_file_of_its_kind_is_called_like_the_folder(tmp_path: Pa
         sys.path.remove(str(tmp_path))
     assert list(load_plants([])) == ["pump_joint", "two_pumps", "valve_joint"]
     assert scan(OWN_PLANTS, "hjcamp.plants", Plant)["pump_joint"] is PumpJoint
+
+
+def test_a_users_plant_may_be_a_folder_too(tmp_path: Path) -> None:
+    for name in ("tank", "_not_one"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "plant.py").write_text(FOLDER)
+    assert load_plants([tmp_path])["tank"].name == "tank"
+    assert plant_names(tmp_path) == ["tank"]
+    (tmp_path / "tank.py").write_text(FOLDER)
+    with pytest.raises(UsageError, match="'tank' is taken"):
+        load_plants([tmp_path])
+    (tmp_path / "tank.py").unlink()
+    (tmp_path / "my-tank").mkdir()
+    (tmp_path / "my-tank/plant.py").write_text(FOLDER)
+    with pytest.raises(UsageError, match="'my-tank' cannot be a name"):
+        load_plants([tmp_path])
 
 
 def test_the_joint_answers_for_its_hardware_and_another_plant_has_none(composer: Composer) -> None:

@@ -57,6 +57,22 @@ MISTAKES = {
     "a sensor of no state": ('of="position"', 'of="force"', "leave of= out"),
     "a unit without its power sign": ('"N*s/m"', '"N*s/m1"', "did you mean 'N*s/m^1'"),
     "newton metres": ('"N*s/m"', '"Nm"', "did you mean 'N*m'"),
+    "an unknown argument of a state": ("typical=0.05", "typicl=0.05", "did you mean 'typical'"),
+    "a size that is none": ("typical=0.05", "typical=0", "Axis.velocity: typical is 0"),
+    "a size that is no number": ("typical=0.05", 'typical=float("nan")', "above zero"),
+    "a start that is none": ("typical=0.05", 'typical=0.05, start="unknwn"', 'a number or "unknown"'),
+    "a lowest value that is none": ("typical=0.05", 'typical=0.05, low=float("nan")', "cannot fall below"),
+    "scatter below zero": ("typical=0.05", "typical=0.05, scatter=-1.0", "from 0 on"),
+    "an element within a line": (
+        "rate.position = state.velocity",
+        "rate.position = sensor(state.velocity) / 1.0",
+        "alone on",
+    ),
+    "a period of nothing": ("period = 0.001", "period = 0.0", "period is 0.0; the seconds between"),
+    "a period in words": ("period = 0.001", 'period = "1 ms"', "the seconds between"),
+    "an unknown loop": ("period = 0.001", 'loop = "foriegn"', "did you mean 'foreign'"),
+    "an unknown hold": ('"V", text', '"V", hold="lineer", text', "did you mean 'linear'"),
+    "noise below zero": ('of="position"', 'of="position", noise=-1e-6', "noise is -1e-06"),
     "no SI unit": ('"N*s/m"', '"N*s/mm"', "is not an SI unit"),
 }
 
@@ -70,6 +86,18 @@ def test_a_mistake_is_one_message_with_its_line(folder: Path, mistake: str, caps
     assert cli.run(["plants", "test", "axis"]) == 2
     message = capsys.readouterr().err
     assert told in message and "internal error" not in message and len(message) < 700
+
+
+def test_lines_may_go_on_and_comments_stand_at_the_left(folder: Path) -> None:
+    path = folder / "plants" / "axis.py"
+    text = path.read_text()
+    path.write_text(text.replace("            push=force + load,\n", "# the guide\npush=force + load,\n"))
+    moved = read_vocabulary(find_plant("axis"))
+    path.write_text(text)
+    assert [(one.target, one.expression) for one in moved.statements] == [
+        (one.target, one.expression) for one in read_vocabulary(find_plant("axis")).statements
+    ]
+    assert moved.slots["friction"].line == read_vocabulary(find_plant("axis")).slots["friction"].line
 
 
 def test_elements_stand_for_marked_lines(folder: Path) -> None:

@@ -256,6 +256,15 @@ def test_an_analysis_refuses_logs_of_several_plants(
     assert sorted(plants.rglob("*")) == before, "something was written"
 
 
+def test_logs_of_a_plant_that_is_not_here_are_named(plants: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_log(plants / "logs" / "a.mcap", log_of("axis"))
+    (plants / "plants" / "axis.py").unlink()
+    assert cli.run(["compare", "logs"]) == 2
+    assert "unknown plant 'axis' in logs" in capsys.readouterr().err
+    assert cli.run(["log", "info", "logs"]) == 0
+    assert "problem      unknown plant 'axis'" in capsys.readouterr().out
+
+
 def test_an_analysis_says_which_periods_it_knows(plants: Path, capsys: pytest.CaptureFixture[str]) -> None:
     names = [name for name in fields_of(find_plant("pump_joint")).names if name not in ("time_s", "phase")]
     columns = {name: 0.3 + np.random.default_rng(6).normal(0.0, 1e-3, 200) for name in names}

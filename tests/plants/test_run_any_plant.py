@@ -166,3 +166,10 @@ def test_a_saved_model_that_cannot_be_run_is_refused(bench: Path, text: str, wor
     with pytest.raises(UsageError) as refused:
         made("plant=tanks", "model=other")
     assert words in str(refused.value)
+
+
+def test_a_model_of_another_plant_is_refused_by_the_pump_joint(bench: Path) -> None:
+    (bench / "conf" / "model").mkdir()
+    (bench / "conf" / "model" / "other.yaml").write_text("name: other\nplant: axis\nparameters: {}\neffects: {}\n")
+    with pytest.raises(UsageError, match="is of plant 'axis'; this test is of plant pump_joint"):
+        made("model=other")

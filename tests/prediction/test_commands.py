@@ -116,6 +116,13 @@ def test_calibrate_saves_the_base_of_any_plant(stage: Path) -> None:
     assert isinstance(refused.exception, UsageError) and "mine.yaml exists" in str(refused.exception)
 
 
+def test_calibrate_names_what_the_tests_cannot_tell_apart(stage: Path) -> None:
+    file = stage / "plants" / "stage.py"
+    file.write_text(file.read_text().replace('35.0, text="force', '35.0, (1.0, 100.0), base=True, text="force'))
+    done = run(app, ["calibrate", "logs/train.mcap", "--as", "both"])
+    assert "gain cannot be told from mass" in done.output
+
+
 def test_next_takes_the_diagnosis_of_the_same_logs_and_sets_its_group_apart(stage: Path) -> None:
     data, asked = Data(["logs/train.mcap"]), Asked(only=ONLY)
     known = {"spring": {"stiffness": 140.0, "rest_position": 0.02}, "constant_force": {"strength": 4.0}}
@@ -154,6 +161,8 @@ def test_next_takes_the_diagnosis_of_the_same_logs_and_sets_its_group_apart(stag
         (["add", "spring", "spring", "logs", "--as", "x"], "each effect once"),
         (["add", "sprong", "logs", "--as", "x"], "spring"),
         (["add", "spring", "logs", "--as", "published"], "exists already"),
+        (["add", "leakage", "logs", "--as", "x"], "effect leakage: needs a store"),
+        (["calibrate", "logs", "--as", "x", "--only", "pump=pump1"], "name the logs themselves"),
         (["compare", "logs", "--model", "other"], "plant pump_joint"),
         (["compare", "logs", "--model", "broken"], "mass"),
         (["next", "logs", "--rivals", "sprong"], "did you mean 'spring'"),
