@@ -12,6 +12,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
@@ -160,10 +161,10 @@ class Search:
     def fitted(self, start: Candidate, near: Fitted | None = None) -> Scored:
         """Return the fit of a model from ``start``; ``near`` lends it slopes to begin with.
 
-        Where the plant has states that nothing measures, each model has starts of its own: those of another one favour that.
+        Each model has starts of its own: those of another one favour that.
         """
-        own, turns = copy.copy(self.windows), TURNS if self.windows.unseen else 0
-        return self.scored(settled(own, start, self.free_of(start), near, turns), own)
+        own = copy.copy(self.windows)
+        return self.scored(settled(own, start, self.free_of(start), near, TURNS), own)
 
     def look(self, before: Scored) -> Step:
         """Return what a model may miss: screen everything, then fit what promises most."""
@@ -255,8 +256,9 @@ class Search:
         return self.best_of([promise.candidate, before.candidate.with_effect(name, zero)], before)
 
     def best_of(self, starts: Sequence[Candidate], before: Fitted) -> Fitted:
-        """Return the best fit after few rounds from those starts that are best as they are."""
+        """Return the best fit after few rounds from those starts that are best as they are, and from the plain one of the best."""
         starts = sorted(starts, key=lambda one: loss(self.windows.features(one)))[:FITTED_STARTS]
+        starts += [one for one in [self.plain(starts[0], before.candidate)] if one.key != starts[0].key]
         tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts]
         return min(tried, key=lambda one: one.loss)
 
@@ -334,6 +336,14 @@ class Search:
         best = min(found, model, key=lambda one: one.left_out)
         self.windows.place = best.place
         return best
+
+    def plain(self, candidate: Candidate, before: Candidate) -> Candidate:
+        """Return a candidate without the forms of contacts that were there before, and without delays of inputs.
+
+        A base takes them in place of what is missing, and a fit that begins with them may never get rid of them.
+        """
+        delays = [one.name for one in self.base_free if one.name.startswith(DELAY)]
+        return candidate.without(self.windows.forms & set(before.effects)).with_base(dict.fromkeys(delays, 0.0))
 
     def run(self, base: Scored) -> Scored:
         """Return the model with all named effects that matter, one added at a time; ``steps`` tells each look."""
