@@ -100,7 +100,7 @@ def judged(analysis: Analysis) -> Verdict:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
     # a regression on the motion is the freest law of all
     follows_on, taken = search.follows_motion(model), _taken(base, model)
-    law_left = follows_on.taken / (taken + follows_on.taken)
+    law_left = follows_on.taken / (max(taken, 0.0) + follows_on.taken) if follows_on.taken else 0.0
     if law_left > 1.0 - MOST_OF_IT:
         share = search.follows_motion(base).share if unknown is None else 0.0
         return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, (), share)
