@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.comparison import Comparison, Shown, _predicted, _shown, _whole
+from hjcamp.prediction.comparison import Comparison, Shown, predicted_errors, shown_of, whole_model
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ def with_lesser(found: Comparison, models: Mapping[str, Candidate]) -> PlantComp
             less = model.without([effect])
             if less.key in there:
                 continue
-            features, errors = _predicted(analysis, _whole(measured, less))
+            features, errors = predicted_errors(analysis, whole_model(measured, less))
             if np.isfinite(features).all():
-                lesser.append(_shown(analysis, f"{name} without {effect}", features, errors))
+                lesser.append(shown_of(analysis, f"{name} without {effect}", features, errors))
     windows.starts = kept
     return PlantComparison(analysis, found.models, found.calibrated, tuple(lesser))

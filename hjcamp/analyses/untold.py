@@ -9,18 +9,14 @@ import numpy as np
 if TYPE_CHECKING:
     from hjcamp.prediction.analysis import Analysis
 
-#: Correlation beyond which only a product or a sum of two is known.
-ALIKE = 0.98
-
 
 def untold(analysis: Analysis) -> list[str]:
     """Return a sentence for each base parameter that moves together with others in the fit to these tests."""
-    from hjcamp.prediction.intervals import covariance_of
+    from hjcamp.report.corner_figure import ALIKE, correlation_of
 
     fitted = analysis.base.fitted
-    covariance = covariance_of(fitted, analysis.search.chapters)
-    spread = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
-    alike = np.abs(covariance / np.outer(spread, spread)) > ALIKE
+    covariance = np.asarray(np.linalg.pinv(fitted.information), dtype=np.float64)
+    alike = np.abs(correlation_of(covariance)) > ALIKE
     base = analysis.measured.plant.base_parameters
     names = [free.name if not free.effect and free.name in base else "" for free in fitted.free]
     said = []

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 FITTED = ("parameter", "value", "95 %", "most like", "correlation", "")
-#: Of these a test says hardly more than of their sum or ratio.
-ALIKE = 0.95
 SAID = (
     "Lines hold 68 and 95 %, in standard errors from the value above each column. Their shape is the curvature of the fit: a "
     "correlation near 1 or -1 means that these tests hardly tell the two apart, and that each is known less well than both "
@@ -57,7 +55,7 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
 
 def known_rows(found: Sequence[Estimate], correlation: Array) -> list[list[str]]:
     """Return the rows of the table: parameter, value, interval, which other is most like it, how much, what to mind."""
-    from hjcamp.report.corner_figure import told_correlation
+    from hjcamp.report.corner_figure import ALIKE, told_correlation
     from hjcamp.report.units import told, told_interval
 
     rows, beside = [], _beside(correlation)

@@ -57,30 +57,30 @@ def compared(
     kept, seen = analysis.windows.starts.copy(), {}
     for done, (name, model) in enumerate(models.items()):
         report(f"predicting with {name}", 0.5 + 0.4 * done / len(models))
-        seen[name] = _predicted(analysis, _whole(measured, model))
+        seen[name] = predicted_errors(analysis, whole_model(measured, model))
     analysis.windows.starts = kept
-    fitted = _predicted(analysis, analysis.base.fitted.candidate)
+    fitted = predicted_errors(analysis, analysis.base.fitted.candidate)
     floor = analysis.floor
     for features, _ in (*seen.values(), fitted):
         floor = not_above(floor, features)
     analysis = replace(analysis, floor=floor)
-    rows = tuple(_shown(analysis, name, *found) for name, found in seen.items())
-    return Comparison(analysis, rows, _shown(analysis, "calibrated here", *fitted))
+    rows = tuple(shown_of(analysis, name, *found) for name, found in seen.items())
+    return Comparison(analysis, rows, shown_of(analysis, "calibrated here", *fitted))
 
 
-def _predicted(analysis: Analysis, candidate: Candidate) -> tuple[Array, Array]:
+def predicted_errors(analysis: Analysis, candidate: Candidate) -> tuple[Array, Array]:
     """Return features (windows, d) and errors (n, sensors) of a model, the starts moved to where it fits best."""
     analysis.windows.move_starts(candidate)
     return analysis.windows.features(candidate), analysis.windows.errors(candidate)
 
 
-def _whole(measured: Measured, model: Candidate) -> Candidate:
+def whole_model(measured: Measured, model: Candidate) -> Candidate:
     """Return a model with every base parameter given, as declared where it has none."""
     declared = {one: measured.plant.parameters[one].default for one in measured.plant.base_parameters}
     return Candidate({**declared, **model.base}, model.effects)
 
 
-def _shown(analysis: Analysis, name: str, features: Array, errors: Array) -> Shown:
+def shown_of(analysis: Analysis, name: str, features: Array, errors: Array) -> Shown:
     layout = analysis.windows.layout
     rms = in_units(np.mean(features**2, axis=0), layout)
     tests = range(len(layout.measured.tests))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hjcamp.prediction.floor import motion_of
 from hjcamp.prediction.levels import MATTERS
 from hjcamp.prediction.likelihood import whitener
-from hjcamp.prediction.regression import regressed, with_before
+from hjcamp.prediction.regression import regressed, spread_over, with_before
 from hjcamp.prediction.windows import Layout
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ def leading(layout: Layout, features: Array, chapters: NDArray[np.int64]) -> lis
 
     A quantity is the mean, the slope or the curvature of a channel or an input in a window, or all three of them in the window before.
     """
-    rows = np.unique(np.linspace(0, len(features) - 1, min(len(features), MOST_WINDOWS)).round().astype(np.int64))
+    rows = spread_over(len(features), MOST_WINDOWS)
     groups = {name: columns[rows] for name, columns in _quantities(layout).items()}
     values, parts = (features @ whitener(features))[rows], chapters[rows]
 

@@ -37,11 +37,16 @@ class Regression:
 
 def regression_of(layout: Layout, features: Array, chapters: NDArray[np.int64]) -> Regression:
     """Return what a regression of features (windows, d) on the windows' motion, with and without the one before, leaves."""
-    rows = np.unique(np.linspace(0, len(features) - 1, min(len(features), MOST_WINDOWS)).round().astype(np.int64))
+    rows = spread_over(len(features), MOST_WINDOWS)
     motion, white = motion_of(layout), whitener(features)
     described = [motion[rows], with_before(layout, motion)[rows]]
     left = regressed(described, (features @ white)[rows], chapters[rows])
     return Regression(rows, left @ np.linalg.inv(white))
+
+
+def spread_over(count: int, most: int) -> NDArray[np.int64]:
+    """Return the places of at most so many of ``count`` windows, evenly spread."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
 def with_before(layout: Layout, motion: Array) -> Array:

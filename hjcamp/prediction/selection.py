@@ -307,12 +307,11 @@ class Search:
         before, chapters = model.features[found.rows], self.chapters[found.rows]
         apart = told_apart(found.features, before, chapters)
         t, count = ratio_t(advantages(found.features, before, chapters), apart)
-        left = self.rms_ratio(found.features, before)
+        left, nothing = self.rms_ratio(found.features, before), Follows(0.0, 0.0)
         if t <= critical(count, self.claims) or left > 1.0 - MATTERS:
-            return Follows(0.0, 0.0)
-        scatter = self.scatter(model)[found.rows]
-        if np.linalg.norm(before - found.features) <= np.linalg.norm(scatter):
-            return Follows(0.0, 0.0)
+            return nothing
+        if np.linalg.norm(before - found.features) <= np.linalg.norm(self.scatter(model)[found.rows]):
+            return nothing
         return Follows(1.0 - left, max(math.log(size(before) / size(found.features)), 0.0))
 
     def beats(self, model: Scored, other: Scored, level: float = LEVEL) -> bool:

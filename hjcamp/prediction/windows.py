@@ -183,8 +183,9 @@ class Windows:
         """Return `readings`, and the integrator's steps a sample."""
         layout, measured = self.layout, self.layout.measured
         begin = self.starts if starts is None else starts
-        memory = any(self.kernels.effects[name].states for name in candidate.effects if name not in self.forms)
-        most = STIFF * self.usual_steps if memory or not self.usual_steps else max(STIFF * self.usual_steps, BENT)
+        most = STIFF * self.usual_steps
+        if most and not self._remembers(candidate):
+            most = max(most, BENT)
         inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
         if friction != 1.0:
             inputs = inputs.copy()
@@ -213,10 +214,13 @@ class Windows:
         """Let every later model take so many more steps than this one at most; a stiffer one counts as one that diverges."""
         self.usual_steps = self._predicted(candidate, None, 1.0)[2]
 
+    def _remembers(self, candidate: Candidate) -> bool:
+        """Whether an effect beside the forms of contacts has states of its own."""
+        return any(self.kernels.effects[name].states for name in candidate.effects if name not in self.forms)
+
     def _parts(self, candidate: Candidate) -> list[tuple[Candidate, NDArray[np.bool_]]]:
         """Return the model of each part of the windows: without forms where contacts slide, unless another effect has a memory."""
-        memory = any(self.kernels.effects[name].states for name in candidate.effects if name not in self.forms)
-        if self.slides is None or memory or not self.forms & set(candidate.effects):
+        if self.slides is None or self._remembers(candidate) or not self.forms & set(candidate.effects):
             return [(candidate, np.ones(len(self.starts), dtype=bool))]
         return [(candidate.without(self.forms), self.slides), (candidate, ~self.slides)]
 

@@ -19,6 +19,10 @@ REACH = 3.0
 RADII = tuple(float(np.sqrt(-2.0 * np.log(1.0 - share))) for share in (0.68, 0.95))
 
 
+#: Of two parameters that are more alike a test says hardly more than of their sum or ratio.
+ALIKE = 0.95
+
+
 def correlation_of(covariance: Array) -> Array:
     """Return the correlations (k, k) of a covariance (k, k); those of a parameter without spread are zero."""
     spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
