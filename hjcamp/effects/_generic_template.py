@@ -43,7 +43,8 @@ class {title}(Effect):
 '''
 MEANINGS = {
     "static": "force up to which it holds", "coulomb": "friction at any speed", "viscous": "friction for each unit of speed",
-    "locks": "0: it holds nothing", "friction": "the whole friction", "velocity": "positive and negative",
+    "locks": "0: it holds nothing, and friction has the sign of the velocity", "friction": "the whole friction",
+    "velocity": "positive and negative",
     "speed": "without sign", "push": "force before friction", "direction": "0 held, +1 and -1 moving",
     "travel": "position along it", "load": "what presses on it", "mass": "what moves", "breakaway": "static friction of its own",
     "force": "outside force", "position": "of the mass", "acceleration": "of the mass", "loss": "flow lost",

@@ -184,7 +184,9 @@ class PlaceBench:
         own = {**{slot: self._size_of(slot) for slot in self.effect.terms}}
         largest = np.quantile(np.abs(self.along(values) - self.absent), share, axis=0)
         over = [float(value) / own.get(name, sizes[name]) for name, value in zip(names, largest, strict=True)]
-        best = int(np.argmax(over))
+        # a switch has no size: whether a contact locks shows in its friction
+        switches = {port.names.get("locks") for port in read_vocabulary(self.plant).ports.values()}
+        best = max((index for index, name in enumerate(names) if name not in switches), key=over.__getitem__)
         return over[best], names[best]
 
     def _size_of(self, slot: str) -> float:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.amount import dimension
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.port import Port
@@ -24,64 +25,85 @@ from hjcamp.prediction.starts import rate_of
 
 # Of the usual speed: below it a contact may come to rest.
 AT_REST = 0.05
-# What is tried, in shares of the travel per friction that is granted.
+# What is tried, in shares of what is granted.
 TRIED = (0.1, 0.3, 1.0, 5.0)
 
 
 def with_contact_forms(search: Search, base: Scored) -> Scored:
     """Return the base with the form of each contact that the tests show, and is granted; the best fits are kept as starts."""
-    for name, effect in search.library.items():
-        if name in base.names:
-            continue
-        for port in _contacts(search, effect):
-            most = _granted(search, base.fitted, port)
-            if most <= 0.0:
-                continue
+    windows = search.windows
+    for port in read_vocabulary(windows.layout.measured.plant).ports.values():
+        before, forms, slides = base, windows.forms, windows.slides
+        kept = forms, slides
+        names = _forms(search, port)
+        for name in [] if set(names) & set(before.names) else names:
             search.report(f"form of {port.name.replace('_', ' ')}", 0.5)
-            windows, before = search.windows, (search.windows.forms, search.windows.slides)
-            windows.forms, windows.slides = windows.forms | {name}, None
-            best = search.best_of(list(_tried(search, base.fitted, effect, most)), base.fitted)
-            if np.isfinite(best.loss):
-                search.begins[name] = dict(best.candidate.effects[name])
-                if best.candidate.effects[name][effect.granted] <= most:
-                    windows.slides = _slides(search, best, port, before[1])
-                    found = search.resettled(search.fitted(best.candidate, best))
-                    small = found.fitted.candidate.effects[name][effect.granted] <= most
-                    # it is claimed of nobody: what predicts chapters left out better is taken
-                    if small and found.left_out < base.left_out:
-                        base = found
-                        search.begins[name] = dict(found.fitted.candidate.effects[name])
-                        continue
-            windows.forms, windows.slides = before
-    search.windows.place = base.place
+            windows.forms, windows.slides, windows.place = forms | {name}, None, before.place
+            found = _with_form(search, before, name, port, slides)
+            # it is claimed of nobody: what predicts chapters left out best is taken
+            if found is not None and found.left_out < base.left_out:
+                base, kept = found, (windows.forms, windows.slides)
+        windows.forms, windows.slides = kept
+    windows.place = base.place
     return base
 
 
-def _contacts(search: Search, effect: type[Effect]) -> Iterator[Port]:
-    """Yield the contact whose form an effect is, where it is one."""
-    if not effect.granted:
-        return
-    for port in read_vocabulary(search.windows.layout.measured.plant).ports.values():
-        if port.names.get("friction") in effect.terms:
-            yield port
+def _forms(search: Search, port: Port) -> list[str]:
+    """Return the names of the effects that are forms of this contact."""
+    return [name for name, one in search.library.items() if one.granted and port.names.get("friction") in one.terms]
 
 
-def _granted(search: Search, fitted: Fitted, port: Port) -> float:
-    """Return the deflection for each unit of friction that is granted to a contact, by its travel in the tests; 0 where unknown."""
+def _with_form(
+    search: Search, before: Scored, name: str, port: Port, others: NDArray[np.bool_] | None
+) -> Scored | None:
+    """Return the base with this form of a contact, if it fits within what is granted; ``others`` slide in these windows."""
+    effect, windows = search.library[name], search.windows
+    most = _granted(search, before.fitted, effect, port)
+    if most <= 0.0:
+        return None
+    best = search.best_of(list(_tried(search, before.fitted, effect, most)), before.fitted)
+    if not np.isfinite(best.loss):
+        return None
+    search.begins[name] = dict(best.candidate.effects[name])
+    if best.candidate.effects[name][effect.granted] > TRIED[-1] * most:
+        return None
+    windows.slides = _slides(search, best, port, others)
+    found = search.resettled(search.fitted(best.candidate, best))
+    own = found.fitted.candidate.effects[name]
+    if own[effect.granted] > most:
+        return None
+    search.begins[name] = dict(own)
+    return found
+
+
+def _granted(search: Search, fitted: Fitted, effect: type[Effect], port: Port) -> float:
+    """Return what is granted to a contact of a speed, or of a deflection for each unit of friction; 0 where unknown."""
     plant: Any = search.windows.layout.measured.plant
-    travel = port.names.get("travel") or rate_of(plant).get(port.names["velocity"], "")
+    unit, velocity = effect.parameters[effect.granted].unit, port.names["velocity"]
+    if dimension(unit) == dimension(plant.states[velocity].unit):
+        return AT_REST * _usual_speed(_speed(search, fitted, port))
+    travel = port.names.get("travel") or rate_of(plant).get(velocity, "")
     low, high = search.ranges.get(travel, (0.0, 0.0))
     friction = max((abs(one) for one in search.ranges.get(port.names["static"], (0.0, 0.0))), default=0.0)
     return GRANTED * (high - low) / friction if friction > 0.0 else 0.0
 
 
+def _speed(search: Search, fitted: Fitted, port: Port) -> NDArray[np.float64]:
+    """Return the velocity of a contact in all windows (n,)."""
+    windows = search.windows
+    place = list(windows.layout.measured.plant.states).index(port.names["velocity"])
+    return np.asarray(windows.readings(fitted.candidate)[1][:, place])
+
+
+def _usual_speed(speed: NDArray[np.float64]) -> float:
+    return math.sqrt(float(np.mean(speed**2)))
+
+
 def _slides(search: Search, fitted: Fitted, port: Port, others: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
     """Return in which windows (windows,) this contact slides all the time, one way, and so do ``others``."""
-    windows = search.windows
-    plant = windows.layout.measured.plant
-    speed = windows.readings(fitted.candidate)[1][:, list(plant.states).index(port.names["velocity"])]
-    each = speed.reshape(len(windows.starts), -1)
-    least = AT_REST * math.sqrt(float(np.mean(speed**2)))
+    speed = _speed(search, fitted, port)
+    each = speed.reshape(len(search.windows.starts), -1)
+    least = AT_REST * _usual_speed(speed)
     found = (each.min(axis=1) > least) | (each.max(axis=1) < -least)
     return found if others is None else found & others
 

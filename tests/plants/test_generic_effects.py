@@ -19,9 +19,9 @@ FILES = effect_files([])
 GENERIC = sorted(name for name, effect in FILES.items() if effect.acts_on)
 PLANTS = ("axis", "tanks", "rotor")
 FITS = {
-    "axis": "command_delay constant_force coulomb_asymmetry cubic_spring dead_band friction_drift hard_stop "
-    "position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag sensor_offset soft_stop "
-    "spring static_friction_ageing stribeck_excess viscous_asymmetry",
+    "axis": "command_delay constant_force contact_creep coulomb_asymmetry cubic_spring dead_band friction_drift "
+    "hard_stop position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag sensor_offset "
+    "soft_stop spring static_friction_ageing stribeck_excess viscous_asymmetry",
     "tanks": "command_delay cross_leakage dead_band flow_exponent_at_between flow_exponent_at_outflow leakage_at_lower "
     "leakage_at_upper overflow_at_lower overflow_at_upper saturation sensor_drift sensor_gain sensor_lag sensor_offset spill_over",
 }

@@ -173,6 +173,16 @@ def test_friction_along_the_travel_and_with_time() -> None:
     assert seen(made, course, "friction_static")[-1] == pytest.approx(COULOMB * (1 + 0.1 * (1 - exp(-0.099 / 0.2))))
 
 
+@pytest.mark.parametrize(("speed", "share"), [(0.0, 0.0), (0.01, 1.0 - exp(-3.0)), (1.0, 1.0)])
+def test_a_creeping_contact_holds_nothing_and_has_its_friction_above_the_creep_speed(speed: float, share: float) -> None:
+    made = model("axis", "contact_creep", creep_speed=0.01)
+    for sign in (1.0, -1.0):
+        # the regime may be that of before the turn: the velocity counts
+        found = made.signals({"velocity": sign * speed, "direction": 1.0, "voltage": 2.0})
+        assert found["friction"] == pytest.approx(sign * (COULOMB * share + VISCOUS * speed))
+        assert found["friction_locks"] == 0.0
+
+
 def test_static_friction_ages_with_the_rest() -> None:
     made = model("axis", "static_friction_ageing", growth=0.4, half_time=0.05, rest_before=0.05)
     course = [REST | {"time": k * MILLI} for k in range(51)] + [MOVING | {"time": 0.051}, REST | {"time": 0.052}]

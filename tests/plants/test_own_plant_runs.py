@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plain_kernel import uncompiled
 
+from hjcamp.effects import find_effect
 from hjcamp.model.compose import Composition
 from hjcamp.model.course import Given
 from hjcamp.model.simulator import Simulator
@@ -45,6 +47,27 @@ def test_a_carriage_speeds_up_slows_down_and_sticks(folder: Path) -> None:
     assert time[moving][-1] == pytest.approx(stops, abs=2e-3)
     assert np.all(states[3000:4000, 1] == 0.0) and np.ptp(readings[3000:4000]) == 0.0
     assert np.allclose(readings[4000:, 0] - readings[:4000, 0], 0.1, atol=1e-9)
+
+
+def test_a_contact_that_creeps_turns_as_an_independent_solution_does(folder: Path) -> None:
+    from scipy.integrate import solve_ivp
+
+    axis = uncompiled(Simulator(Composition(find_plant("axis"), (find_effect("contact_creep", "axis"),)), free=True))
+    period, speed = 2e-3, 2e-3
+    voltage = 0.9 * np.sin(30.0 * np.arange(150) * period)
+    test = given(axis, period, 150, [[0.0, 0.0]], voltage=voltage)
+    _, states = axis.run_free(axis.vector({"contact_creep.creep_speed": speed}), test)
+
+    def rates(_: float, z: np.ndarray, push: float) -> list[float]:
+        dry = 20.0 * np.sign(z[1]) * -np.expm1(-3.0 * abs(z[1]) / speed)
+        return [z[1], (push - dry - 200.0 * z[1]) / 95.0]
+
+    expected = np.zeros(2)
+    for k in range(150):
+        assert np.allclose(states[k], expected, atol=[2e-8, 2e-6])
+        found = solve_ivp(rates, (0.0, period), expected, "LSODA", rtol=1e-10, atol=1e-14, args=(35.0 * voltage[k],))
+        expected = found.y[:, -1]
+    assert np.sum(states[2:, 1] * states[1:-1, 1] < 0.0) >= 2 and np.ptp(states[:, 0]) > 1e-5
 
 
 def test_tanks_run_out_along_a_parabola(folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,23 @@ from hjcamp.records.log import TestLog
 
 SMALL = 40
 COUNT, BEND = 1e-7, 4e-6
+
+
+def creeping_log(creep: float, seconds: float = 16.0) -> TestLog:
+    """Return a log of a carriage whose friction is C tanh(v / creep) (m/s): it never sticks."""
+    time = np.arange(round(seconds / PERIOD)) * PERIOD
+    wanted = 0.06 * np.sin(1.4 * time) + 0.03 * np.sin(3.7 * time + 1.0) - 0.03 * np.sin(1.0)
+    x = v = 0.0
+    h = PERIOD / SMALL
+    places, volts = np.empty(len(time)), np.empty(len(time))
+    for k in range(len(time)):
+        places[k] = np.round(x / COUNT) * COUNT
+        volts[k] = 160.0 * (wanted[k] - x) - 6.0 * v
+        for _ in range(SMALL):
+            v += h * (GAIN * volts[k] - VISCOUS * v - COULOMB * math.tanh(v / creep)) / MASS
+            x += h * v
+    columns = {"time_s": time, "position_m": places, "voltage_v": volts}
+    return TestLog(columns, {"plant": "axis", "period_s": str(PERIOD), "condition": "swing"})
 
 
 def bristled_log(bend: float, seconds: float = 16.0) -> TestLog:
@@ -65,6 +83,18 @@ def test_the_form_of_a_contact_is_the_bases_where_it_is_small(measured: Measured
     windows.slides = None
     assert np.sum(split[slides] ** 2) == pytest.approx(np.sum(windows.features(own)[slides] ** 2), rel=0.1)
     assert np.allclose(split[slides], windows.features(own.without(["presliding"]))[slides], atol=1e-6)
+
+
+def test_a_contact_that_creeps_is_no_discrepancy_either(axis: Path) -> None:
+    measured = measured_tests([creeping_log(1e-3)])
+    library = load_effects(plant=measured.plant)
+    analysis = calibrated(measured, {name: library[name] for name in ("contact_creep", "presliding", "spring")})
+    found = judged(analysis)
+    assert analysis.base.names == ("contact_creep",) and found.word == "nothing_missing"
+    own = analysis.base.fitted.candidate
+    # tanh has 90 % of its friction at 1.5 of its speed, the exponential at 0.77
+    assert 1.0 < own.effects["contact_creep"]["creep_speed"] / 1e-3 < 3.0
+    assert own.base["coulomb"] == pytest.approx(COULOMB, rel=0.02)
 
 
 @pytest.mark.study

@@ -280,6 +280,7 @@ COVERS = {
     "saturation": "pump_speed_limit and pump_acceleration_limit limit the pump",
     "command_delay": "pump_delay holds it",
     "constant_force": "static, Coulomb and viscous friction of each direction are base parameters of their own",
+    "contact_creep": "its contacts stick: static friction is a base parameter of its own",
     "coulomb_asymmetry": "Coulomb and static friction of each direction are base parameters of their own",
     "viscous_asymmetry": "viscous friction of each direction is a base parameter of its own",
     "stribeck_excess": "static friction is a base parameter of its own; stribeck_friction falls from it",

@@ -1,0 +1,37 @@
+"""Dry friction that rises from zero with the speed."""
+
+from __future__ import annotations
+
+from math import exp
+
+from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Parameter
+
+
+class ContactCreep(Effect):
+    r"""A contact creeps under any push instead of sticking: friction rises from zero over a small speed.
+
+    .. math:: f = F_c\,\mathrm{sign}(v)\,(1 - e^{-3 |v| / v_c}) + C_v v
+
+    Seen as: a slow drift under a constant push where a dry contact would rest; no jump of the force at a reversal.
+    Not for: what springs back at rest (see presliding), or friction that falls with speed (see stribeck_excess).
+    Source: Threlfall (1978), Mechanism and Machine Theory 13(4), 475-483, doi:10.1016/0094-114X(78)90020-4; other forms:
+    Pennestri et al. (2016), doi:10.1007/s11071-015-2485-3, section 2.
+    """
+
+    acts_on = "contact"
+    granted = "creep_speed"
+    creep_speed = Parameter(
+        "speed", 0.05, (1e-4, 1.0), "log-uniform", "speed at which 95 % of the friction are there", off=0.0
+    )
+
+    @staticmethod
+    def locks(locks):
+        """0: nothing holds the contact."""
+        return 0.0 * locks
+
+    @staticmethod
+    def friction(friction, velocity, speed, direction, coulomb, creep_speed):
+        """Friction with a dry part that passes rest without a leap."""
+        share = 1.0 - exp(-3.0 * speed / creep_speed)
+        return friction - direction * coulomb + (coulomb if velocity > 0.0 else -coulomb) * share
