@@ -120,8 +120,7 @@ class Words:
                 )
             elif verdict.p_value <= 0.05 or verdict.effects:
                 found.append(f"Chance: p = {plain(verdict.p_value, 2)} (residuals moved in time, whole library).")
-        found += self.telling()
-        return found
+        return found + held_by_bounds(self.content["calibration"]) + self.telling()
 
     def telling(self) -> list[str]:
         """What kind of test would tell more, in words."""
@@ -188,9 +187,19 @@ def calibration_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
     """Rows of a base parameter: declared, here, 95 %."""
     return [
         [name.replace("_", " ").replace("delay.", "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
-         told_interval(row)]
+         told_interval(row) + ("  at its bound" if row.get("at_bound") and row["value"] else "")]
         for name, row in rows.items()
     ]  # fmt: skip
+
+
+def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Return a sentence for each base parameter that its bounds keep away from what is declared: often a wrong sign."""
+    return [
+        f"{name.replace('_', ' ')} is held by its bound, {told(row['value'], row['unit'])}, far from what is declared: is a sign or "
+        "a unit wrong in the plant's file or in the import map? What is named may stand for that."
+        for name, row in rows.items()
+        if row.get("at_bound") and not row["ci95"][0] <= row["published"] <= row["ci95"][1]
+    ]
 
 
 CHANNELS = ("channel", "calibrated", "with what was found", "floor")
@@ -295,8 +304,11 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
 
 def print_calibration(console: Console, analysis: Analysis, rows: Mapping[str, Mapping[str, Any]]) -> None:
     """Print the base parameters as declared and as fitted."""
+    from hjcamp.commands._error_words import print_wrapped
+
     _head(console, analysis)
     table(console, CALIBRATED, calibration_table(rows))
+    print_wrapped(console, held_by_bounds(rows), 8)
 
 
 def _head(console: Console, analysis: Analysis) -> None:

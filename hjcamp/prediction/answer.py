@@ -131,7 +131,9 @@ def calibration(analysis: Analysis) -> dict[str, dict[str, Any]]:
             continue
         declared = 0.0 if one.name.startswith(DELAY) else plant.parameters[one.name].default
         unit = "s" if one.name.startswith(DELAY) else plant.parameters[one.name].unit
-        found[one.name] = {"published": declared, "value": one.value, "unit": unit, "ci95": [one.low, one.high]}
+        found[one.name] = {
+            "published": declared, "value": one.value, "unit": unit, "ci95": [one.low, one.high], "at_bound": one.at_bound,
+        }  # fmt: skip
     return found
 
 

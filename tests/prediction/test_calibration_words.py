@@ -1,0 +1,22 @@
+"""What the answer says of base parameters that their bounds hold."""
+
+from __future__ import annotations
+
+import pytest
+
+from hjcamp.commands._plant_words import calibration_table, held_by_bounds
+
+
+def row(value: float, low: float, high: float, at_bound: bool) -> dict[str, dict[str, object]]:
+    return {"push_gain": {"published": 1.0, "value": value, "unit": "N", "ci95": [low, high], "at_bound": at_bound}}
+
+
+def test_a_parameter_that_its_bound_keeps_from_what_is_declared_asks_for_a_sign() -> None:
+    [said] = held_by_bounds(row(0.02, 0.02, 0.3, True))
+    assert said.startswith("push gain is held by its bound, 0.02 N, far") and "a sign or a unit" in said
+    assert calibration_table(row(0.02, 0.02, 0.3, True))[0][-1].endswith("  at its bound")
+
+
+@pytest.mark.parametrize(("low", "high", "at_bound"), [(0.02, 2.0, True), (0.02, 0.3, False)])
+def test_what_the_tests_cannot_tell_or_no_bound_holds_does_not(low: float, high: float, at_bound: bool) -> None:
+    assert held_by_bounds(row(0.02, low, high, at_bound)) == []
