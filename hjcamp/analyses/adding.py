@@ -83,7 +83,10 @@ def _add_plant(data: Data, names: list[str], name: str, model: str, report: Repo
         raise UsageError(f"hjcamp add {' '.join(names)}: each effect once")
     report("compiling, once for these effects", 0.05)
     found = added(measured, library, start, names, report)
-    comment = [f"{model} with {', '.join(names)}, fitted to {counted(len(measured.tests), 'test')} of plant {measured.plant.name}"]
+    form = [one for one in found.analysis.base.names if one not in start.effects]
+    seen = f" and the form of its contacts ({', '.join(form)})" if form else ""
+    tests = counted(len(measured.tests), "test")
+    comment = [f"{model} with {', '.join(names)}{seen}, fitted to {tests} of plant {measured.plant.name}"]
     origin = provenance(found, _command(data, names, name, model))
     write_model(path, savable(found.model.fitted.candidate), comment, origin, measured.plant)
     return Added(found, answer(found, name, str(path)), path)

@@ -159,11 +159,13 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     began = time.perf_counter()
     asked.check()
     measured = data.measured
-    chosen, start = chosen_and_start(data, asked)
+    chosen, start, forms = chosen_and_start(data, asked)
     check_asked(asked.ask, chosen)
     report("compiling, once for this plant and its effects", 0.02)
     number = asked.workers or min(available(), MOST_WORKERS)
-    at = partial(calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number, known=Known())
+    at = partial(
+        calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number, known=Known(), forms=forms
+    )
     analysis, verdict = agreed(at(), lambda width: at(width=width))
     analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
     content = answer(analysis, verdict, 0.0)
@@ -174,15 +176,20 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     return PlantDiagnosed(analysis, verdict, content)
 
 
-def chosen_and_start(data: Data, asked: Asked) -> tuple[dict[str, type[Effect]], Candidate]:
-    """Return the effects that are considered for the plant of these tests, and the model to start from."""
+def chosen_and_start(data: Data, asked: Asked) -> tuple[dict[str, type[Effect]], Candidate, dict[str, type[Effect]]]:
+    """Return the effects that are considered for the plant of these tests, the model to start from, and forms of contacts.
+
+    ``--only`` says what may be named; the form of a contact belongs to the base unless ``--without`` takes it out.
+    """
     from hjcamp.effects import load_effects
+    from hjcamp.prediction.contact_form import forms_among
     from hjcamp.prediction.model_file import load_model
 
     plant = data.measured.plant
     library = load_effects(plant=plant)
     start = load_model(asked.model, plant, library)
-    return considered(library, asked.only, asked.without, start.effects), start
+    forms = forms_among(library if asked.without is None else considered(library, None, asked.without, start.effects))
+    return considered(library, asked.only, asked.without, start.effects), start, forms
 
 
 def made_from(data: Data, asked: Asked) -> dict[str, Any]:

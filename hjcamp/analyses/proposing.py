@@ -51,17 +51,17 @@ def propose_for_plant(
     if before is not None:
         made = before["made_from"]
         considered = replace(asked, only=made.get("only"), without=made.get("without"))
-        chosen, start = chosen_and_start(data, considered)
+        chosen, start, forms = chosen_and_start(data, considered)
         before = before if all(name in chosen or name == NONE for name in rivals) else None
     if before is None:
-        chosen, start = chosen_and_start(data, asked)
+        chosen, start, forms = chosen_and_start(data, asked)
     check_names(chosen, rivals)
     if before is None and not rivals:
         done = diagnose_plant(data, asked, lambda text, share: report(text, DIAGNOSED * share))
         return propose_after(done, rivals, tests, asked.seed, report)
     report("compiling, once for this plant and its effects", 0.02)
     width = before["window_samples"] if before else None
-    analysis = calibrated(data.measured, chosen, start, report, asked.seed, width=width)
+    analysis = calibrated(data.measured, chosen, start, report, asked.seed, width=width, forms=forms)
     content = before or {"verdict": None, "effects": [], "candidates": [], "confidence_set": [], "unknowns": []}
     return _proposed(analysis, content, [], rivals, tests, asked.seed, kept if before else None, report)
 

@@ -14,6 +14,7 @@ class ContactCreep(Effect):
     .. math:: f = F_c\,\mathrm{sign}(v)\,(1 - e^{-3 |v| / v_c}) + C_v v
 
     Seen as: a slow drift under a constant push where a dry contact would rest; no jump of the force at a reversal.
+    A diagnosis does not name it: over more than a small speed this is the curve of any damper.
     Not for: what springs back at rest (see presliding), or friction that falls with speed (see stribeck_excess).
     Source: Threlfall (1978), Mechanism and Machine Theory 13(4), 475-483, doi:10.1016/0094-114X(78)90020-4; other forms:
     Pennestri et al. (2016), doi:10.1007/s11071-015-2485-3, section 2.
@@ -21,6 +22,7 @@ class ContactCreep(Effect):
 
     acts_on = "contact"
     granted = "creep_speed"
+    claimed = False
     creep_speed = Parameter(
         "speed", 0.05, (1e-4, 1.0), "log-uniform", "speed at which 95 % of the friction are there", off=0.0
     )

@@ -150,6 +150,7 @@ def _bound(
         "subsystem": ports[0].subsystem or ports[0].kind,
         "same_as": instance.same_as if instance else effect.same_as,
         "scatters": effect.scatters,
+        "claimed": effect.claimed,
         "exact_in": instance.exact_in if instance else effect.exact_in,
         **groups,
     }

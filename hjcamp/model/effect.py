@@ -74,8 +74,10 @@ class Effect:
     states: ClassVar[dict[str, State]] = {}
     # Effects that some setting of this one equals: always fitted as rivals.
     same_as: ClassVar[tuple[str, ...]] = ()
-    # Parameter, a deflection for each unit of force, of which every contact has a little: that is its form, no effect.
+    # Parameter, a deflection for each unit of force or a speed, of which every contact has a little: its form, no effect.
     granted: ClassVar[str] = ""
+    # Whether a diagnosis may name it; if not, it is the form of a contact within what is granted, and nothing beyond.
+    claimed: ClassVar[bool] = True
     # Whether it is friction that differs from place to place or in time, as every contact's does by a little.
     scatters: ClassVar[bool] = False
     # Drivers in which the law is exact: where what it leaves still depends on one, it was not this effect.

@@ -11,6 +11,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import calibration, channel_rows, floor_size, removed
+from hjcamp.prediction.contact_form import forms_among
 from hjcamp.prediction.floor import not_above
 from hjcamp.prediction.intervals import intervals
 from hjcamp.prediction.measured import Measured
@@ -39,9 +40,13 @@ def added(
     names: Sequence[str],
     report: Callable[[str, float], None] = lambda text, share: None,
 ) -> Addition:
-    """Return the fit of ``start`` with the effects ``names``, one after the other from where each promises most."""
+    """Return the fit of ``start`` with the effects ``names``, one after the other from where each promises most.
+
+    It begins with the base of a diagnosis, which has the form of its contacts, unless such a form is itself added.
+    """
     chosen = {name: effect for name, effect in library.items() if name in {*names, *start.effects}}
-    analysis = calibrated(measured, chosen, start, report, unknowns=False)
+    forms = forms_among(library)
+    analysis = calibrated(measured, chosen, start, report, unknowns=False, forms={} if set(names) & set(forms) else forms)
     search, model = analysis.search, analysis.base
     for done, name in enumerate(names):
         report(f"fitting {name}", 0.3 + 0.6 * done / len(names))

@@ -108,13 +108,18 @@ def calibrated(
     effort: str = "standard",
     workers: int = 1,
     known: Known | None = None,
+    forms: Mapping[str, type[Effect]] | None = None,
 ) -> Analysis:
     """Return the analysis of tests with a model's base parameters, and its effects', calibrated on them.
 
-    ``known`` is what windows of another width told; it is brought up to date.
+    ``known`` is what windows of another width told; it is brought up to date. Contacts may have the forms among the ``library`` and
+    ``forms``; those of ``forms`` alone are not looked for beyond that.
     Of logs longer than the ``effort`` allows, windows are looked at that are evenly spread over them.
     """
     plant, known = measured.plant, known or Known()
+    unnamed = {name for name in forms or {} if name not in library}
+    library = {**library, **(forms or {})}
+    unnamed |= {name for name, effect in library.items() if not effect.claimed}
     given = {name for test in measured.tests for name, _ in test.given}
     base = {name: plant.parameters[name].default for name in plant.base_parameters if name not in given}
     free = [_free(plant.parameters[name], (start.base if start else {}).get(name)) for name in base]
@@ -138,6 +143,7 @@ def calibrated(
     ranges = ranges_of(plant, candidate.base, _filled(windows, candidate), layout.inputs, layout.time)
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
     search = Search(windows, library, found, chapters_of(layout), free, ranges, seed, report, workers, known.forms)
+    search.unnamed = frozenset(unnamed)
     windows.move_starts(begun)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if not np.isfinite(fitted.loss):
@@ -148,8 +154,7 @@ def calibrated(
     windows.spare(fitted.candidate)
     kernels.add({name: one.effect for name, one in found.items()})
     scored = search.scored(fitted)
-    if unknowns:
-        scored = with_contact_forms(search, scored)
+    scored = with_contact_forms(search, scored)
     known.base = dict(scored.fitted.candidate.base)
     return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
 

@@ -13,6 +13,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import floor_size
+from hjcamp.prediction.contact_form import forms_among
 from hjcamp.prediction.floor import in_units, not_above
 from hjcamp.prediction.likelihood import size
 from hjcamp.prediction.measured import Measured
@@ -49,11 +50,14 @@ def compared(
     models: Mapping[str, Candidate],
     report: Callable[[str, float], None] = lambda text, share: None,
 ) -> Comparison:
-    """Return every model on the tests, the window's starts moved to where each fits best."""
+    """Return every model on the tests, the window's starts moved to where each fits best.
+
+    What is calibrated has the form of its contacts, as the base of a diagnosis has: both give the same error and floor.
+    """
     needed = {name for model in models.values() for name in model.effects}
     chosen = {name: effect for name, effect in library.items() if name in needed}
     last = list(models.values())[-1]
-    analysis = calibrated(measured, chosen, last, report, unknowns=False)
+    analysis = calibrated(measured, chosen, last, report, unknowns=False, forms=forms_among(library))
     kept, seen = analysis.windows.starts.copy(), {}
     for done, (name, model) in enumerate(models.items()):
         report(f"predicting with {name}", 0.5 + 0.4 * done / len(models))

@@ -7,7 +7,7 @@ other kinds bend towards that error. Where it is seen and small, the base has it
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -29,14 +29,22 @@ AT_REST = 0.05
 TRIED = (0.1, 0.3, 1.0, 5.0)
 
 
+def forms_among(library: Mapping[str, type[Effect]]) -> dict[str, type[Effect]]:
+    """Return the effects that are forms of a contact."""
+    return {name: effect for name, effect in library.items() if effect.granted}
+
+
 def with_contact_forms(search: Search, base: Scored) -> Scored:
     """Return the base with the form of each contact that the tests show, and is granted; the best fits are kept as starts."""
     windows = search.windows
     for port in read_vocabulary(windows.layout.measured.plant).ports.values():
         before, forms, slides = base, windows.forms, windows.slides
-        kept = forms, slides
         names = _forms(search, port)
-        for name in [] if set(names) & set(before.names) else names:
+        had = {name for name in names if name in before.names}
+        # of a saved model: within what is granted it is a form like others
+        forms |= {name for name in had if _own(search, before, name) <= _granted(search, before.fitted, search.library[name], port)}
+        kept = forms, slides
+        for name in [] if had else names:
             search.report(f"form of {port.name.replace('_', ' ')}", 0.5)
             windows.forms, windows.slides, windows.place = forms | {name}, None, before.place
             found = _with_form(search, before, name, port, slides)
@@ -50,7 +58,7 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
 
 def _forms(search: Search, port: Port) -> list[str]:
     """Return the names of the effects that are forms of this contact."""
-    return [name for name, one in search.library.items() if one.granted and port.names.get("friction") in one.terms]
+    return [name for name, one in forms_among(search.library).items() if port.names.get("friction") in one.terms]
 
 
 def _with_form(
@@ -69,11 +77,13 @@ def _with_form(
         return None
     windows.slides = _slides(search, best, port, others)
     found = search.resettled(search.fitted(best.candidate, best))
-    own = found.fitted.candidate.effects[name]
-    if own[effect.granted] > most:
-        return None
-    search.begins[name] = dict(own)
-    return found
+    search.begins[name] = dict(found.fitted.candidate.effects[name])
+    return found if _own(search, found, name) <= most else None
+
+
+def _own(search: Search, found: Scored, name: str) -> float:
+    """Return how far a contact gives way in a fit."""
+    return found.fitted.candidate.effects[name][search.library[name].granted]
 
 
 def _granted(search: Search, fitted: Fitted, effect: type[Effect], port: Port) -> float:

@@ -108,7 +108,10 @@ class Step:
 
 @dataclass
 class Search:
-    """What a search needs: the windows, the effects that may be missing, the unknowns, the chapters, the base's parameters."""
+    """What a search needs: the windows, the effects that may be missing, the unknowns, the chapters, the base's parameters.
+
+    ``unnamed`` are effects of the library that a base may have (the forms of contacts), but that are not looked for.
+    """
 
     windows: Windows
     library: Mapping[str, type[Effect]]
@@ -121,6 +124,7 @@ class Search:
     workers: int = 1
     begins: dict[str, dict[str, float]] = field(default_factory=dict)
     claims: float = LEVEL
+    unnamed: frozenset[str] = frozenset()
     steps: list[Step] = field(default_factory=list)
     _beside: tuple[Fitted, Beside] | None = None
 
@@ -209,12 +213,12 @@ class Search:
         return step
 
     def may_be_added(self, name: str, present: Iterable[str]) -> bool:
-        """Whether an effect is not there yet, and no other one that says the same of the same driver.
+        """Whether an effect is looked for and not there yet, and no other one that says the same of the same driver.
 
         Two laws of one driver in one place are one law of another form: the second would only mend the first.
         """
         law = law_of(self.library[name]) if name in self.library else None
-        return name not in present and not any(
+        return name not in (*present, *self.unnamed) and not any(
             law and law == law_of(self.library[one]) for one in present if one in self.library
         )
 
