@@ -120,6 +120,7 @@ class Words:
                 )
             elif verdict.p_value <= 0.05 or verdict.effects:
                 found.append(f"Chance: p = {plain(verdict.p_value, 2)} (residuals moved in time, whole library).")
+        found += end_words(self.content["ends"])
         found += self.telling()
         return found
 
@@ -222,12 +223,32 @@ def print_comparison(console: Console, found: Comparison) -> None:
     _head(console, found.analysis)
     table(console, *comparison_table(found))
     print_wrapped(console, [FLOORS[found.analysis.floor.source] + "."], 8)
-    print_wrapped(console, further_off(found), 8)
+    print_wrapped(console, notes_on(found), 8)
     worse = [one.name for one in found.models if any(one.explained < 0.0)]
     if worse:
         print_wrapped(
             console, [f"{', '.join(worse)}: worse than the mean of each window in a channel (explained below 0)."], 8
         )
+
+
+def end_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Return in words where sensors end, and what that means for a model."""
+    from hjcamp.report.exploration import channel_label
+
+    return [
+        f"{channel_label(name)} reads no {word} than {told(row[key], row['unit'])}: predictions are held there, and "
+        f"{100.0 * row['share']:.2g} % of its samples, which read an end, are left out of every fit and score."
+        for name, row in rows.items()
+        for key, word in (("low", "lower"), ("high", "higher"))
+        if row[key] is not None
+    ]
+
+
+def notes_on(found: Comparison) -> list[str]:
+    """Return in words where sensors end, and where the last model is the worse for being calibrated."""
+    from hjcamp.prediction.answer import end_rows
+
+    return [*end_words(end_rows(found.analysis.windows.layout)), *further_off(found)]
 
 
 def further_off(found: Comparison) -> list[str]:
@@ -289,7 +310,7 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
         if found.helps
         else ["The error does not fall by a share that matters: this model explains these tests no better."]
     )
-    print_wrapped(console, [said, *more], 8)
+    print_wrapped(console, [said, *more, *end_words(content["ends"])], 8)
     console.print(f"model   {path}", markup=False)
 
 
