@@ -115,10 +115,6 @@ class Measured:
         """Return simulated readings (n, sensors), SI, as the sensors would show them: none beyond their ends."""
         return np.clip(true, *self.ends.T)
 
-    def only(self, keep: Sequence[int]) -> Measured:
-        """Return the tests at these positions alone."""
-        return Measured(self.plant, self.period, self.sensors, self.columns, tuple(self.tests[place] for place in keep))
-
 
 def measured_tests(logs: Sequence[TestLog]) -> Measured:
     """Return the tests of all logs; refuse logs of several plants or periods, and a log that lacks a reading or is too short."""
