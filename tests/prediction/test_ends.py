@@ -20,6 +20,8 @@ from hjcamp.prediction.comparison import compared
 from hjcamp.prediction.ends import ends_of, within
 from hjcamp.prediction.intervals import intervals
 from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.next.truth import bench_of
+from hjcamp.prediction.next.wanted import Wanted
 from hjcamp.prediction.noise import step_of
 from hjcamp.prediction.verdict import agreed
 
@@ -122,3 +124,11 @@ def test_the_base_is_found_beside_an_end_and_predictions_are_held_there(tanks: P
     content = answer_of_comparison(found)
     check_answer(content)
     assert content["ends"]["level_v"]["high"] == 6.0 and "no higher than 6 V" in notes_on(found)[0]
+
+
+def test_simulated_tests_of_the_menu_end_where_the_measured_ones_do(tanks: Path) -> None:
+    analysis = calibrated(measured_tests([measured_log(6.0, seed=4)]), {}, unknowns=False)
+    measured, model = analysis.measured, analysis.base.fitted.candidate
+    fuller = Wanted("fuller", "", 0, 1.1 * measured.tests[0].inputs, measured.tests[0].readings)
+    simulated = bench_of(analysis, [fuller], model, by_motion=False).simulated(analysis, model).layout
+    assert simulated.readings.max() == 6.0 and simulated.at_ends.mean() > analysis.windows.layout.at_ends.mean()
