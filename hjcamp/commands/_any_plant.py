@@ -92,7 +92,8 @@ def calibrate_any(data: Data, name: str, json: Path | None = None) -> None:
     with progress_of(console) as report:
         from hjcamp.analyses.calibrating import fit_plant
         from hjcamp.analyses.untold import untold
-        from hjcamp.commands._plant_words import print_calibration
+        from hjcamp.commands._plant_words import end_words, print_calibration
+        from hjcamp.prediction.answer import end_rows
 
         done = fit_plant(data, name, report)
         head = {
@@ -101,7 +102,7 @@ def calibrate_any(data: Data, name: str, json: Path | None = None) -> None:
             "tests": len(done.analysis.measured.tests),
             "hardware": {},
         }
-        notes = untold(done.analysis)
+        notes = [*untold(done.analysis), *end_words(end_rows(done.analysis.windows.layout))]
         rest: dict[str, Any] = {"notes": notes, "model": str(done.model), "rig": None, "page": None}
         write_answer(json, {**head, "calibration": done.rows, **rest})
     print_calibration(console, done.analysis, done.rows)

@@ -113,7 +113,7 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     parts = [
         page.table_of(head, rows),
         page.note(f"Error over windows of {width}. {said.FLOORS[analysis.floor.source]}."),
-        page.bullets(said.further_off(found)),
+        page.bullets(said.notes_on(found)),
         explorer_html(exploration_of(found)),
         page.note(f"Predictions begin anew every {width}, where each fits best; the table has errors without what those starts do."),
         *(page.picture(caption, pictures[name]) for name, caption in captions.items()),

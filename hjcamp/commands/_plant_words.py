@@ -63,7 +63,18 @@ class Words:
         place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
         of_place = f" of {place.replace('_', ' ')}" if place and place != local else ""
         said = names or (f"depends on {local}{of_place}" if drivers else "")
+        if self.verdict.word == "nothing_missing" and self.far_off:
+            said = "that these tests can name"
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
+
+    @property
+    def far_off(self) -> tuple[str, Mapping[str, Any]] | None:
+        """The channel that errs most over its floor (its noise where none is known), where most of it is above that."""
+        from hjcamp.prediction.levels import MOST_OF_IT
+
+        rows = self.content["floor"]
+        worst = max(rows, key=lambda name: rows[name]["high"] / _least(rows[name]))
+        return (worst, rows[worst]) if rows[worst]["high"] * (1.0 - MOST_OF_IT) > _least(rows[worst]) else None
 
     def sentences(self) -> list[str]:
         """The answer in sentences."""
@@ -95,8 +106,11 @@ class Words:
             if told_most:
                 found.append(f"What tells most of it: {', '.join(told_most)}.")
         elif verdict.word == "outside_library" and not self.content["unknowns"]:
+            repeated = self.analysis.floor.source == "repetitions" and verdict.law_left == 1.0
             found.append(
-                "Repetitions share most of what the model leaves, in most windows, but no effect of the library and no free law "
+                "An effect of the library predicts better than none, but takes less than half of what is missing: it is not that."
+                if not repeated
+                else "Repetitions share most of what the model leaves, in most windows, but no effect of the library and no free law "
                 "takes it."
             )
         if verdict.word == "nothing_missing":
@@ -113,14 +127,35 @@ class Words:
                 f"Error on chapters left out, over the floor: {error['baseline']:.2f} calibrated"
                 + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects else ".")
             )
-            if verdict.word == "nothing_missing" and verdict.p_value <= 0.05:
+            if verdict.word == "nothing_missing" and (far := self.far_off):
+                found.append(self._remains(*far))
+            elif verdict.word == "nothing_missing" and verdict.p_value <= 0.05:
                 found.append(
-                    f"What is left is more than chance (p = {plain(verdict.p_value, 2)}): something is there that is small, or that "
-                    "the library does not describe."
+                    f"What is left is more than chance (p = {plain(verdict.p_value, 2)}): something may be there that is small, or "
+                    "that the library does not describe."
                 )
             elif verdict.p_value <= 0.05 or verdict.effects:
                 found.append(f"Chance: p = {plain(verdict.p_value, 2)} (residuals moved in time, whole library).")
-        return found + held_by_bounds(self.content["calibration"]) + self.telling()
+        found += held_by_bounds(self.content["calibration"]) + end_words(self.content["ends"])
+        return found + self.telling()
+
+    def _remains(self, name: str, row: Mapping[str, Any]) -> str:
+        """What a channel still errs by, beside chance, and what may be the reason."""
+        from hjcamp.report.exploration import channel_label
+
+        p, kind = self.verdict.p_value, "its noise" if row["value"] is None else "its floor"
+        chance = (
+            f"and more than chance (p = {plain(p, 2)}): something may be there that neither the library nor a free law describes."
+            if p <= 0.05
+            else f"though the library takes no more of it than chance (p = {plain(p, 2)})."
+        )
+        scatter = (
+            "Repetitions share it in few windows alone."
+            if row["source"] == "repetitions"
+            else "A repeated test would tell whether it is scatter of the rig."
+        )
+        times = row["high"] / _least(row)
+        return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}, {times:.2g} times {kind}, {chance} {scatter}"
 
     def telling(self) -> list[str]:
         """What kind of test would tell more, in words."""
@@ -157,6 +192,11 @@ class Words:
             begun = f" --from {folder}" if self.content["unknowns"] else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
         return [f"hjcamp compare {paths}{own}"]
+
+
+def _least(row: Mapping[str, Any]) -> float:
+    """Return the floor of a channel, or its noise where none is known."""
+    return float(row["low"] if row["value"] is None else row["value"])
 
 
 def telling_tests(
@@ -214,7 +254,7 @@ def print_diagnosis(console: Console, words: Words) -> None:
     analysis, layout = words.analysis, words.analysis.windows.layout
     _head(console, analysis)
     table(console, CALIBRATED, calibration_table(words.content["calibration"]))
-    style = STYLES.get(words.verdict.word, "yellow")
+    style = "yellow" if words.far_off and words.verdict.word == "nothing_missing" else STYLES.get(words.verdict.word, "yellow")
     console.print(words.title, style=style, markup=False, highlight=False)
     print_wrapped(console, words.sentences(), 8)
     if rows := words.candidates():
@@ -231,12 +271,32 @@ def print_comparison(console: Console, found: Comparison) -> None:
     _head(console, found.analysis)
     table(console, *comparison_table(found))
     print_wrapped(console, [FLOORS[found.analysis.floor.source] + "."], 8)
-    print_wrapped(console, further_off(found), 8)
+    print_wrapped(console, notes_on(found), 8)
     worse = [one.name for one in found.models if any(one.explained < 0.0)]
     if worse:
         print_wrapped(
             console, [f"{', '.join(worse)}: worse than the mean of each window in a channel (explained below 0)."], 8
         )
+
+
+def end_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Return in words where sensors end, and what that means for a model."""
+    from hjcamp.report.exploration import channel_label
+
+    return [
+        f"{channel_label(name)} reads no {word} than {told(row[key], row['unit'])}: predictions are held there, and "
+        f"{100.0 * row['share']:.2g} % of its samples, which read an end, are left out of every fit and score."
+        for name, row in rows.items()
+        for key, word in (("low", "lower"), ("high", "higher"))
+        if row[key] is not None
+    ]
+
+
+def notes_on(found: Comparison) -> list[str]:
+    """Return in words where sensors end, and where the last model is the worse for being calibrated."""
+    from hjcamp.prediction.answer import end_rows
+
+    return [*end_words(end_rows(found.analysis.windows.layout)), *further_off(found)]
 
 
 def further_off(found: Comparison) -> list[str]:
@@ -298,7 +358,7 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
         if found.helps
         else ["The error does not fall by a share that matters: this model explains these tests no better."]
     )
-    print_wrapped(console, [said, *more], 8)
+    print_wrapped(console, [said, *more, *end_words(content["ends"])], 8)
     console.print(f"model   {path}", markup=False)
 
 

@@ -51,9 +51,9 @@ class Comparison(Result):
     def sentences(self) -> list[str]:
         """Return where the error of the last model is, in words."""
         if not self.data.of_pump_joint:
-            from hjcamp.commands._plant_words import FLOORS, further_off
+            from hjcamp.commands._plant_words import FLOORS, notes_on
 
-            return [f"{FLOORS[self.found.analysis.floor.source]}.", *further_off(self.found)]
+            return [f"{FLOORS[self.found.analysis.floor.source]}.", *notes_on(self.found)]
         from hjcamp.commands._compare_page import places_in_words
 
         return places_in_words(self.found.models[-1])

@@ -10,7 +10,7 @@ from hjcamp.configuration.saved_model import log_hashes
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.analysis import Analysis, calibrated
-from hjcamp.prediction.answer import calibration, channel_rows, floor_size, removed
+from hjcamp.prediction.answer import calibration, channel_rows, end_rows, floor_size, removed
 from hjcamp.prediction.contact_form import forms_among
 from hjcamp.prediction.floor import not_above
 from hjcamp.prediction.intervals import intervals
@@ -78,6 +78,7 @@ def answer(found: Addition, name: str, path: str) -> dict[str, Any]:
         "channels": channel_rows(found.analysis, found.model),
         "parameters": rows,
         "calibration": calibration(found.analysis),
+        "ends": end_rows(found.analysis.windows.layout),
     }
 
 

@@ -17,7 +17,7 @@ from hjcamp.prediction.leading import leading
 from hjcamp.prediction.selection import Scored, Step, critical
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
-from hjcamp.prediction.windows import ZERO
+from hjcamp.prediction.windows import ZERO, Layout
 
 Array = NDArray[np.float64]
 SCHEMA = "hjcamp.diagnosis/2"
@@ -54,6 +54,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "follows_motion": {"share": verdict.follows, "quantities": _leading(analysis, verdict)},
         "confidence_set": [list(names) for names in verdict.confidence_set],
         "floor": floor_rows(analysis),
+        "ends": end_rows(analysis.windows.layout),
         "rests_on": {"conditions": len(analysis.measured.conditions), "tests": len(analysis.measured.tests),
                      "chapters": len(np.unique(analysis.search.chapters)), "windows": len(analysis.windows.starts)},
         "lacking": list(verdict.lacking),
@@ -94,6 +95,16 @@ def floor_rows(analysis: Analysis) -> dict[str, dict[str, Any]]:
             "source": analysis.floor.source if known else "unknown", "value": row["floor"] if known else None, "unit": row["unit"],
             "low": float(noise[k] * layout.measured.sensors[k].scale), "high": row["baseline"],
         }  # fmt: skip
+    return found
+
+
+def end_rows(layout: Layout) -> dict[str, dict[str, Any]]:
+    """Return the ends of each sensor that the tests reach, in the unit of its field, and the share of its readings that are there."""
+    found = {}
+    for one, (low, high), there in zip(layout.measured.sensors, layout.measured.ends, layout.at_ends.T, strict=True):
+        ends = {key: float(end * one.scale) if np.isfinite(end) else None for key, end in (("low", low), ("high", high))}
+        if any(end is not None for end in ends.values()):
+            found[one.field] = {**ends, "unit": one.unit, "share": float(np.mean(there))}
     return found
 
 

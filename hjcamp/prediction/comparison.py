@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.analysis import Analysis, calibrated
-from hjcamp.prediction.answer import floor_size
+from hjcamp.prediction.answer import end_rows, floor_size
 from hjcamp.prediction.contact_form import forms_among
 from hjcamp.prediction.floor import in_units, not_above
 from hjcamp.prediction.likelihood import size
@@ -118,4 +118,5 @@ def answer(found: Comparison) -> dict[str, Any]:
     return {
         "schema": "hjcamp.comparison/1", "plant": layout.measured.plant.name, "models": models[:-1], "calibrated": models[-1],
         "window_s": layout.width * layout.measured.period, "floor_source": found.analysis.floor.source, "where": [],
+        "ends": end_rows(layout),
     }  # fmt: skip

@@ -13,6 +13,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.parameter import finite_number
 from hjcamp.model.plant import ALWAYS, Plant
+from hjcamp.prediction.ends import ends_of, within
 from hjcamp.prediction.noise import noise_of, step_of
 from hjcamp.records.find import refuse_mixed_plants
 from hjcamp.records.log import TestLog
@@ -85,7 +86,7 @@ class Measured:
     def noise(self) -> Array:
         """Standard deviation of the noise of each sensor (sensors,), SI: see `noise_of`, the median of the tests."""
         found = [
-            [noise_of(test.readings[:, k], step) for k, step in enumerate(steps)]
+            [noise_of(within(test.readings[:, k], *self.ends[k]), step) for k, step in enumerate(steps)]
             for test, steps in zip(self.tests, self._counted, strict=True)
         ]
         declared = [self.plant.measured[one.field].noise for one in self.sensors]
@@ -103,9 +104,16 @@ class Measured:
         """The step of each sensor (sensors,), SI, as most tests have it; 0 where none counts."""
         return np.asarray(np.median(np.array(self._counted), axis=0))
 
-    def only(self, keep: Sequence[int]) -> Measured:
-        """Return the tests at these positions alone."""
-        return Measured(self.plant, self.period, self.sensors, self.columns, tuple(self.tests[place] for place in keep))
+    @cached_property
+    def ends(self) -> Array:
+        """The lowest and the highest value that each sensor shows (sensors, 2), SI; infinite where no test reaches an end."""
+        count = len(self.sensors)
+        found = [ends_of([one.readings[:, k] for one in self.tests], float(self.steps[k]), count) for k in range(count)]
+        return np.array(found)
+
+    def shown(self, true: Array) -> Array:
+        """Return simulated readings (n, sensors), SI, as the sensors would show them: none beyond their ends."""
+        return np.clip(true, *self.ends.T)
 
 
 def measured_tests(logs: Sequence[TestLog]) -> Measured:

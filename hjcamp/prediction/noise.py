@@ -14,6 +14,12 @@ MEDIAN_ERROR, BEYOND_CHANCE = 1.2, 3.0
 # Readings are whole counts but for how they were printed.
 WHOLE, NEARLY_ALL, FEWEST = 0.1, 0.99, 10
 SMALL = 5.5
+# Of the readings' range: readings that differ by less are the same.
+SAME = 1e-9
+# Of this order a difference hardly holds motion of more than six samples a period, whatever noise it holds.
+ORDER = 8
+# Of the readings' spread: what is smaller is no noise that an analysis could see.
+LEAST = 1e-6
 
 
 def noise_of(values: Array, step: float | None = None) -> float:
@@ -25,7 +31,7 @@ def noise_of(values: Array, step: float | None = None) -> float:
     period leaves that alone. Never below a millionth of the readings' spread.
     """
     step = step_of(values) if step is None else step
-    least = 1e-6 * float(np.std(values)) + 1e-300
+    least = LEAST * float(np.std(values)) + 1e-300
     thirds = float(np.median(np.abs(np.diff(values, 3)))) / (0.6745 * math.sqrt(20.0))
     quiet, error = _quietest_band(values)
     white = quiet if quiet * (1.0 + BEYOND_CHANCE * error) < thirds else thirds
@@ -35,7 +41,7 @@ def noise_of(values: Array, step: float | None = None) -> float:
 def step_of(values: Array) -> float:
     """Return the step of which all readings (n,) are whole multiples about one of them; 0 where there is none."""
     gaps = np.diff(np.unique(values))
-    gaps = gaps[gaps > 1e-9 * (np.ptp(values) + 1e-300)]
+    gaps = gaps[gaps > SAME * (np.ptp(values) + 1e-300)]
     if not len(gaps):
         return 0.0
     small = gaps[gaps < SMALL * gaps.min()]
@@ -43,6 +49,19 @@ def step_of(values: Array) -> float:
     counts = gaps / step
     whole = float(np.mean(np.abs(counts - np.round(counts)) < WHOLE))
     return step if len(gaps) >= FEWEST and whole > NEARLY_ALL else 0.0
+
+
+def noise_beyond(values: Array, step: float) -> float:
+    """Return the standard deviation of white noise that readings (n,) certainly have beside the ``step`` of a counter; 0 where none.
+
+    The lesser of the median of the absolute eighth differences and the quietest eighth of the spectrum, less its error: a kink of the
+    motion shows in the one alone, rounding of an even motion in the other.
+    """
+    size = 0.6745 * math.sqrt(math.comb(2 * ORDER, ORDER))
+    eighths = float(np.median(np.abs(np.diff(values, ORDER)))) / size
+    quiet, error = _quietest_band(values)
+    white = min(eighths, quiet / (1.0 + BEYOND_CHANCE * error))
+    return math.sqrt(max(white**2 - step**2 / 12.0, 0.0)) if white > LEAST * float(np.std(values)) else 0.0
 
 
 def _quietest_band(values: Array) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
-from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
+from hjcamp.prediction.chance import DRAWS, chance_gains, moved_orders, p_value
 from hjcamp.prediction.chapters import advantages, left_out, ratio_t, told_apart
 from hjcamp.prediction.fitting import TURNS, Fitted, Free, fit, settled
 from hjcamp.prediction.floor import motion_of
@@ -84,7 +84,8 @@ class Follows(NamedTuple):
 class Step:
     """One look at what is missing beside ``before``: chance of the best gain, and every model that was fitted.
 
-    ``claims`` is the level of all that may be claimed of named effects, and of unknowns.
+    ``claims`` is the level of all that may be claimed of named effects, and of unknowns. ``orders`` is how many different orders of the
+    windows chance was drawn from: of one test of n windows there are n - 1.
     """
 
     before: Scored
@@ -94,6 +95,12 @@ class Step:
     named: tuple[Scored, ...]
     unknown: tuple[Scored, ...]
     claims: float = LEVEL
+    orders: int = DRAWS
+
+    @property
+    def told(self) -> float:
+        """The chance that may be told: no smaller than the different orders allow, however often each was drawn."""
+        return max(self.p_value, 1.0 / (1.0 + self.orders))
 
     @property
     def level(self) -> float:
@@ -208,7 +215,8 @@ class Search:
         added = [_added(one.fitted.candidate, fitted.candidate) for one in models]
         named = tuple(one for one, name in zip(models, added, strict=True) if name in self.library)
         others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
-        step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted, self.claims)
+        different = len({order.tobytes() for order in orders})
+        step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted, self.claims, different)
         self.steps.append(step)
         return step
 

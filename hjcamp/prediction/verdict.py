@@ -38,7 +38,13 @@ class Verdict:
 
 
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
-    """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width.
+    """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width."""
+    analysis, verdict = _looked_at(analysis, at)
+    return analysis, _doubted(analysis, verdict)
+
+
+def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
+    """Return the verdict over windows of several widths.
 
     Where no law is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones. All of
     these looks together may claim something by chance half as often as the first.
@@ -75,6 +81,26 @@ def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis,
     return analysis, replace(verdict, word=ONE_OF, effects=group, confidence_set=sets)
 
 
+def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
+    """Return that these tests cannot tell, where "nothing" would be said of most of an error that no floor explains.
+
+    So it is where no floor is known, most of what a sensor errs by is more than its noise, and all of it more than chance.
+    """
+    if verdict.word != NOTHING or analysis.floor.source != "sensor" or verdict.p_value > LEVEL:
+        return verdict
+    sensors = analysis.measured.sensors
+    over = np.sqrt(np.mean(analysis.base.features.reshape(-1, len(sensors), analysis.windows.layout.basis.shape[1]) ** 2, axis=(0, 2)))
+    worst = int(np.argmax(over))
+    if over[worst] * (1.0 - MOST_OF_IT) <= 1.0:
+        return verdict
+    lacking = (
+        f"{sensors[worst].quantity.replace('_', ' ')} errs by {over[worst]:.2g} times its noise, which is more than chance "
+        f"(p = {verdict.p_value:.2g}), but no effect and no unknown takes it on chapters left out; {len(analysis.windows.starts)} "
+        "windows do not tell what is scatter: repeat a test, or make longer ones"
+    )
+    return replace(verdict, word=CANNOT_TELL, lacking=(lacking,))
+
+
 def judged(analysis: Analysis) -> Verdict:
     """Search for what is missing, and return what may be said."""
     search, base = analysis.search, analysis.base
@@ -86,7 +112,7 @@ def judged(analysis: Analysis) -> Verdict:
     last = next((step for step in reversed(search.steps) if step.before is model), None) or search.look(model)
     first = search.steps[0]
     unknown = _left(analysis, model, last)
-    p_value = first.p_value
+    p_value = first.told
     if not added:
         follows = search.follows_motion(base).share if unknown is None else 0.0
         if unknown is None and not follows and not _far_above_floor(analysis, base):

@@ -94,6 +94,16 @@ class Layout:
         return self.joined([test.readings for test in self.measured.tests])
 
     @cached_property
+    def at_ends(self) -> NDArray[np.bool_]:
+        """Whether a sensor reads its end (n, sensors)."""
+        low, high = self.measured.ends.T
+        return np.asarray((self.readings <= low) | (self.readings >= high))
+
+    def held(self, predicted: Array) -> Array:
+        """Return predicted readings (n, sensors), SI, held at the end of a sensor where it reads that."""
+        return np.where(self.at_ends, self.measured.shown(predicted), predicted)
+
+    @cached_property
     def time(self) -> Array:
         """Time since the beginning of its test (n,), s."""
         return self.joined([test.time for test in self.measured.tests])
@@ -139,8 +149,12 @@ class Layout:
         return np.asarray(np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, self.width), orders, increasing=True))[0])
 
     def coefficients(self, residuals: Array) -> Array:
-        """Return the coefficients (windows, sensors, orders) of residuals (n, sensors), in units of the sensor's noise."""
-        shaped = residuals.reshape(-1, self.width, residuals.shape[1]) / self.measured.noise
+        """Return the coefficients (windows, sensors, orders) of residuals (n, sensors), in units of the sensor's noise.
+
+        What a sensor reads at its end is left out: held there, residuals break off, and no start is found from their slopes.
+        """
+        known = np.where(self.at_ends, 0.0, residuals) if self.at_ends.any() else residuals
+        shaped = known.reshape(-1, self.width, residuals.shape[1]) / self.measured.noise
         return np.asarray(np.einsum("wts,to->wso", shaped, self.basis))
 
 
@@ -225,8 +239,8 @@ class Windows:
         return [(candidate.without(self.forms), self.slides), (candidate, ~self.slides)]
 
     def errors(self, candidate: Candidate, friction: float = 1.0) -> Array:
-        """Return measured less predicted readings (n, sensors), SI, from the present starts."""
-        return self.layout.readings - self.readings(candidate, friction=friction)[0]
+        """Return measured less predicted readings (n, sensors), SI, from the present starts; held where sensors read their ends."""
+        return self.layout.readings - self.layout.held(self.readings(candidate, friction=friction)[0])
 
     def move_starts(self, candidate: Candidate, rounds: int = 2) -> None:
         """Move each window's start to where its readings are met best, and renew the sensitivities."""

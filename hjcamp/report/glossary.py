@@ -56,6 +56,7 @@ WORDS: Mapping[str, str] = {
     "repetition": "One of several tests of a condition; what repetitions do not share is the floor.",
     "near-replicates": "Moments of the tests at which state and input are nearly alike: what follows should be, too, and what "
     "differs is a floor where nothing was repeated.",
+    "end of a sensor": "The largest or smallest value that it can show: it reads that again and again, though it is noisy elsewhere.",
     "cosine": "How alike the responses of two effects are in these tests: at 1 or -1 the tests cannot tell them apart.",
     "smallest that would have been seen": "The amplitude from which on an effect would have been claimed in these tests.",
     "exploratory": "Without repetitions, so that the scatter of the rig is assumed and probabilities are a guide only.",
@@ -76,11 +77,13 @@ ALSO: Mapping[str, str] = {
     "confounded": "cosine", "calibration": "calibrated", "calibrated first": "calibrated", "base parameters": "base parameter",
     "repetitions": "repetition", "conditions": "condition", "residuals": "residual", "candidates": "candidate",
     "confidence_set": "confidence set", "null": "chance", "gamma test": "near-replicates", "free laws": "free law",
+    "ends": "end of a sensor",
 }  # fmt: skip
 # On a page these are everyday words more often than terms.
 EVERYDAY = frozenset(
     {
         "effect",
+        "ends",
         "left",
         "t",
         "p",

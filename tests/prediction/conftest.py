@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from gauge import PLANT
 
 from hjcamp.plants._template import write_template
 
@@ -14,4 +15,13 @@ def axis(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Work in a folder whose only plant is the template's carriage."""
     monkeypatch.chdir(tmp_path)
     write_template("axis", Path("plants"), [])
+    return tmp_path
+
+
+@pytest.fixture
+def tanks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Work in a folder whose only plant is two tanks."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "tanks.py").write_text(PLANT, encoding="utf-8")
     return tmp_path

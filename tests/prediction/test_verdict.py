@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import gauge
 import numpy as np
 import pytest
 from carriage import measured_log, nothing
 
+from hjcamp.commands._plant_words import Words
 from hjcamp.effects import load_effects
 from hjcamp.prediction import verdict
 from hjcamp.prediction.analysis import calibrated
@@ -101,7 +104,8 @@ def test_where_nothing_is_seen_longer_windows_are_looked_at(
     def of(samples: int):  # type: ignore[no-untyped-def]
         tests = [SimpleNamespace(samples=200)]
         windows, search = SimpleNamespace(layout=SimpleNamespace(width=samples)), SimpleNamespace(claims=0.05)
-        return SimpleNamespace(windows=windows, search=search, measured=SimpleNamespace(tests=tests, repeated=False))
+        measured = SimpleNamespace(tests=tests, repeated=False)
+        return SimpleNamespace(windows=windows, search=search, measured=measured, floor=SimpleNamespace(source="repetitions"))
 
     said, levels = {100: first, 200: longer}, []
 
@@ -127,6 +131,39 @@ def test_any_number_of_threads_gives_the_same(axis: Path) -> None:
         step = analysis.search.look(analysis.base)
         looks.append([(one.names, one.left_out, one.fitted.candidate.effects) for one in step.named])
     assert looks[0] == looks[1] and len(looks[0]) >= 2
+
+
+def diagnosed(brim: float, samples: int) -> tuple[dict, Words]:  # type: ignore[type-arg]
+    measured = measured_tests([gauge.measured_log(brim=brim, seed=2, samples=samples)])
+    library = load_effects(plant=measured.plant)
+    chosen = {name: library[name] for name in ("flow_exponent_at_outflow", "overflow_at_upper", "spill_over")}
+    found = agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width))
+    content = answer(*found, 0.0)
+    return content, Words(*found, content)
+
+
+def test_an_error_far_above_noise_that_nothing_takes_is_not_called_nothing(tanks: Path) -> None:
+    # too short to name the spill: no test is repeated, and no moments are alike
+    found, words = diagnosed(7.0, 800)
+    assert (found["verdict"], found["effects"], found["floor"]["level_v"]["value"]) == ("cannot_tell", [], None)
+    [lacking] = found["lacking"]
+    assert "times its noise, which is more than chance" in lacking and "33 windows" in lacking
+    assert words.title == "CANNOT TELL" and lacking[1:] in words.sentences()[0]
+    # long enough, and nothing hidden
+    found, words = diagnosed(np.inf, 1600)
+    assert (found["verdict"], words.title, words.far_off) == ("nothing_missing", "NOTHING MISSING", None)
+
+
+def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
+    found, words = diagnosed(np.inf, 1600)
+    row = {**found["floor"]["level_v"], "value": 0.1, "low": 0.05, "high": 0.3}
+    verdict = replace(words.verdict, p_value=0.005)
+    words = Words(words.analysis, verdict, {**found, "floor": {"level_v": row}})
+    assert words.title == "NOTHING MISSING  that these tests can name"
+    said = " ".join(words.sentences())
+    assert "level still errs by 0.3 V, 3 times its floor, and more than chance (p = 0.005)" in said and "repeated test" in said
+    words = Words(words.analysis, replace(verdict, p_value=0.5), {**words.content, "floor": {"level_v": {**row, "value": None}}})
+    assert "6 times its noise, though the library takes no more of it than chance (p = 0.5)" in " ".join(words.sentences())
 
 
 @pytest.mark.parametrize(("left", "least", "hardly"), [(0.9, 0.1, True), (0.5, 0.1, False), (0.9, 0.46, False)])

@@ -78,7 +78,7 @@ def run(
         course = Given(measured.period, marks[rows], layout.time[rows], inputs[rows], starts[rows[begins]])
         shown, passed = model.run_free(p, course)
         out[rows], states[rows] = shown[:, measured.columns], passed[:, : starts.shape[1]]
-    return out, states
+    return measured.shown(out), states
 
 
 @dataclass(frozen=True)
@@ -172,8 +172,8 @@ def _test(measured: Measured, wanted: Wanted) -> MeasuredTest:
 
 def _like(measured: Measured, tests: tuple[MeasuredTest, ...]) -> Measured:
     found = Measured(measured.plant, measured.period, measured.sensors, measured.columns, tests)
-    # a simulated reading has no noise of its own to be read off: that of the measured ones is put where it is kept
-    vars(found)["noise"] = measured.noise
+    # simulated readings tell neither noise nor ends of their own: those of the measured ones are put where they are kept
+    vars(found).update(noise=measured.noise, ends=measured.ends)
     return found
 
 

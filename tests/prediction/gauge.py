@@ -1,0 +1,54 @@
+"""Two tanks whose gauge has an end, solved by small steps of their own: they share no code with the program."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hjcamp.records.log import TestLog
+
+PERIOD, SMALL = 4.0, 20
+BETWEEN, OUTFLOW, PUMP, NOISE, SPILL, CAUGHT = 0.05, 0.05, 0.033, 0.01, 0.1, 0.5
+PLANT = '''"""Two tanks, one above the other."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, path, sensor, sqrt, store
+
+
+class Tanks(Plant):
+    """A pump fills the upper one of two tanks, which runs out into the lower one."""
+
+    period = 4
+    upper = State("V", typical=5.0, low=0.0, start="unknown")
+    lower = State("V", typical=5.0, low=0.0)
+    pump = Input("V", typical=3.0)
+    k1 = Parameter("V**0.5/s", 0.04, (1e-4, 1.0), "log-uniform", base=True)
+    k3 = Parameter("V**0.5/s", 0.04, (1e-4, 1.0), "log-uniform", base=True)
+    k4 = Parameter("1/s", 0.04, (1e-4, 1.0), "log-uniform", base=True)
+    level_v = Measured("gauge", of="lower")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        inflow = actuator(parameter.k4 * drive.pump)
+        between = path(parameter.k1 * sqrt(state.upper), upstream=state.upper, downstream=state.lower)
+        outflow = path(parameter.k3 * sqrt(state.lower), upstream=state.lower)
+        rate.upper = store(inflow - between)
+        rate.lower = store(between - outflow)
+        gauge = sensor(state.lower)
+'''
+
+
+def measured_log(end: float = np.inf, brim: float = np.inf, seed: int = 1, samples: int = 1600) -> TestLog:
+    """Return a log of the lower level and the pump's voltage; the gauge ends at ``end``, the upper tank has a ``brim`` (V)."""
+    generator = np.random.default_rng(seed)
+    volts = np.repeat(generator.uniform(0.6, 5.0, samples // 40 + 1), 40)[:samples]
+    upper = lower = 4.0
+    levels, h = np.empty(samples), PERIOD / SMALL
+    for k in range(samples):
+        levels[k] = lower
+        for _ in range(SMALL):
+            through, over = BETWEEN * np.sqrt(upper), SPILL * max(upper - brim, 0.0)
+            below = through + CAUGHT * over - OUTFLOW * np.sqrt(lower)
+            upper = max(upper + h * (PUMP * volts[k] - through - over), 0.0)
+            lower = max(lower + h * below, 0.0)
+    shown = np.round(np.minimum(levels + NOISE * generator.standard_normal(samples), end), 4)
+    columns = {"time_s": np.arange(samples) * PERIOD, "level_v": shown, "pump_v": volts}
+    return TestLog(columns, {"plant": "tanks", "period_s": str(PERIOD), "condition": f"train {seed}"})
