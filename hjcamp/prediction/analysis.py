@@ -35,6 +35,8 @@ OF_CORRELATION = 0.25
 MOST_DELAY = 2.0
 # Of what a start brings, at the end of a window over that in its first half: a constant jerk makes it 8; more grows by itself.
 MOST_GROWTH = 10.0
+# Of a plant with few states a start brings no more than a power of the time; what it grows by itself beyond that is less than this.
+OWN_GROWTH = math.e
 # Samples that are looked at: time and memory do not grow with the length of the logs.
 MOST_SAMPLES = {"quick": 12_000, "standard": 32_000, "thorough": 10_000_000}
 
@@ -177,10 +179,18 @@ def predictable(
         candidate = fitted.candidate if np.isfinite(fitted.loss) else candidate
     for one in widths[1:]:
         longer = _begun(measured, kernels, candidate, one, effort)
-        if longer.growth(candidate) > MOST_GROWTH:
+        if longer.growth(candidate) > most_growth(one, len(measured.plant.states)):
             break
         found = longer
     return found, candidate
+
+
+def most_growth(width: int, states: int) -> float:
+    """Return how often as large what a start brings may be at the end of a window as in its first half.
+
+    In a chain of n integrators it grows as t^(n - 1).
+    """
+    return min(MOST_GROWTH, OWN_GROWTH * ((width - 1) / (width // 2 - 1)) ** (states - 1))
 
 
 def _begun(measured: Measured, kernels: Kernels, candidate: Candidate, width: int, effort: str) -> Windows:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.effect import Effect
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.measured import Measured
 
@@ -26,6 +28,16 @@ def rate_of(plant: Any) -> dict[str, str]:
     for line in read_vocabulary(plant).statements:
         if line.mark == "rate" and line.expression.startswith("s_") and line.expression[2:] in plant.states:
             found[line.expression[2:]] = line.target.removeprefix("d_").removeprefix("rate.")
+    return found
+
+
+def erring_sensors(plant: Any, effects: Mapping[str, type[Effect]]) -> dict[str, set[str]]:
+    """Return for each channel that reads a state the effects, without a memory of their own, that change what it reads."""
+    found: dict[str, set[str]] = {}
+    for port in read_vocabulary(plant).ports.values():
+        fields = [name for name, one in plant.measured.items() if one.of and port.names.get("reading") == one.sensor]
+        names = {name for name, one in effects.items() if port.names.get("reading") in one.terms and not one.states}
+        found |= dict.fromkeys(fields, names) if names else {}
     return found
 
 

@@ -20,6 +20,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.simulator import Given
 from hjcamp.prediction.kernels import Kernels
 from hjcamp.prediction.measured import Measured, MeasuredTest
+from hjcamp.prediction.starts import erring_sensors
 
 Array = NDArray[np.float64]
 ORDERS = 8
@@ -195,8 +196,33 @@ class Windows:
 
     def _predicted(self, candidate: Candidate, starts: Array | None, friction: float) -> tuple[Array, Array, float]:
         """Return `readings`, and the integrator's steps a sample."""
+        begin = self._true(candidate, self.starts if starts is None else starts)
+        return self._run(candidate, begin, friction, self.layout.width)
+
+    def _true(self, candidate: Candidate, starts: Array) -> Array:
+        """Return the true states (windows, states) of starts that are given as sensors without errors would read them.
+
+        What begins where its sensor reads begins elsewhere where that errs: each first reading stays the same. A plant that
+        falls by itself would else leave its path before a fit of the sensor's error could follow.
+        """
+        sensors = self.layout.measured.sensors
+        erring = erring_sensors(self.layout.measured.plant, {name: self.kernels.effects[name] for name in candidate.effects})
+        if not erring:
+            return starts
+        wrong, right = (
+            self._run(one, starts, 1.0, 1)[0] for one in (candidate, candidate.without(set().union(*erring.values())))
+        )
+        moved = starts.copy()
+        for k, one in enumerate(sensors):
+            if one.field in erring:
+                place = list(self.layout.measured.plant.states).index(self.layout.measured.plant.measured[one.field].of)
+                change = wrong[:, k] - right[:, k]
+                moved[:, place] -= np.where(np.isfinite(change), change, 0.0)
+        return np.maximum(moved, self.lowest)
+
+    def _run(self, candidate: Candidate, begin: Array, friction: float, samples: int) -> tuple[Array, Array, float]:
+        """Return readings and states of the first ``samples`` of each window, (windows samples, ...), and steps a sample."""
         layout, measured = self.layout, self.layout.measured
-        begin = self.starts if starts is None else starts
         most = STIFF * self.usual_steps
         if most and not self._remembers(candidate):
             most = max(most, BENT)
@@ -204,7 +230,9 @@ class Windows:
         if friction != 1.0:
             inputs = inputs.copy()
             inputs[:, layout.names.index("friction_scatter")] *= friction
-        out, states = np.empty((len(layout.time), len(measured.sensors))), np.empty((len(layout.time), begin.shape[1]))
+        count = len(begin) * samples
+        out, states = np.empty((count, len(measured.sensors))), np.empty((count, begin.shape[1]))
+        of_all = np.arange(len(begin) * layout.width).reshape(-1, layout.width)[:, :samples].ravel()
         taken = 0
         for simpler, part in self._parts(candidate):
             model, values = self.kernels.model(simpler)
@@ -215,14 +243,14 @@ class Windows:
                 windows = group & part
                 if not windows.any():
                     continue
-                rows = np.repeat(windows, layout.width)
-                p = model.vector({**values, **given})
+                own = np.repeat(windows, samples)
+                rows, p = of_all[own], model.vector({**values, **given})
                 course = Given(measured.period, marks[rows], layout.time[rows], inputs[rows], begin[windows])
                 shown, passed, steps = model.run_counted(p, course, most=most * len(course.time))
-                out[rows], states[rows] = shown[:, measured.columns], passed[:, : begin.shape[1]]
+                out[own], states[own] = shown[:, measured.columns], passed[:, : begin.shape[1]]
                 taken += steps
         zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
-        return out + np.array(zeros), states, taken / len(layout.time)
+        return out + np.array(zeros), states, taken / count
 
     def spare(self, candidate: Candidate) -> None:
         """Let every later model take so many more steps than this one at most; a stiffer one counts as one that diverges."""
