@@ -15,7 +15,7 @@ from hjcamp.prediction.verdict import judged
 from hjcamp.prediction.windows import Windows
 from hjcamp.records.log import TestLog
 
-PERIOD, SMALL, OFFSET, MAGNET, MASS = 2e-3, 20, 6e-4, 9e-5, 0.068
+PERIOD, SMALL, OFFSET, MAGNET, MASS = 2e-3, 20, 1e-3, 9e-5, 0.068
 MAGNET_FILE = '''
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, outside, sensor
 
@@ -47,18 +47,20 @@ class Magnet(Plant):
 
 
 def held_ball(seconds: float = 12.0) -> TestLog:
-    """Return a log of a ball that another loop holds along sines, read 0.6 mm too far, solved by small steps."""
+    """Return a log of a ball that another loop holds along sines, read 1 mm too far, solved by small steps."""
     generator = np.random.default_rng(8)
     time = np.arange(round(seconds / PERIOD)) * PERIOD
-    wanted = 0.011 + 1.5e-3 * np.sin(3.0 * time) + 8e-4 * np.sin(11.0 * time + 1.0)
+    wanted = 0.009 + 1.5e-3 * np.sin(1.3 * time) + 5e-4 * np.sin(4.1 * time + 1.0)
     z, v, h = float(wanted[0]), 0.0, PERIOD / SMALL
     gaps, currents = np.empty(len(time)), np.empty(len(time))
     for k, place in enumerate(wanted.tolist()):
         gaps[k] = z + OFFSET + 1e-6 * generator.standard_normal()
         currents[k] = i = max(z * np.sqrt(MASS * 9.81 / MAGNET) * (1.0 + 260.0 * (z - place) + 6.0 * v), 0.0)
+        pull = MAGNET / MASS * i * i
         for _ in range(SMALL):
-            v += h * (9.81 - MAGNET / MASS * i * i / (z * z))
-            z += h * v
+            before = 9.81 - pull / (z * z)
+            z += h * (v + 0.5 * h * before)
+            v += 0.5 * h * (before + 9.81 - pull / (z * z))
     columns = {"time_s": time, "gap_mm": gaps * 1e3, "current_a": currents}
     return TestLog(columns, {"plant": "magnet", "period_s": str(PERIOD), "condition": "held"})
 
