@@ -83,7 +83,7 @@ def _add_plant(data: Data, names: list[str], name: str, model: str, report: Repo
         raise UsageError(f"hjcamp add {' '.join(names)}: each effect once")
     report("compiling, once for these effects", 0.05)
     found = added(measured, library, start, names, report)
-    form = [one for one in found.analysis.base.names if one not in start.effects]
+    form = [one for one in found.model.names if one not in (*names, *start.effects)]
     seen = f" and the form of its contacts ({', '.join(form)})" if form else ""
     tests = counted(len(measured.tests), "test")
     comment = [f"{model} with {', '.join(names)}{seen}, fitted to {tests} of plant {measured.plant.name}"]

@@ -69,7 +69,9 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     done = run(app, ["add", "spring", "logs/train.mcap", "--as", "with_spring", "--json", "b.json"])
     assert done.exit_code == 0, done.output
     saved = yaml.safe_load((stage / "conf/model/with_spring.yaml").read_text(encoding="utf-8"))
-    assert saved["plant"] == "stage"
+    # with the spring the carriage needs no form of its contact any more
+    assert saved["plant"] == "stage" and set(saved["effects"]) == {"spring"}
+    assert "form of its contacts" not in (stage / "conf/model/with_spring.yaml").read_text(encoding="utf-8")
     assert saved["effects"]["spring"]["stiffness"] == pytest.approx(140.0, rel=0.02)
     assert saved["parameters"]["mass"] == pytest.approx(80.0, rel=0.02)
     assert json.loads((stage / "b.json").read_text(encoding="utf-8"))["helps"] is True
@@ -91,6 +93,12 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     # without its spring the model is about as wrong as the declared one
     assert test["rms"][3]["position_m"] > 5.0 * test["rms"][1]["position_m"]
     assert "position_m<" not in page
+    again = run(app, ["compare", "logs/train.mcap", "--json", "t.json"])
+    assert again.exit_code == 0, again.output
+    compared = json.loads((stage / "t.json").read_text(encoding="utf-8"))["calibrated"]["error"]["position_m"]
+    diagnosed = answer["channels"]["position_m"]
+    # what is calibrated errs by as much in compare as in diagnose: both have the form of the contact
+    assert compared["rms"] == pytest.approx(diagnosed["baseline"], rel=0.05)
 
 
 def test_a_group_has_its_page_though_the_model_has_one_of_it(stage: Path, monkeypatch: pytest.MonkeyPatch) -> None:
