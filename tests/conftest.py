@@ -7,6 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+# Before numpy is loaded: as many processes as processors run tests, and threads that wait for each other only take time.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
 import pytest
 from answer_schemas import check_answer
 

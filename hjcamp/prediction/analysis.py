@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.algebra import take_one_thread
 from hjcamp.errors import UsageError
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
@@ -114,6 +115,7 @@ def calibrated(
     ``known`` is what windows of another width told; it is brought up to date.
     Of logs longer than the ``effort`` allows, windows are looked at that are evenly spread over them.
     """
+    take_one_thread()
     plant, known = measured.plant, known or Known()
     given = {name for test in measured.tests for name, _ in test.given}
     base = {name: plant.parameters[name].default for name in plant.base_parameters if name not in given}

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from carriage import measured_log, nothing
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from hjcamp.effects import load_effects
 from hjcamp.prediction import verdict
@@ -127,6 +128,13 @@ def test_any_number_of_threads_gives_the_same(axis: Path) -> None:
         step = analysis.search.look(analysis.base)
         looks.append([(one.names, one.left_out, one.fitted.candidate.effects) for one in step.named])
     assert looks[0] == looks[1] and len(looks[0]) >= 2
+
+
+def test_linear_algebra_takes_one_thread(axis: Path) -> None:
+    measured = measured_tests([measured_log(seconds=0.6)])
+    with threadpool_limits(2, user_api="blas"):
+        calibrated(measured, {}, unknowns=False)
+        assert {row["num_threads"] for row in threadpool_info() if row["user_api"] == "blas"} == {1}
 
 
 @pytest.mark.parametrize(("left", "least", "hardly"), [(0.9, 0.1, True), (0.5, 0.1, False), (0.9, 0.46, False)])
