@@ -30,7 +30,7 @@ HIDDEN = {
 
 
 def asked(force) -> dict:  # type: ignore[no-untyped-def, type-arg]
-    measured = measured_tests([measured_log(force, seconds=24.0)])
+    measured = measured_tests([measured_log(force, seconds=16.0)])
     library = load_effects(plant=measured.plant)
     chosen = {name: library[name] for name in LIBRARY}
     found = agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width))
