@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+
+# Before numpy is loaded: as many processes as processors run tests, and threads that wait for each other only take time.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import pytest
 from answer_schemas import check_answer
@@ -19,6 +23,13 @@ def pytest_xdist_auto_num_workers() -> int:
     """One process more than there are processors: tests of clocks, servers and other processes wait a fifth of the time."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return usable + 1
+
+
+def pytest_collection_finish() -> None:
+    """Let the collector of garbage pass over what is loaded by now, and look less often: a tenth of all the time."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 10, 10)
 
 
 @pytest.fixture(scope="session")

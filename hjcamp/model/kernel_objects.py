@@ -5,17 +5,22 @@ from __future__ import annotations
 import hashlib
 import os
 import pickle
+import sys
+import time
 import types
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 
 from hjcamp.model.kernel_cache import remove
 
+# Another process that holds a lock may be stopped, or its machine slow: then the function is compiled twice.
+PATIENCE_S = 60.0
 SEAL = b"hjcamp"  # stands before the hash at the end of an object file; numba itself reads no further than its pickle
 
 
@@ -23,8 +28,53 @@ def guard(module: types.ModuleType, say_once: Callable[[str], None]) -> None:
     """Let every compiled function of a kernel keep its code in files that may be damaged."""
     found: list[Any] = [one for one in vars(module).values() if isinstance(one, Dispatcher)]
     for function in found:
-        if isinstance(function._cache, FunctionCache):
+        # what a kernel imports from the file that all share is guarded there
+        if isinstance(function._cache, FunctionCache) and not isinstance(function._cache, KernelCache):
             function._cache = KernelCache(function._cache, say_once)
+            function.compile = _one_process(function)
+
+
+def _one_process(function: Any) -> Callable[[Any], Any]:
+    """Return what compiles the function, or waits while another process does, and reads what that has made."""
+    compiled, path = function.compile, Path(function._cache._cache_path) / f"{function._cache._impl.filename_base}.lock"
+
+    def compile_alone(sig: Any) -> Any:
+        # numba's own lock first: another thread that holds it may want this one
+        with global_compiler_lock, _held(path):
+            return compiled(sig)
+
+    return compile_alone
+
+
+@contextmanager
+def _held(path: Path) -> Iterator[None]:
+    """Hold a lock that other processes wait for, each for a while; without it where the disk gives none."""
+    descriptor = -1
+    with suppress(OSError):
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        _wait_for(descriptor)
+    try:
+        yield
+    finally:
+        if descriptor >= 0:
+            # who comes later has no need of it: what was compiled is there
+            remove([path])
+            os.close(descriptor)
+
+
+def _wait_for(descriptor: int) -> None:
+    if sys.platform == "win32":
+        return
+    import fcntl
+
+    last = time.monotonic() + PATIENCE_S
+    while time.monotonic() < last:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            time.sleep(0.02)
+        else:
+            return
 
 
 class KernelCache(FunctionCache):

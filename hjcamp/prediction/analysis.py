@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.algebra import take_one_thread
 from hjcamp.errors import UsageError
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
@@ -118,6 +119,7 @@ def calibrated(
     ``forms``; those of ``forms`` alone are not looked for beyond that.
     Of logs longer than the ``effort`` allows, windows are looked at that are evenly spread over them.
     """
+    take_one_thread()
     plant, known = measured.plant, known or Known()
     unnamed = {name for name in forms or {} if name not in library}
     library = {**library, **(forms or {})}

@@ -151,7 +151,10 @@ def test_what_a_killed_process_left_does_not_hinder_and_goes(own_cache: Path) ->
 
 
 def test_two_processes_compile_one_kernel(own_cache: Path) -> None:
-    script = f"from hjcamp.model.kernel_cache import load_kernel\nprint(load_kernel({TINY!r}).prepare(1.0))"
+    script = (
+        f"from hjcamp.model.kernel_cache import load_kernel\nmodule = load_kernel({TINY!r})\n"
+        "print(module.prepare(1.0), sum(module.prepare.stats.cache_hits.values()))"
+    )
     environment = {**os.environ, "PYTHONPATH": str(Path(hjcamp.__file__).parents[1])}
     both = [
         subprocess.Popen(
@@ -159,10 +162,22 @@ def test_two_processes_compile_one_kernel(own_cache: Path) -> None:
         )
         for _ in range(2)
     ]
-    assert [process.communicate(timeout=120)[0] for process in both] == [b"2.0\n"] * 2
+    # one compiles, and the other waits for what that makes
+    assert sorted(process.communicate(timeout=120)[0] for process in both) == [b"2.0 0\n", b"2.0 1\n"]
     third = fresh()
     assert third.prepare(1.0) == 2.0 and third.prepare.stats.cache_hits
-    assert not list(own_cache.rglob("*.part")) + list(own_cache.rglob("*.tmp.*"))
+    assert not [*own_cache.rglob("*.part"), *own_cache.rglob("*.tmp.*"), *own_cache.rglob("*.lock")]
+
+
+def test_a_kernel_that_calls_what_others_share_does_not_wait_for_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    def waits(seconds: float) -> None:
+        raise AssertionError("no other process holds the lock")
+
+    fresh()
+    source = TINY.replace("time.sleep(0.05)", f"from {kernel_name(TINY)} import prepare as shared")
+    source = source.replace("added(x, 1.0)", "shared(x)")
+    monkeypatch.setattr("hjcamp.model.kernel_objects.time.sleep", waits)
+    assert fresh(source).prepare(1.0) == 2.0
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EACCES])

@@ -24,8 +24,8 @@ def hunting(tolerance: float, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]
     with monkeypatch.context() as patch:
         patch.setattr(JointSimulator, "run", functools.partialmethod(JointSimulator.run, tolerance=tolerance))
         return columns(
-            cycloid(-120.0), LOW_PRESSURES, Pid, {"first_direction": -1.0}, ("payload_inertia",), count=2 * np.pi / 1024,
-            dither=1.2,
+            cycloid(-120.0), LOW_PRESSURES, Pid, {"first_direction": -1.0}, ("gravity_load", "payload_inertia"),
+            {"gravity_load.load_mass": 0.0}, count=2 * np.pi / 1024, dither=1.2,
         )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -39,17 +40,20 @@ def measured_log(
         for size, rate, phase in zip((0.06, 0.03, 0.015), (0.21, 0.57, 1.13), phases, strict=True)
     )
     wanted = path(time) if path else wanted - wanted[0]
+    # plain numbers, not numpy's: they are four times as fast
+    targets = [float(one) for one in wanted]
     x = v = 0.0
     h = PERIOD / SMALL
     places, volts = np.empty(len(time)), np.empty(len(time))
-    for k in range(len(time)):
-        places[k] = np.round(x / COUNT) * COUNT
-        volts[k] = 160.0 * (wanted[k] - x) - 6.0 * v
+    for k, target in enumerate(targets):
+        places[k] = round(x / COUNT) * COUNT
+        voltage = 160.0 * (target - x) - 6.0 * v
+        volts[k] = voltage
         for _ in range(SMALL):
-            push = GAIN * volts[k] + force(x, v) - VISCOUS * v
+            push = GAIN * voltage + float(force(x, v)) - VISCOUS * v
             if v == 0.0 and abs(push) <= COULOMB:
                 continue
-            way = np.sign(v) if v != 0.0 else np.sign(push)
+            way = math.copysign(1.0, v if v != 0.0 else push)
             after = v + h * (push - way * COULOMB) / MASS
             if v != 0.0 and after * v < 0.0:
                 after = 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,13 +25,24 @@ ONLY = "spring,constant_force,quadratic_drag"  # those of the verdict's tests an
 run = CliRunner().invoke
 
 
-@pytest.fixture
-def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    assert run(app, ["plants", "new", "stage"]).exit_code == 0
+@pytest.fixture(scope="module")
+def imported(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the plant and its logs, made once by the commands."""
+    folder = tmp_path_factory.mktemp("imported")
     files = [str(SAMPLES / f"{name}.csv") for name in ("train", "held_out")]
-    done = run(app, ["import", *files, "--map", str(SAMPLES / "map.yaml"), "--into", "logs"])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert run(app, ["plants", "new", "stage"]).exit_code == 0
+        done = run(app, ["import", *files, "--map", str(SAMPLES / "map.yaml"), "--into", "logs"])
     assert done.exit_code == 0, done.output
+    return folder
+
+
+@pytest.fixture
+def stage(imported: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Work in a copy of that folder."""
+    shutil.copytree(imported, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
     return tmp_path
 
 

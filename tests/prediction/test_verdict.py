@@ -11,6 +11,7 @@ import gauge
 import numpy as np
 import pytest
 from carriage import measured_log, nothing
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from hjcamp.commands._plant_words import Words
 from hjcamp.effects import load_effects
@@ -32,7 +33,7 @@ HIDDEN = {
 
 
 def asked(force) -> dict:  # type: ignore[no-untyped-def, type-arg]
-    measured = measured_tests([measured_log(force, seconds=24.0)])
+    measured = measured_tests([measured_log(force, seconds=16.0)])
     library = load_effects(plant=measured.plant)
     chosen = {name: library[name] for name in LIBRARY}
     found = agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width))
@@ -164,6 +165,13 @@ def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
     assert "level still errs by 0.3 V, 3 times its floor, and more than chance (p = 0.005)" in said and "repeated test" in said
     words = Words(words.analysis, replace(verdict, p_value=0.5), {**words.content, "floor": {"level_v": {**row, "value": None}}})
     assert "6 times its noise, though the library takes no more of it than chance (p = 0.5)" in " ".join(words.sentences())
+
+
+def test_linear_algebra_takes_one_thread(axis: Path) -> None:
+    measured = measured_tests([measured_log(seconds=0.6)])
+    with threadpool_limits(2, user_api="blas"):
+        calibrated(measured, {}, unknowns=False)
+        assert {row["num_threads"] for row in threadpool_info() if row["user_api"] == "blas"} == {1}
 
 
 @pytest.mark.parametrize(("left", "least", "hardly"), [(0.9, 0.1, True), (0.5, 0.1, False), (0.9, 0.46, False)])

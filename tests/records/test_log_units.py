@@ -13,10 +13,14 @@ from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.records.units import conversion_to_field, deg_from_rad, mpa_from_pa, pa_from_mpa, rad_from_deg, units_of
 
 
-@pytest.mark.parametrize("shown", [unit.shown for unit in FIELD_UNITS.values()])
-def test_every_conversion_agrees_with_pint(shown: str) -> None:
-    registry = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+@pytest.fixture(scope="module")
+def registry() -> pint.UnitRegistry:
+    """Every unit that pint knows, read once."""
+    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
+
+@pytest.mark.parametrize("shown", [unit.shown for unit in FIELD_UNITS.values()])
+def test_every_conversion_agrees_with_pint(registry: pint.UnitRegistry, shown: str) -> None:
     def measured(value: float, unit: str) -> pint.Quantity:
         named = {"%": "percent", "1": "dimensionless", "degC": "degC", "degF": "degF", "L": "liter"}.get(unit)
         return registry.Quantity(value, named or unit.replace("N m", "N*m").replace("mN m", "mN*m"))

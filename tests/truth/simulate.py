@@ -2,7 +2,8 @@
 
 import math
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,11 @@ from truth.hydraulics import PUMP_PRESSURE, fill_lines, lines_step, wall_creep
 from truth.joint import BODY_ROWS, asperity_stiffness, joint_step
 from truth.plant import JOINT_AREA, PULLEY_RADIUS, PUMP_AREA, Plant
 from truth.pump import carriage_step, servo_step
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 COMPILED = ("arm", "controller", "friction", "hydraulics", "joint", "lines", "plant", "pump", "simulate")
 SUBSTEPS = 50
@@ -205,5 +211,16 @@ def run(
     phases: np.ndarray,
 ) -> tuple[np.ndarray, int]:
     """Run `simulate`, compiled once for these sources and cached on disk."""
-    rows, first, _ = _RUN(plant, procedure, reference, profile, directions, noise, phases)
+    with nullcontext() if _RUN.signatures else _alone():
+        rows, first, _ = _RUN(plant, procedure, reference, profile, directions, noise, phases)
     return rows, first
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """Let one process compile while others wait for what it keeps; where there are no such locks, each compiles."""
+    with Path(__file__).open("rb") as own:
+        if fcntl is not None:
+            with suppress(OSError):
+                fcntl.flock(own, fcntl.LOCK_EX)
+        yield

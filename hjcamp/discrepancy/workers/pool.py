@@ -9,6 +9,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar
 
+from hjcamp.algebra import take_one_thread
 from hjcamp.cluster import cluster_errors, connected
 from hjcamp.discrepancy.workers.processes import Helpers
 
@@ -27,7 +28,7 @@ class Crew:
         helped = ready if cluster is None and workers > 1 else None
         self._helpers = Helpers(workers - 1, helped) if helped else None
         self.workers = 1 if self._helpers else workers
-        _alone()
+        take_one_thread()
         self._pool: ThreadPoolExecutor | None = None
         self._client = connected(cluster) if cluster else None
 
@@ -89,14 +90,6 @@ def _in_order(
     finally:
         for future in futures:
             future.cancel()
-
-
-def _alone() -> None:
-    """Let the linear algebra of this process, loaded before, use one thread."""
-    import scipy.linalg  # noqa: F401
-    from threadpoolctl import threadpool_limits
-
-    threadpool_limits(1, user_api="blas")
 
 
 def available() -> int:
