@@ -179,20 +179,21 @@ def predictable(
         found.move_starts(candidate)
         fitted = settled(found, candidate, free)
         candidate = fitted.candidate if np.isfinite(fitted.loss) else candidate
+    order = len(measured.plant.states) - 1
+    own = found.growth(candidate) / power_of(widths[0], order) if len(widths) > 1 else 0.0
     for one in widths[1:]:
         longer = _begun(measured, kernels, candidate, one, effort)
-        if longer.growth(candidate) > most_growth(one, len(measured.plant.states)):
+        # what grows by itself squares in twice the time, though the path may have left the plant by then and grow no more
+        own = max(longer.growth(candidate) / power_of(one, order), own**2)
+        if own > min(MOST_GROWTH / power_of(one, order), OWN_GROWTH):
             break
         found = longer
     return found, candidate
 
 
-def most_growth(width: int, states: int) -> float:
-    """Return how often as large what a start brings may be at the end of a window as in its first half.
-
-    In a chain of n integrators it grows as t^(n - 1).
-    """
-    return min(MOST_GROWTH, OWN_GROWTH * ((width - 1) / (width // 2 - 1)) ** (states - 1))
+def power_of(width: int, order: int) -> float:
+    """Return how often as large a power of time is at the end of a window as at the end of its first half."""
+    return ((width - 1) / (width // 2 - 1)) ** order
 
 
 def _begun(measured: Measured, kernels: Kernels, candidate: Candidate, width: int, effort: str) -> Windows:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hjcamp.effects import load_effects
-from hjcamp.prediction.analysis import calibrated, most_growth
+from hjcamp.prediction.analysis import calibrated, power_of
 from hjcamp.prediction.measured import Measured, measured_tests
 from hjcamp.prediction.starts import erring_sensors
 from hjcamp.prediction.verdict import judged
@@ -100,7 +100,15 @@ def test_windows_begin_where_the_sensor_reads_with_its_errors(measured: Measured
     assert isinstance(windows, Windows) and np.array_equal(late[1][first], plain[1][first])
 
 
-def test_the_growth_of_a_start_is_held_to_that_of_its_integrators() -> None:
-    assert most_growth(64, 1) == pytest.approx(np.e)
-    assert most_growth(64, 2) == pytest.approx(np.e * 63.0 / 31.0)
-    assert most_growth(64, 6) == 10.0
+def test_windows_are_no_longer_though_a_path_that_has_left_grows_no_more(
+    measured: Measured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # over 23, 46 and 93 samples the start grows 3.5, 7 and, where the ball has hit the magnet, 0 times
+    widths = {23: 3.5, 46: 7.0, 93: 0.0}
+    monkeypatch.setattr(Windows, "growth", lambda self, candidate: widths[self.layout.width])
+    assert calibrated(measured, {}, unknowns=False, width=93).windows.layout.width == 23
+    widths[46] = 3.0
+    assert calibrated(measured, {}, unknowns=False, width=93).windows.layout.width == 46
+    widths[23] = 2.0
+    assert calibrated(measured, {}, unknowns=False, width=93).windows.layout.width == 93
+    assert power_of(64, 1) == pytest.approx(63.0 / 31.0) and power_of(64, 0) == 1.0
