@@ -215,8 +215,10 @@ def considered(
             if name not in library:
                 raise unknown("effect", name, library, option)
         chosen = chosen & set(names) if option == "--only" else chosen - set(names)
-    if not chosen:
-        raise UsageError(f"--only {only} --without {without}: no effect is left to look for")
+    if not any(getattr(library[name], "claimed", True) for name in chosen):
+        options = "".join(f"{option} {text} " for option, text in (("--only", only), ("--without", without)) if text)
+        never = f"; {', '.join(sorted(chosen))} is never named, see hjcamp effects {min(chosen)}" if chosen else ""
+        raise UsageError(f"{options}leaves no effect to look for{never}" if options else "there is no effect to look for")
     return {name: effect for name, effect in library.items() if name in chosen or name in given}
 
 

@@ -102,7 +102,7 @@ def test_only_and_without_choose_the_effects() -> None:
         ("leackage", None, r"unknown effect 'leackage'.*leakage"),
         (None, "stribek_friction", r"unknown effect 'stribek_friction'.*stribeck_friction"),
         (" , ", None, r"--only ' , ': give the names of effects"),
-        ("leakage", "leakage", "no effect is left"),
+        ("leakage", "leakage", "--only leakage --without leakage leaves no effect to look for$"),
     ],
 )
 def test_a_choice_that_cannot_be_made_is_refused(only: str | None, without: str | None, message: str) -> None:

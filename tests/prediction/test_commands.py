@@ -178,6 +178,7 @@ def test_next_takes_the_diagnosis_of_the_same_logs_and_sets_its_group_apart(stag
         (["diagnose", "logs", "--only", "leakage"], "leakage"),
         (["diagnose", "logs", "--ask", "sprong"], "did you mean 'spring'"),
         (["diagnose", "logs", "--ask", " , "], "give the names of effects"),
+        (["diagnose", "logs", "--only", "contact_creep"], "leaves no effect to look for; contact_creep is never named"),
         (["add", "spring", "spring", "logs", "--as", "x"], "each effect once"),
         (["add", "sprong", "logs", "--as", "x"], "spring"),
         (["add", "spring", "logs", "--as", "published"], "exists already"),
