@@ -227,9 +227,14 @@ def calibration_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
     """Rows of a base parameter: declared, here, 95 %."""
     return [
         [name.replace("_", " ").replace("delay.", "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
-         told_interval(row) + ("  at its bound" if row.get("at_bound") and row["value"] else "")]
+         told_interval(row) + ("  at its bound" if _held(row) else "")]
         for name, row in rows.items()
     ]  # fmt: skip
+
+
+def _held(row: Mapping[str, Any]) -> bool:
+    """Whether a parameter stands at a bound that is no natural one: none has less friction or delay than 0."""
+    return bool(row.get("at_bound") and row["value"])
 
 
 def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -238,7 +243,7 @@ def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
         f"{name.replace('_', ' ')} is held by its bound, {told(row['value'], row['unit'])}, far from what is declared: is a sign or "
         "a unit wrong in the plant's file or in the import map? What is named may stand for that."
         for name, row in rows.items()
-        if row.get("at_bound") and not row["ci95"][0] <= row["published"] <= row["ci95"][1]
+        if _held(row) and not name.startswith("delay.") and not row["ci95"][0] <= row["published"] <= row["ci95"][1]
     ]
 
 

@@ -20,3 +20,9 @@ def test_a_parameter_that_its_bound_keeps_from_what_is_declared_asks_for_a_sign(
 @pytest.mark.parametrize(("low", "high", "at_bound"), [(0.02, 2.0, True), (0.02, 0.3, False)])
 def test_what_the_tests_cannot_tell_or_no_bound_holds_does_not(low: float, high: float, at_bound: bool) -> None:
     assert held_by_bounds(row(0.02, low, high, at_bound)) == []
+
+
+def test_no_friction_at_all_and_a_delay_at_its_longest_are_no_wrong_sign() -> None:
+    assert held_by_bounds(row(0.0, 0.0, 0.3, True)) == [] and calibration_table(row(0.0, 0.0, 0.3, True))[0][-1] == "0 to 0.3"
+    late = {"delay.current": row(0.004, 0.003, 0.004, True)["push_gain"] | {"published": 0.0, "unit": "s"}}
+    assert held_by_bounds(late) == [] and calibration_table(late)[0][-1].endswith("at its bound")
