@@ -121,9 +121,8 @@ def calibrated(
     """
     take_one_thread()
     plant, known = measured.plant, known or Known()
-    unnamed = {name for name in forms or {} if name not in library}
-    library = {**library, **(forms or {})}
-    unnamed |= {name for name, effect in library.items() if not effect.claimed}
+    both = {**library, **(forms or {})}
+    unnamed = frozenset(name for name, effect in both.items() if name not in library or not effect.claimed)
     given = {name for test in measured.tests for name, _ in test.given}
     base = {name: plant.parameters[name].default for name in plant.base_parameters if name not in given}
     free = [_free(plant.parameters[name], (start.base if start else {}).get(name)) for name in base]
@@ -140,14 +139,15 @@ def calibrated(
             base[ZERO + sensor.field] = 0.0
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
     begun = candidate.with_base(known.base)
-    kernels = Kernels(plant, dict(library))
+    kernels = Kernels(plant, both)
     windows, begun = predictable(measured, kernels, begun, free, width or width_of(measured), effort)
     layout = windows.layout
     report("calibrating", 0.1)
     ranges = ranges_of(plant, candidate.base, _filled(windows, candidate), layout.inputs, layout.time)
     found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
-    search = Search(windows, library, found, chapters_of(layout), free, ranges, seed, report, workers, known.forms)
-    search.unnamed = frozenset(unnamed)
+    search = Search(
+        windows, both, found, chapters_of(layout), free, ranges, seed, report, workers, known.forms, unnamed=unnamed
+    )
     windows.move_starts(begun)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if not np.isfinite(fitted.loss):

@@ -196,40 +196,43 @@ class Windows:
 
     def _predicted(self, candidate: Candidate, starts: Array | None, friction: float) -> tuple[Array, Array, float]:
         """Return `readings`, and the integrator's steps a sample."""
-        begin = self._true(candidate, self.starts if starts is None else starts)
-        return self._run(candidate, begin, friction, self.layout.width)
+        layout = self.layout
+        inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
+        begin = self._true(candidate, self.starts if starts is None else starts, inputs)
+        if friction != 1.0:
+            inputs = inputs.copy()
+            inputs[:, layout.names.index("friction_scatter")] *= friction
+        return self._run(candidate, begin, inputs, layout.width)
 
-    def _true(self, candidate: Candidate, starts: Array) -> Array:
+    def _true(self, candidate: Candidate, starts: Array, inputs: Array) -> Array:
         """Return the true states (windows, states) of starts that are given as sensors without errors would read them.
 
         What begins where its sensor reads begins elsewhere where that errs: each first reading stays the same. A plant that
         falls by itself would else leave its path before a fit of the sensor's error could follow.
         """
-        sensors = self.layout.measured.sensors
-        erring = erring_sensors(self.layout.measured.plant, {name: self.kernels.effects[name] for name in candidate.effects})
+        plant = self.layout.measured.plant
+        erring = erring_sensors(plant, {name: self.kernels.effects[name] for name in candidate.effects})
         if not erring:
             return starts
-        wrong, right = (
-            self._run(one, starts, 1.0, 1)[0] for one in (candidate, candidate.without(set().union(*erring.values())))
-        )
+        without = candidate.without(set().union(*erring.values()))
+        wrong, right = (self._run(one, starts, inputs, 1)[0] for one in (candidate, without))
         moved = starts.copy()
-        for k, one in enumerate(sensors):
+        for k, one in enumerate(self.layout.measured.sensors):
             if one.field in erring:
-                place = list(self.layout.measured.plant.states).index(self.layout.measured.plant.measured[one.field].of)
+                place = list(plant.states).index(plant.measured[one.field].of)
                 change = wrong[:, k] - right[:, k]
                 moved[:, place] -= np.where(np.isfinite(change), change, 0.0)
         return np.maximum(moved, self.lowest)
 
-    def _run(self, candidate: Candidate, begin: Array, friction: float, samples: int) -> tuple[Array, Array, float]:
-        """Return readings and states of the first ``samples`` of each window, (windows samples, ...), and steps a sample."""
+    def _run(self, candidate: Candidate, begin: Array, inputs: Array, samples: int) -> tuple[Array, Array, float]:
+        """Return readings and states of the first ``samples`` of each window, (windows samples, ...), and steps a sample.
+
+        They begin at true states (windows, states), under ``inputs`` (n, inputs) of the whole windows.
+        """
         layout, measured = self.layout, self.layout.measured
         most = STIFF * self.usual_steps
         if most and not self._remembers(candidate):
             most = max(most, BENT)
-        inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
-        if friction != 1.0:
-            inputs = inputs.copy()
-            inputs[:, layout.names.index("friction_scatter")] *= friction
         count = len(begin) * samples
         out, states = np.empty((count, len(measured.sensors))), np.empty((count, begin.shape[1]))
         of_all = np.arange(len(begin) * layout.width).reshape(-1, layout.width)[:, :samples].ravel()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +22,8 @@ SMALL = 40
 COUNT, BEND = 1e-7, 4e-6
 
 
-def creeping_log(creep: float, seconds: float = 16.0) -> TestLog:
-    """Return a log of a carriage whose friction is C tanh(v / creep) (m/s): it never sticks."""
+def carriage_log(friction: Callable[[float, float], float], seconds: float = 16.0) -> TestLog:
+    """Return a log of a carriage solved by small steps; ``friction`` (N) is of its velocity and the step (s)."""
     time = np.arange(round(seconds / PERIOD)) * PERIOD
     wanted = 0.06 * np.sin(1.4 * time) + 0.03 * np.sin(3.7 * time + 1.0) - 0.03 * np.sin(1.0)
     x = v = 0.0
@@ -32,28 +33,27 @@ def creeping_log(creep: float, seconds: float = 16.0) -> TestLog:
         places[k] = np.round(x / COUNT) * COUNT
         volts[k] = 160.0 * (wanted[k] - x) - 6.0 * v
         for _ in range(SMALL):
-            v += h * (GAIN * volts[k] - VISCOUS * v - COULOMB * math.tanh(v / creep)) / MASS
+            v += h * (GAIN * volts[k] - VISCOUS * v - friction(v, h)) / MASS
             x += h * v
     columns = {"time_s": time, "position_m": places, "voltage_v": volts}
     return TestLog(columns, {"plant": "axis", "period_s": str(PERIOD), "condition": "swing"})
 
 
-def bristled_log(bend: float, seconds: float = 16.0) -> TestLog:
-    """Return a log of a carriage whose friction is Dahl's, with ``bend`` (m) to full slip, solved by small steps."""
-    time = np.arange(round(seconds / PERIOD)) * PERIOD
-    wanted = 0.06 * np.sin(1.4 * time) + 0.03 * np.sin(3.7 * time + 1.0) - 0.03 * np.sin(1.0)
-    x = v = z = 0.0
-    h = PERIOD / SMALL
-    places, volts = np.empty(len(time)), np.empty(len(time))
-    for k in range(len(time)):
-        places[k] = np.round(x / COUNT) * COUNT
-        volts[k] = 160.0 * (wanted[k] - x) - 6.0 * v
-        for _ in range(SMALL):
-            z = (z + h * v) / (1.0 + h * abs(v) / bend)
-            v += h * (GAIN * volts[k] - VISCOUS * v - COULOMB * z / bend) / MASS
-            x += h * v
-    columns = {"time_s": time, "position_m": places, "voltage_v": volts}
-    return TestLog(columns, {"plant": "axis", "period_s": str(PERIOD), "condition": "swing"})
+def creeping_log(creep: float) -> TestLog:
+    """Return a log with the friction C tanh(v / creep) (m/s): it never sticks."""
+    return carriage_log(lambda v, h: COULOMB * math.tanh(v / creep))
+
+
+def bristled_log(bend: float) -> TestLog:
+    """Return a log with Dahl's friction, with ``bend`` (m) to full slip."""
+    z = 0.0
+
+    def friction(v: float, h: float) -> float:
+        nonlocal z
+        z = (z + h * v) / (1.0 + h * abs(v) / bend)
+        return COULOMB * z / bend
+
+    return carriage_log(friction)
 
 
 @pytest.fixture
