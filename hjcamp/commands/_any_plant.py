@@ -21,7 +21,7 @@ def diagnose_any(data: Data, asked: Asked, json: Path | None) -> None:
     with progress_of(console) as report:
         from hjcamp.analyses.diagnosing import diagnose_plant
         from hjcamp.commands._plant_pages import write_diagnosis
-        from hjcamp.commands._plant_words import Words, print_diagnosis
+        from hjcamp.commands._plant_verdict_words import Words, print_diagnosis
 
         done = diagnose_plant(data, asked, report)
         write_answer(json, done.content)

@@ -9,7 +9,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from hjcamp.analyses.plant_comparison import PlantComparison
-    from hjcamp.commands._plant_words import Words
+    from hjcamp.commands._plant_verdict_words import Words
     from hjcamp.prediction.analysis import Analysis
 
 WINDOWS = 3
@@ -33,6 +33,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     from hjcamp.commands._effect_links import equations_of, links, write_effect_pages
     from hjcamp.commands._plant_corner import fitted_parameters
     from hjcamp.commands._plant_evidence import evidence_pictures
+    from hjcamp.commands._plant_verdict_words import CANDIDATES
     from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.exploration import channel_label
@@ -52,7 +53,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
         equations_of(verdict.effects, library),
     ]
     if rows := words.candidates():
-        parts += [page.heading("Effects, best first"), page.table_of(said.CANDIDATES, rows)]
+        parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows)]
         parts.append(
             page.note(
                 "t: of the paired differences over chapters left out. Left: the error of left-out chapters that stays."

@@ -164,7 +164,7 @@ def diagnose(
 
         told = Told(**vars(diagnose_pump_joint(data, asked, progress_to(progress), gather=gathered)))
         return Diagnosis(data, asked.model, told, told.content)
-    from hjcamp.commands._plant_words import Words
+    from hjcamp.commands._plant_verdict_words import Words
 
     done = diagnose_plant(data, asked, progress_to(progress))
     return Diagnosis(data, asked.model, Words(done.analysis, done.verdict, done.content), done.content)
