@@ -200,6 +200,11 @@ def expand(call: ast.Call, target: str, state: str, several: bool, where: str, p
     pieces |= {"name": name, "direction": direction, "state": f"state.{state}" if state else ""}
     if element is CONTACT:
         _complete_contact(pieces, where)
+    if state and pieces[element.needs[0]] == f"state.{state}":
+        raise UsageError(
+            f"{where}: {element.name}(...) takes {', '.join(element.arguments)}; the first is {element.needs[0]}, not the state: "
+            f"rate.{state} says whose rate it is"
+        )
     if element is STORE and pieces["stiffness"]:
         if pieces["capacity"]:
             raise UsageError(f"{where}: give store '{name}' a capacity or a stiffness, which is 1 over it, not both")
