@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.fitting import Fitted, whole_loss
+from hjcamp.prediction.bounded_step import bounded_step
+from hjcamp.prediction.fitting import Fitted, moved_by, room_of, whole_loss
 from hjcamp.prediction.likelihood import covariance, whitener
 from hjcamp.prediction.windows import Layout, Windows
 
@@ -49,15 +50,14 @@ def left_out(windows: Windows, fitted: Fitted, chapters: NDArray[np.int64]) -> A
     if not fitted.free:
         return features
     # where the fit has not ended, each fit without a chapter has as far to go
-    ahead = np.linalg.lstsq(whole, pull.sum(axis=0) + known, rcond=1e-10)[0]
+    room = room_of(fitted.free, fitted.candidate)
+    ahead = bounded_step(whole, -pull.sum(axis=0) - known, *room)
     for chapter in np.unique(chapters):
         out = chapters == chapter
-        step = ahead - np.linalg.lstsq(whole - each[out].sum(axis=0), pull[~out].sum(axis=0) + known, rcond=1e-10)[0]
+        step = bounded_step(whole - each[out].sum(axis=0), -pull[~out].sum(axis=0) - known, *room) - ahead
         least = whole_loss(fitted.features[~out], fitted.candidate, fitted.free)
         for share in SHARES:
-            moved = fitted.candidate
-            for one, x in zip(fitted.free, step, strict=True):
-                moved = one.into(moved, one.of(moved) + share * float(x))
+            moved = moved_by(fitted.candidate, fitted.free, share * step)
             found = windows.features(moved)
             # what the others know is no worse for them than what all know
             if whole_loss(found[~out], moved, fitted.free) <= least and np.all(np.isfinite(found[out])):

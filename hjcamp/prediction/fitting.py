@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.bounded_step import bounded_step
 from hjcamp.prediction.likelihood import loss, whitener
 from hjcamp.prediction.windows import Windows
 
@@ -53,8 +54,11 @@ class Free:
         return math.log(max(value, 1e-300)) if self.log else value / self.scale
 
     def into(self, candidate: Candidate, x: float) -> Candidate:
-        """Return the candidate with this value, within the bounds."""
-        value = math.exp(min(x, 700.0)) if self.log else x * self.scale
+        """Return the candidate with this value, in units of its scale (its logarithm), within the bounds."""
+        return self.put(candidate, math.exp(min(x, 700.0)) if self.log else x * self.scale)
+
+    def put(self, candidate: Candidate, value: float) -> Candidate:
+        """Return the candidate with this value, SI, within the bounds."""
         value = float(min(max(value, self.low), self.high))
         if self.effect:
             return candidate.with_effect(self.effect, {**candidate.effects[self.effect], self.name: value})
@@ -148,10 +152,8 @@ def fit(
         size = np.maximum(np.diag(curvature), 1e-12 * max(float(np.diag(curvature).max()), 1e-300))
         gained = 0.0
         while damping < WORST_DAMPING:
-            step = np.linalg.lstsq(curvature + damping * np.diag(size), downhill, rcond=None)[0]
-            tried = candidate
-            for one, x in zip(free, step, strict=True):
-                tried = one.into(tried, one.of(candidate) + float(np.clip(x, -2.0, 2.0)))
+            step = bounded_step(curvature + damping * np.diag(size), downhill, *room_of(free, candidate))
+            tried = moved_by(candidate, free, step)
             seen = windows.features(tried)
             value = whole_loss(seen, tried, free)
             if value < current:
@@ -174,6 +176,20 @@ def fit(
     if exact and not close and np.isfinite(current):
         slopes = slopes_of(windows, candidate, free, features)
     return Fitted(candidate, tuple(free), features, slopes, current)
+
+
+def room_of(free: Sequence[Free], candidate: Candidate) -> tuple[Array, Array]:
+    """Return how far each parameter can be moved down and up (free,) within its bounds, in units of its scale."""
+    low, high = (np.array([one.of(one.put(candidate, end)) for one in free]) for end in (-math.inf, math.inf))
+    now = np.array([one.of(candidate) for one in free])
+    return np.minimum(low - now, 0.0), np.maximum(high - now, 0.0)
+
+
+def moved_by(candidate: Candidate, free: Sequence[Free], step: Array) -> Candidate:
+    """Return a candidate with its free parameters moved by a step (free,), in units of their scales."""
+    for one, x in zip(free, step, strict=True):
+        candidate = one.into(candidate, one.of(candidate) + float(x))
+    return candidate
 
 
 def _lent(

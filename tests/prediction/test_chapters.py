@@ -58,7 +58,9 @@ def test_the_right_model_has_the_advantage_in_each_chapter() -> None:
 def test_a_step_that_is_worse_for_the_others_is_not_taken(axis: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     analysis = calibrated(measured_tests([measured_log()]), {}, unknowns=False)
     fitted, of = analysis.base.fitted, analysis.search.chapters
-    assert np.abs(left_out(analysis.windows, fitted, of) - fitted.features).max() < 0.5
-    step: Any = np.linalg.lstsq
-    monkeypatch.setattr(chapters.np.linalg, "lstsq", lambda *a, **k: (1e4 * step(*a, **k)[0] + 3.0, None, None, None))
+    # five parameters of 16 chapters: far below the noise of any window
+    moved = np.abs(left_out(analysis.windows, fitted, of) - fitted.features)
+    assert moved.max() < 0.6 and np.sqrt(np.mean(moved**2)) < 0.05
+    step: Any = chapters.bounded_step
+    monkeypatch.setattr(chapters, "bounded_step", lambda *a: 1e4 * step(*a) + 3.0)
     assert np.array_equal(left_out(analysis.windows, fitted, of), fitted.features)
