@@ -71,9 +71,11 @@ def follow(  # type: ignore[no-untyped-def]
 
 
 def run_free(  # type: ignore[no-untyped-def]
-    z, u, p, plan, space, steps, h, begins, time, given, starts, out, states, work
+    z, u, p, plan, space, steps, h, begins, time, given, starts, out, states, ends, work
 ):
     """Run the plant under its given inputs alone; fill ``out`` with its readings and ``states`` with its states.
+
+    ``ends`` has a row for each row of ``starts``: the plant's states one sample after the last of that test or window.
 
     ``begins`` (n) is 1 where a test begins, with the states in the next row of ``starts``, and 2 where a window of a test
     begins, for which the plant's states alone are set; ``given`` (n, inputs) holds from each sample to the next.
@@ -86,6 +88,7 @@ def run_free(  # type: ignore[no-untyped-def]
         if work[3, 0] > 0.0 and counter[1] > work[3, 0]:
             out[k:] = np.nan
             states[k:] = np.nan
+            ends[max(row - 1, 0) :] = np.nan
             return
         for i in range(given.shape[1]):
             u[i] = given[k, i]
@@ -104,3 +107,6 @@ def run_free(  # type: ignore[no-untyped-def]
             states[k, i] = z[i]
         remember(time[k], direction, z, u, p)
         direction = move(time[k], direction, z, u, p, plan, space, steps, h, a, before, counter)
+        if k + 1 == len(time) or begins[k + 1] > 0:
+            for i in range(starts.shape[1]):
+                ends[row - 1, i] = z[i]

@@ -38,6 +38,18 @@ class Propagators(NamedTuple):
     steps: Array
 
 
+class Ran(NamedTuple):
+    """Tests under given inputs: readings (n, channels), states (n, states), SI, and the steps that they took.
+
+    ``ends`` (tests and windows, plant states) are the states one sample after the last one of each.
+    """
+
+    readings: Array
+    states: Array
+    ends: Array
+    steps: int
+
+
 @dataclass(frozen=True)
 class Simulator:
     """A composition compiled into one kernel.
@@ -198,25 +210,24 @@ class Simulator:
 
         After ``most`` steps of the integrator, where any are given, they are NaN.
         """
-        return self.run_counted(p, given, tolerance, most)[:2]
+        found = self.run_to_ends(p, given, tolerance, most)
+        return found.readings, found.states
 
     @limited
-    def run_counted(
-        self, p: Array, given: Given, tolerance: float = 1.0, most: float = 0.0
-    ) -> tuple[Array, Array, int]:
-        """Return what `run_free` does, and the number of steps that it took."""
+    def run_to_ends(self, p: Array, given: Given, tolerance: float = 1.0, most: float = 0.0) -> Ran:
+        """Return what `run_free` does, the states with which each test or window ends, and the number of steps that it took."""
         composition = self.composition
         starts = np.ascontiguousarray(given.starts)
         readings = np.empty((len(given.time), len(composition.measured)))
-        states = np.empty((len(given.time), len(self.states)))
+        states, ends = np.empty((len(given.time), len(self.states))), np.empty(starts.shape)
         z, work = np.zeros(len(self.states)), self.scratch()
         z[: starts.shape[1]] = starts[0]
         work[2, 5], work[3, 0] = tolerance, most
         self.kernel.run_free(
             z, self.inputs(), p, *self.propagators(z, p), given.period, given.begins, given.time, given.inputs, starts,
-            readings, states, work,
+            readings, states, ends, work,
         )  # fmt: skip
-        return readings, states, int(work[2, 1])
+        return Ran(readings, states, ends, int(work[2, 1]))
 
     def scratch(self) -> Array:
         """Return fresh working memory for the kernel's loops; the tolerance of a step is set to one resolution."""

@@ -143,11 +143,7 @@ def calibrated(
     windows, begun = predictable(measured, kernels, begun, free, width or width_of(measured), effort)
     layout = windows.layout
     report("calibrating", 0.1)
-    ranges = ranges_of(plant, candidate.base, _filled(windows, candidate), layout.inputs, layout.time)
-    found: dict[str, Unknown] = unknowns_of(plant, ranges) if unknowns else {}
-    search = Search(
-        windows, both, found, chapters_of(layout), free, ranges, seed, report, workers, known.forms, unnamed=unnamed
-    )
+    search = Search(windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed)
     windows.move_starts(begun)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if not np.isfinite(fitted.loss):
@@ -155,6 +151,10 @@ def calibrated(
             f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "
             "check their values and the units of the logs"
         )
+    states = _filled(windows, fitted.candidate)
+    search.ranges = ranges_of(plant, fitted.candidate.base, states, layout.inputs, layout.time)
+    found: dict[str, Unknown] = unknowns_of(plant, search.ranges) if unknowns else {}
+    search.unknowns = found
     windows.spare(fitted.candidate)
     kernels.add({name: one.effect for name, one in found.items()})
     scored = search.scored(fitted)
@@ -207,9 +207,9 @@ def _begun(measured: Measured, kernels: Kernels, candidate: Candidate, width: in
     declared = list(measured.plant.states.values())
     sizes = np.array([_usual(joined[:, k], item.typical) for k, item in enumerate(declared)])
     lowest = np.array([item.low for item in declared])
-    unseen = bool((~np.isfinite(joined)).all(axis=0).any())
-    before = Windows(full, kernels, first_starts(full, full.joined(states)), sizes, lowest)
-    begin_hidden(before, candidate, joined)
+    unseen = np.all(~np.isfinite(joined), axis=0)
+    before = Windows(full, kernels, first_starts(full, full.joined(states)), sizes, lowest, unseen)
+    begin_hidden(before, candidate)
     return Windows(layout, kernels, before.starts[layout.looked_at], sizes, lowest, unseen)
 
 
@@ -238,18 +238,17 @@ def first_starts(layout: Layout, joined: Array) -> Array:
     return starts
 
 
-def begin_hidden(windows: Windows, candidate: Candidate, joined: Array) -> None:
+def begin_hidden(windows: Windows, candidate: Candidate) -> None:
     """Let a state that nothing measures begin each window where the window before left it."""
-    unseen = ~np.isfinite(joined).any(axis=0)
+    unseen = windows.unseen
     if not unseen.any():
         return
     layout = windows.layout
     for _ in range(2):
         passed = windows.readings(candidate)[1]
-        for w in range(1, len(windows.starts)):
-            if layout.of_test[w] == layout.of_test[w - 1]:
-                last = passed[w * layout.width - 1, unseen]
-                windows.starts[w, unseen] = np.where(np.isfinite(last), last, windows.starts[w, unseen])
+        for w in np.flatnonzero(layout.goes_on):
+            last = passed[w * layout.width - 1, unseen]
+            windows.starts[w, unseen] = np.where(np.isfinite(last), last, windows.starts[w, unseen])
     windows.starts = np.maximum(windows.starts, windows.lowest)
 
 

@@ -32,6 +32,7 @@ from hjcamp.prediction.levels import (
     TRIED_STARTS,
 )
 from hjcamp.prediction.likelihood import loss, size
+from hjcamp.prediction.passage import Passage
 from hjcamp.prediction.regression import regression_of
 from hjcamp.prediction.screening import (
     Beside,
@@ -66,7 +67,7 @@ class Scored:
     fitted: Fitted
     features: Array
     left_out: float
-    place: tuple[Array, Array]
+    place: tuple[Array, Passage]
 
     def beyond(self, other: Scored) -> tuple[str, ...]:
         """Return the names of effects that another model lacks."""

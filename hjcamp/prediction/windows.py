@@ -3,7 +3,8 @@ r"""Residuals over windows: each begins at states of its own, and only what thos
 In window w a model gives the readings :math:`y_w(x_w, \theta)` from the state :math:`x_w` with which it begins. With the
 sensitivities :math:`S_w = \partial y_w / \partial x_w`, what counts is the residual's part orthogonal to S_w: a wrong start
 changes nothing to first order (variable projection; multiple shooting of Bock 1983). It is written as coefficients of
-Legendre polynomials in units of the sensor's noise.
+Legendre polynomials in units of the sensor's noise. States that nothing measures go on from the window before
+(`hjcamp.prediction.passage`).
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +22,12 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.simulator import Given
 from hjcamp.prediction.kernels import Kernels
 from hjcamp.prediction.measured import Measured, MeasuredTest
+from hjcamp.prediction.passage import Passage
 from hjcamp.prediction.starts import erring_sensors
 
 Array = NDArray[np.float64]
 ORDERS = 8
 STEP = 1e-3
-# A start is free in directions that the window tells at all.
-TOLD = 1e-6
 ZERO = "zero."
 # So many times the steps of the plant itself: what is stiffer than that costs time for nothing that samples show.
 STIFF = 10.0
@@ -36,11 +37,15 @@ BENT = 64.0
 
 @dataclass(frozen=True)
 class Layout:
-    """Tests cut into windows of ``width`` samples, of which one in ``every`` is looked at; the rest of a test belongs to none."""
+    """Tests cut into windows of ``width`` samples, of which one in ``every`` is looked at; the rest of a test belongs to none.
+
+    ``apart``: no window goes on from the one before it.
+    """
 
     measured: Measured
     width: int
     every: int = 1
+    apart: bool = False
 
     @cached_property
     def whole(self) -> list[int]:
@@ -110,6 +115,17 @@ class Layout:
         return self.joined([test.time for test in self.measured.tests])
 
     @cached_property
+    def goes_on(self) -> NDArray[np.bool_]:
+        """Whether each window begins where the one before it ends (windows,)."""
+        begins, ends = self.time[:: self.width], self.time[self.width - 1 :: self.width]
+        found = np.zeros(len(self.of_test), dtype=bool)
+        if self.apart:
+            return found
+        gap = np.abs(begins[1:] - ends[:-1] - self.measured.period)
+        found[1:] = (self.of_test[1:] == self.of_test[:-1]) & (gap < 0.5 * self.measured.period)
+        return found
+
+    @cached_property
     def names(self) -> list[str]:
         """The names of the given inputs."""
         return [name for name in self.measured.plant.inputs if name not in ("time", "direction")]
@@ -159,13 +175,25 @@ class Layout:
         return np.asarray(np.einsum("wts,to->wso", shaped, self.basis))
 
 
+class Predicted(NamedTuple):
+    """Predicted readings (n, sensors) and states (n, states), each window's states one sample after its last (windows, states),
+    SI, and the integrator's steps a sample.
+    """
+
+    readings: Array
+    states: Array
+    ends: Array
+    steps: float
+
+
 @dataclass
 class Windows:
     """The residuals of models over the windows of a layout; ``starts`` (windows, states) are moved as the tests tell.
 
-    ``unseen``: the plant has states that nothing measures. ``usual_steps`` are what the integrator takes a sample; a model that
-    needs far more, where that is not 0, is not simulated to its end. ``forms`` are effects that change nothing where a contact
-    slides, in the windows of which ``slides`` (windows,) is true: they are left out there, and the time that they take.
+    ``unseen`` (states,): what nothing measures; such states go on from window to window. ``usual_steps`` are what the integrator
+    takes a sample; a model that needs far more, where that is not 0, is not simulated to its end. ``forms`` are effects that
+    change nothing where a contact slides, in the windows of which ``slides`` (windows,) is true: they are left out there, and the
+    time that they take.
     """
 
     layout: Layout
@@ -173,29 +201,29 @@ class Windows:
     starts: Array
     sizes: Array
     lowest: Array
-    unseen: bool = False
+    unseen: NDArray[np.bool_]
     usual_steps: float = 0.0
     forms: frozenset[str] = frozenset()
     slides: NDArray[np.bool_] | None = None
 
     @property
-    def place(self) -> tuple[Array, Array]:
+    def place(self) -> tuple[Array, Passage]:
         """The starts and what they explain, to come back to."""
-        return self.starts, self._spans
+        return self.starts, self._passage
 
     @place.setter
-    def place(self, one: tuple[Array, Array]) -> None:
-        self.starts, self._spans = one
+    def place(self, one: tuple[Array, Passage]) -> None:
+        self.starts, self._passage = one
 
     def readings(self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0) -> tuple[Array, Array]:
         """Return the predicted readings (n, sensors) and states (n, states of the plant), SI; may hold NaN where it diverges.
 
         ``friction`` is a factor on the static and Coulomb friction of all contacts.
         """
-        return self._predicted(candidate, starts, friction)[:2]
+        found = self._predicted(candidate, starts, friction)
+        return found.readings, found.states
 
-    def _predicted(self, candidate: Candidate, starts: Array | None, friction: float) -> tuple[Array, Array, float]:
-        """Return `readings`, and the integrator's steps a sample."""
+    def _predicted(self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0) -> Predicted:
         layout = self.layout
         inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
         begin = self._true(candidate, self.starts if starts is None else starts, inputs)
@@ -215,7 +243,7 @@ class Windows:
         if not erring:
             return starts
         without = candidate.without(set().union(*erring.values()))
-        wrong, right = (self._run(one, starts, inputs, 1)[0] for one in (candidate, without))
+        wrong, right = (self._run(one, starts, inputs, 1).readings for one in (candidate, without))
         moved = starts.copy()
         for k, one in enumerate(self.layout.measured.sensors):
             if one.field in erring:
@@ -224,8 +252,8 @@ class Windows:
                 moved[:, place] -= np.where(np.isfinite(change), change, 0.0)
         return np.maximum(moved, self.lowest)
 
-    def _run(self, candidate: Candidate, begin: Array, inputs: Array, samples: int) -> tuple[Array, Array, float]:
-        """Return readings and states of the first ``samples`` of each window, (windows samples, ...), and steps a sample.
+    def _run(self, candidate: Candidate, begin: Array, inputs: Array, samples: int) -> Predicted:
+        """Return what is predicted of the first ``samples`` of each window, (windows samples, ...).
 
         They begin at true states (windows, states), under ``inputs`` (n, inputs) of the whole windows.
         """
@@ -235,6 +263,7 @@ class Windows:
             most = max(most, BENT)
         count = len(begin) * samples
         out, states = np.empty((count, len(measured.sensors))), np.empty((count, begin.shape[1]))
+        ends = np.empty(begin.shape)
         of_all = np.arange(len(begin) * layout.width).reshape(-1, layout.width)[:, :samples].ravel()
         taken = 0
         for simpler, part in self._parts(candidate):
@@ -249,15 +278,16 @@ class Windows:
                 own = np.repeat(windows, samples)
                 rows, p = of_all[own], model.vector({**values, **given})
                 course = Given(measured.period, marks[rows], layout.time[rows], inputs[rows], begin[windows])
-                shown, passed, steps = model.run_counted(p, course, most=most * len(course.time))
-                out[own], states[own] = shown[:, measured.columns], passed[:, : begin.shape[1]]
-                taken += steps
+                ran = model.run_to_ends(p, course, most=most * len(course.time))
+                out[own], states[own] = ran.readings[:, measured.columns], ran.states[:, : begin.shape[1]]
+                ends[windows] = ran.ends
+                taken += ran.steps
         zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
-        return out + np.array(zeros), states, taken / count
+        return Predicted(out + np.array(zeros), states, ends, taken / count)
 
     def spare(self, candidate: Candidate) -> None:
         """Let every later model take so many more steps than this one at most; a stiffer one counts as one that diverges."""
-        self.usual_steps = self._predicted(candidate, None, 1.0)[2]
+        self.usual_steps = self._predicted(candidate).steps
 
     def _remembers(self, candidate: Candidate) -> bool:
         """Whether an effect beside the forms of contacts has states of its own."""
@@ -269,48 +299,48 @@ class Windows:
             return [(candidate, np.ones(len(self.starts), dtype=bool))]
         return [(candidate.without(self.forms), self.slides), (candidate, ~self.slides)]
 
-    def errors(self, candidate: Candidate, friction: float = 1.0) -> Array:
+    def errors(self, candidate: Candidate) -> Array:
         """Return measured less predicted readings (n, sensors), SI, from the present starts; held where sensors read their ends."""
-        return self.layout.readings - self.layout.held(self.readings(candidate, friction=friction)[0])
+        return self._error(self._predicted(candidate))
+
+    def _error(self, found: Predicted) -> Array:
+        return self.layout.readings - self.layout.held(found.readings)
+
+    def _left(self, found: Predicted) -> Array:
+        """Return the coefficients (windows, coefficients) of the errors of a prediction."""
+        return self.layout.coefficients(self._error(found)).reshape(len(self.starts), -1)
 
     def move_starts(self, candidate: Candidate, rounds: int = 2) -> None:
         """Move each window's start to where its readings are met best, and renew the sensitivities."""
         for _ in range(rounds):
-            error = self.layout.coefficients(self.errors(candidate))
-            slopes = self._sensitivities(candidate)
-            left = error.reshape(len(error), -1)
-            moved = np.zeros_like(self.starts)
-            for w in range(len(left)):
-                if np.all(np.isfinite(slopes[w])) and np.all(np.isfinite(left[w])):
-                    moved[w] = _bounded_solution(slopes[w], left[w])
+            found = self._predicted(candidate)
+            left, passage, starts = self._left(found), self._passage_of(candidate), self.starts / self.sizes
+            moved = passage.begun(left, starts, found.ends / self.sizes)[0] - starts
             tried = np.maximum(self.starts + np.clip(moved, -3.0, 3.0) * self.sizes, self.lowest)
             before = np.sum(left**2, axis=1)
             kept, self.starts = self.starts, tried
-            after = np.sum(self.layout.coefficients(self.errors(candidate)).reshape(len(left), -1) ** 2, axis=1)
-            better = after < before
+            after = np.sum(self._left(self._predicted(candidate)) ** 2, axis=1)
+            # what readings do not tell of a start changes them by less than their noise
+            better = after < before + passage.open
             self.starts = np.where(better[:, None], tried, kept)
         self.renew(candidate)
 
     def renew(self, candidate: Candidate) -> None:
         """Renew what a change of each window's start explains."""
-        slopes = self._sensitivities(candidate)
-        self._spans = np.zeros_like(slopes)
-        finite = np.flatnonzero(np.all(np.isfinite(slopes), axis=(1, 2)))
-        u, s, _ = np.linalg.svd(slopes[finite], full_matrices=False)
-        keep = s > np.maximum(TOLD * s[:, :1], 1.0) if s.shape[1] else s > 0
-        self._spans[finite, :, : s.shape[1]] = u * keep[:, None, :]
+        self._passage = self._passage_of(candidate)
 
-    def _sensitivities(self, candidate: Candidate) -> Array:
-        """Return what a change of each start by its usual size changes (windows, coefficients, states)."""
-        base = self.readings(candidate)[0]
-        columns = []
+    def _passage_of(self, candidate: Candidate) -> Passage:
+        """Return what a change of each start, by its usual size, changes of the readings and of the window's end."""
+        base = self._predicted(candidate)
+        readings, ends = [], []
         for k, size in enumerate(self.sizes):
             moved = self.starts.copy()
-            step = STEP * size
-            moved[:, k] += step
-            changed = self.readings(candidate, moved)[0]
-            columns.append(self.layout.coefficients((changed - base) / STEP).reshape(len(self.starts), -1))
-        return np.stack(columns, axis=2)
+            moved[:, k] += STEP * size
+            changed = self._predicted(candidate, moved)
+            change = self.layout.coefficients((changed.readings - base.readings) / STEP)
+            readings.append(change.reshape(len(self.starts), -1))
+            ends.append((changed.ends - base.ends) / (STEP * self.sizes))
+        return Passage.of(np.stack(readings, axis=2), np.stack(ends, axis=2), self.unseen, self.layout.goes_on)
 
     def growth(self, candidate: Candidate) -> float:
         """Return how often as large a small change of the start is at a window's end as in its first half: most of the states,
@@ -330,14 +360,9 @@ class Windows:
         return found
 
     def features(self, candidate: Candidate, friction: float = 1.0) -> Array:
-        """Return what no start explains (windows, features), in units of the sensors' noise; NaN where the model diverges."""
-        found = self.layout.coefficients(self.errors(candidate, friction)).reshape(len(self.starts), -1)
-        along = np.einsum("wfs,wf->ws", self._spans, found)
-        return np.asarray(found - np.einsum("wfs,ws->wf", self._spans, along))
+        """Return what no start explains (windows, features), in units of the sensors' noise; NaN where the model diverges.
 
-
-def _bounded_solution(slopes: Array, left: Array) -> Array:
-    """Return the least squares solution in the directions that the window tells."""
-    u, s, v = np.linalg.svd(slopes, full_matrices=False)
-    keep = s > max(TOLD * s[0], 1.0) if len(s) else s > 0
-    return np.asarray(v.T @ (np.where(keep, 1.0 / np.where(keep, s, 1.0), 0.0) * (u.T @ left)))
+        What nothing measures begins where the window before ended.
+        """
+        found = self._predicted(candidate, friction=friction)
+        return self._passage.unexplained(self._left(found), self.starts / self.sizes, found.ends / self.sizes)

@@ -38,7 +38,7 @@ def run(simulator: Simulator, samples: int, begins: tuple[int, ...] = (0,)) -> t
     p, z, work = simulator.vector({}), np.ones(1), simulator.scratch()
     marks, starts = np.zeros(samples, dtype=np.int64), np.ones((len(begins), 1))
     marks[list(begins)] = 1
-    out, states = np.empty((samples, 1)), np.empty((samples, 1))
+    out, states, ends = np.empty((samples, 1)), np.empty((samples, 1)), np.empty((len(begins), 1))
     time, given = np.arange(samples) * PERIOD, np.zeros((samples, 1))
     with np.errstate(all="ignore"):
         simulator.kernel.run_free(
@@ -53,6 +53,7 @@ def run(simulator: Simulator, samples: int, begins: tuple[int, ...] = (0,)) -> t
             starts,
             out,
             states,
+            ends,
             work,
         )
     return states[:, 0], work[2, 1]
@@ -78,9 +79,9 @@ def test_a_model_that_needs_more_steps_than_it_may_take_is_left_there(simulator:
     begins = np.zeros(8, dtype=np.int64)
     begins[0] = 1
     given = Given(PERIOD, begins, np.arange(8) * PERIOD, np.zeros((8, 1)), np.ones((1, 1)))
-    whole, _, steps = simulator.run_counted(simulator.vector({}), given)
+    whole, _, _, steps = simulator.run_to_ends(simulator.vector({}), given)
     assert np.all(np.isfinite(whole)) and steps > 8
-    part, states, taken = simulator.run_counted(simulator.vector({}), given, most=0.5 * steps)
+    part, states, _, taken = simulator.run_to_ends(simulator.vector({}), given, most=0.5 * steps)
     known = np.isfinite(part[:, 0])
     assert 0 < known.sum() < 8 and np.all(np.isnan(states[~known]))
     assert np.array_equal(part[known], whole[known]) and 0.5 * steps < taken < steps

@@ -36,8 +36,13 @@ class Tanks(Plant):
 '''
 
 
-def measured_log(end: float = np.inf, brim: float = np.inf, seed: int = 1, samples: int = 1600) -> TestLog:
-    """Return a log of the lower level and the pump's voltage; the gauge ends at ``end``, the upper tank has a ``brim`` (V)."""
+def measured_log(
+    end: float = np.inf, brim: float = np.inf, seed: int = 1, samples: int = 1600, bend: float = 0.0
+) -> TestLog:
+    """Return a log of the lower level and the pump's voltage; the gauge ends at ``end``, the upper tank has a ``brim`` (V).
+
+    About 3 V the gauge reads more and more wrong by ``bend`` (V), below by -``bend``.
+    """
     generator = np.random.default_rng(seed)
     volts = np.repeat(generator.uniform(0.6, 5.0, samples // 40 + 1), 40)[:samples]
     upper = lower = 4.0
@@ -49,6 +54,7 @@ def measured_log(end: float = np.inf, brim: float = np.inf, seed: int = 1, sampl
             below = through + CAUGHT * over - OUTFLOW * np.sqrt(lower)
             upper = max(upper + h * (PUMP * volts[k] - through - over), 0.0)
             lower = max(lower + h * below, 0.0)
+    levels = levels + bend * np.tanh((levels - 3.0) / 0.3)
     shown = np.round(np.minimum(levels + NOISE * generator.standard_normal(samples), end), 4)
     columns = {"time_s": np.arange(samples) * PERIOD, "level_v": shown, "pump_v": volts}
     return TestLog(columns, {"plant": "tanks", "period_s": str(PERIOD), "condition": f"train {seed}"})

@@ -128,7 +128,8 @@ def _model_with(
         start = base.fitted.candidate
         for name in names:
             start = start.with_effect(name, {**analysis.search.library[name].defaults(), **values[name]})
-        found = analysis.search.fitted(start)
+        begun = analysis.search.best_of([start], base.fitted)
+        found = analysis.search.fitted(begun.candidate, begun)
         analysis.windows.place = place
         return found
     model = base

@@ -97,7 +97,7 @@ def refitted(analysis: Analysis, simulated: Windows, truth: Rival, other: Rival,
     found = fit(windows, other.candidate, free, FIT_ROUNDS, exact=False)
     if not np.isfinite(found.loss):
         return LARGEST
-    if windows.unseen:
+    if windows.unseen.any():
         windows.move_starts(found.candidate, rounds=1)
         found = fit(windows, found.candidate, free, FIT_ROUNDS, near=found, exact=False)
     white = whitener(truth.model.features)

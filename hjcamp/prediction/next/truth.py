@@ -114,11 +114,12 @@ def bench_of(analysis: Analysis, wanted: Sequence[Wanted], model: Candidate, by_
         return Bench(windows, whole=True)
     joined = layout.joined(estimated(layout.measured)[0])
     windows = _windows(analysis, layout, np.maximum(first_starts(layout, joined), analysis.windows.lowest))
-    begin_hidden(windows, model, joined)
+    begin_hidden(windows, model)
     inputs = needed(analysis, windows, model)
     cuts = np.cumsum([count * layout.width for count in layout.counts])[:-1]
     tests = tuple(replace(test, inputs=own) for test, own in zip(tests, np.split(inputs, cuts), strict=True))
-    return Bench(_windows(analysis, Layout(_like(measured, tests), layout.width), windows.starts), whole=False)
+    apart = Layout(_like(measured, tests), layout.width, apart=True)
+    return Bench(_windows(analysis, apart, windows.starts), whole=False)
 
 
 def needed(analysis: Analysis, windows: Windows, model: Candidate) -> Array:
@@ -189,7 +190,7 @@ def _read(layout: Layout, shown: Array) -> Layout:
         replace(test, time=test.time[: len(own)], inputs=test.inputs[: len(own)], readings=own)
         for test, own in zip(layout.measured.tests, np.split(shown, cuts), strict=True)
     )
-    return Layout(_like(layout.measured, tests), layout.width)
+    return Layout(_like(layout.measured, tests), layout.width, apart=layout.apart)
 
 
 def _state_at(analysis: Analysis, states: Array, wanted: Wanted) -> Array:
@@ -206,7 +207,7 @@ def joined_with(
     """Return windows of the measured tests and of chosen simulated ones together, and which of them are new (windows,)."""
     own = analysis.windows.layout
     tests = tuple(simulated.layout.measured.tests[place] for place in chosen)
-    layout = Layout(_like(analysis.measured, (*own.condensed(), *tests)), own.width)
+    layout = Layout(_like(analysis.measured, (*own.condensed(), *tests)), own.width, apart=simulated.layout.apart)
     order = np.concatenate([np.flatnonzero(simulated.layout.of_test == place) for place in chosen])
     found = _windows(analysis, layout, np.concatenate([starts, simulated.starts[order]]))
     return found, np.arange(len(layout.of_test)) >= len(own.of_test)

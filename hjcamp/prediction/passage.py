@@ -1,0 +1,126 @@
+r"""From window to window: what a start explains of the readings, and how a state that nothing measures goes on.
+
+Readings err by :math:`e_w` from the start :math:`x_w`. To first order they are met best from :math:`x_w + S_w^+ e_w`, and the
+window then ends at :math:`z_w + \Phi_w S_w^+ e_w`. What the start explains is taken out of :math:`e_w`. In its place is what the
+readings would err by if the states that nothing measures began where the window before ended: :math:`S_w` times their jump, as
+far as no start of a measured state explains it (condensing in multiple shooting: Bock & Plitt 1984,
+doi:10.1016/S1474-6670(17)61205-9).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+# A start is free in directions that the window tells at all.
+TOLD = 1e-6
+
+
+@dataclass(frozen=True)
+class Passage:
+    """What starts explain, in their usual sizes; ``spans`` (windows, coefficients, states) is an orthonormal basis of it.
+
+    ``shifts`` (windows, states, coefficients) are the starts' shifts by the readings' errors, ``told`` (windows, states, states) the
+    part of a shift that readings tell, ``passed`` (windows, states, states) how a shift changes a window's end, ``jumps``
+    (windows, coefficients, unseen states) what a jump changes, in units of what the noise of the window before makes of it, ``unseen``
+    (states,) and ``goes_on`` (windows,) where there is one.
+    """
+
+    spans: Array
+    shifts: Array
+    told: Array
+    passed: Array
+    jumps: Array
+    unseen: NDArray[np.bool_]
+    goes_on: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, readings: Array, ends: Array, unseen: NDArray[np.bool_], goes_on: NDArray[np.bool_]) -> Passage:
+        """Return it for sensitivities of the readings (windows, coefficients, states) and of the ends (windows, states, states).
+
+        Where they are not finite nothing is explained.
+        """
+        finite = np.all(np.isfinite(readings), axis=(1, 2)) & np.all(np.isfinite(ends), axis=(1, 2))
+        slopes, passed = (np.where(finite[:, None, None], one, 0.0) for one in (readings, ends))
+        u, s, v = np.linalg.svd(slopes, full_matrices=False)
+        keep = _telling(s)
+        spans, inverse = u * keep[:, None, :], keep / np.where(keep, s, 1.0)
+        shifts = np.einsum("wks,wk,wfk->wsf", v, inverse, u)
+        told = np.einsum("wks,wk,wkt->wst", v, keep.astype(float), v)
+        known = goes_on & finite
+        known[1:] &= finite[:-1]
+        jumps = np.zeros((*slopes.shape[:2], int(unseen.sum())))
+        if unseen.any() and known.any():
+            jumps = _weighed(_beside(slopes, unseen), _spread(shifts, told, passed, known)[:, unseen][:, :, unseen])
+        return cls(spans, shifts, told, passed, jumps, unseen, known)
+
+    def begun(self, left: Array, starts: Array, ends: Array) -> tuple[Array, Array]:
+        """Return where windows begin and end best (windows, states) for errors (windows, coefficients) from ``starts``, with ``ends``.
+
+        What the readings do not tell of a start is as the window before left it, where states go on.
+        """
+        shift = np.einsum("wsf,wf->ws", self.shifts, left)
+        begun = starts + np.where(np.isfinite(shift), shift, 0.0)
+        ended = ends + np.einsum("wst,wt->ws", self.passed, begun - starts)
+        for w in np.flatnonzero(self.open):
+            begun[w] += (np.eye(len(self.unseen)) - self.told[w]) @ (ended[w - 1] - begun[w])
+            ended[w] = ends[w] + self.passed[w] @ (begun[w] - starts[w])
+        return begun, ended
+
+    def unexplained(self, left: Array, starts: Array, ends: Array) -> Array:
+        """Return what no start explains of errors (windows, coefficients) from ``starts``, which lead to ``ends`` (windows, states)."""
+        found = left - np.einsum("wfs,ws->wf", self.spans, np.einsum("wfs,wf->ws", self.spans, left))
+        if not self.unseen.any() or not self.goes_on.any():
+            return np.asarray(found)
+        begun, ended = self.begun(left, starts, ends)
+        jump = np.zeros_like(begun)
+        jump[1:] = begun[1:] - ended[:-1]
+        jump[~self.goes_on] = 0.0
+        return np.asarray(found + np.einsum("wfs,ws->wf", self.jumps, jump[:, self.unseen]))
+
+    @property
+    def open(self) -> NDArray[np.bool_]:
+        """Whether a window's start is partly taken from the window before (windows,)."""
+        return self.goes_on & _open(self.told) & self.unseen.any()
+
+
+def _beside(slopes: Array, unseen: NDArray[np.bool_]) -> Array:
+    """Return what unseen states' starts change (windows, coefficients, unseen states) beyond what those of measured ones could."""
+    if unseen.all():
+        return slopes
+    u, s, _ = np.linalg.svd(slopes[:, :, ~unseen], full_matrices=False)
+    u = u * _telling(s)[:, None, :]
+    return np.asarray(slopes[:, :, unseen] - u @ (u.transpose(0, 2, 1) @ slopes[:, :, unseen]))
+
+
+def _spread(shifts: Array, told: Array, passed: Array, known: NDArray[np.bool_]) -> Array:
+    """Return the covariance (windows, states, states) with which the window before tells the states that a window begins with."""
+    found = shifts @ shifts.transpose(0, 2, 1)
+    for w in np.flatnonzero(known & _open(told)):
+        rest = (np.eye(told.shape[1]) - told[w]) @ passed[w - 1]
+        found[w] += rest @ found[w - 1] @ rest.T
+    before = np.zeros_like(found)
+    before[1:] = passed[:-1] @ found[:-1] @ passed[:-1].transpose(0, 2, 1)
+    return before
+
+
+def _weighed(jumps: Array, spread: Array) -> Array:
+    """Return what jumps change (windows, coefficients, jumps) over the root of 1, the sensors' noise, and of ``spread``."""
+    values, vectors = np.linalg.eigh(spread)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
+    u, s, _ = np.linalg.svd(jumps @ root, full_matrices=False)
+    less = u * (1.0 - 1.0 / np.sqrt(1.0 + s**2))[:, None, :]
+    return np.asarray(jumps - less @ (u.transpose(0, 2, 1) @ jumps))
+
+
+def _open(told: Array) -> NDArray[np.bool_]:
+    """Whether a window's readings leave something of its start open (windows,)."""
+    return np.asarray(np.trace(told, axis1=1, axis2=2) < told.shape[1] - 0.5)
+
+
+def _telling(sizes: Array) -> NDArray[np.bool_]:
+    """Return which directions (windows, k) of a start readings tell, by singular values in units of their noise."""
+    return np.asarray(sizes > np.maximum(TOLD * sizes[:, :1], 1.0)) if sizes.shape[1] else sizes > 0.0
