@@ -80,6 +80,15 @@ class Words:
         worst = max(rows, key=lambda name: rows[name]["high"] / _least(rows[name]))
         return (worst, rows[worst]) if rows[worst]["high"] * (1.0 - MOST_OF_IT) > _least(rows[worst]) else None
 
+    @property
+    def named_places(self) -> set[str]:
+        """The places on which the effects act that are named."""
+        from hjcamp.model.vocabulary import read_vocabulary
+
+        library = self.analysis.search.library
+        slots = {slot for name in self.verdict.effects for slot in library[name].terms}
+        return {port.name for port in read_vocabulary(self.analysis.measured.plant).ports.values() if slots & set(port.names.values())}
+
     def sentences(self) -> list[str]:
         """The answer in sentences."""
         verdict, error = self.verdict, self.content["error"]
@@ -93,12 +102,9 @@ class Words:
             sets = "; ".join(" with ".join(names) for names in verdict.confidence_set)
             found.append(f"These tests do not rule out: {sets}.")
         if verdict.word == "outside_library" and self.content["unknowns"]:
-            first = self.content["unknowns"][0]
-            place, driver = first["port"], first["driver"].rpartition("_")[2]
-            where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
             found.append(
-                f"A {first['quantity']} {where} {driver}, of a form that no effect of the library has, predicts better. Its curve is "
-                "on the page."
+                f"A {_free_law(self.content['unknowns'][0])}, of a form that no effect of the library has, predicts better. Its curve "
+                "is on the page."
             )
         if verdict.follows:
             found.append(
@@ -123,9 +129,15 @@ class Words:
             )
         if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
             first = self.content["unknowns"][0] if self.content["unknowns"] else None
-            freest = f"a free law over {first['driver'].replace('_', ' ')}" if first else "a regression on the motion"
             left = 100.0 * min(verdict.law_left, 1.0)
-            found.append(f"The law leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
+            if first and first["port"] not in self.named_places:
+                found.append(
+                    f"Something outside the library is missing as well: a {_free_law(first)} takes {left:.0f} % of what both take "
+                    "together. Its curve is on the page."
+                )
+            else:
+                freest = f"a free law over {first['driver'].replace('_', ' ')}" if first else "a regression on the motion"
+                found.append(f"The law leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
         if verdict.word != "cannot_tell":
             found.append(
                 f"Error on chapters left out, over the floor: {error['baseline']:.2f} calibrated"
@@ -185,8 +197,10 @@ class Words:
         """The commands that go on from the answer."""
         own = "" if model == "published" else f" --model {model}"
         if self.verdict.word == "effect":
-            names = " ".join(self.verdict.effects)
-            return [f"hjcamp add {names} {paths}{own} --as with_{'_and_'.join(self.verdict.effects)}"]
+            added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)
+            rest = self.content["unknowns"] and self.content["unknowns"][0]["port"] not in self.named_places
+            beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if rest else []
+            return [f"hjcamp add {added} {paths}{own} --as with_{named}", *beside]
         if self.verdict.word == "one_of":
             return [f"hjcamp next {paths}{own}"] + [
                 f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}"
@@ -196,6 +210,13 @@ class Words:
             begun = f" --from {folder}" if self.content["unknowns"] else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
         return [f"hjcamp compare {paths}{own}"]
+
+
+def _free_law(row: Mapping[str, Any]) -> str:
+    """Return what a free law adds, where, and what it depends on."""
+    place, driver = row["port"], row["driver"].rpartition("_")[2]
+    where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
+    return f"{row['quantity']} {where} {driver}"
 
 
 def _least(row: Mapping[str, Any]) -> float:

@@ -118,7 +118,8 @@ class Step:
 class Search:
     """What a search needs: the windows, the effects that may be missing, the unknowns, the chapters, the base's parameters.
 
-    ``unnamed`` are effects of the library that a base may have (the forms of contacts), but that are not looked for.
+    ``unnamed`` are effects of the library that a base may have (the forms of contacts), but that are not looked for; ``needed`` are
+    effects that were found beside a free law.
     """
 
     windows: Windows
@@ -133,6 +134,7 @@ class Search:
     begins: dict[str, dict[str, float]] = field(default_factory=dict)
     claims: float = LEVEL
     unnamed: frozenset[str] = frozenset()
+    needed: frozenset[str] = frozenset()
     steps: list[Step] = field(default_factory=list)
     _beside: tuple[Fitted, Beside] | None = None
 
@@ -366,13 +368,41 @@ class Search:
                 break
             best = next((one for one in step.named if not self.only_scatter(one, model)), step.named[0])
             if not self.matters(best, model, step.level):
-                break
+                beside = self.beside_free_law(model, step)
+                if beside is None:
+                    break
+                best = beside
+                self.needed |= set(best.beyond(model))
             model = self.thinned(self.resettled(best))
         return model
 
+    def beside_free_law(self, before: Scored, step: Step) -> Scored | None:
+        """Return a model of the step with an effect that matters beside a free law, which matters beside it, and both more than none.
+
+        Where two things are missing, each alone leaves so much that it hardly stands out chapter by chapter.
+        """
+        found = [one for one in step.named if self.error_ratio(one, before) <= 1.0 - MATTERS]
+        level = self.claims / max(FITTED_UNKNOWNS * len(found), 1)
+        for one in found:
+            self.windows.place = one.place
+            self.windows.kernels.hold(one.fitted.candidate.effects)
+            projection = Projection(one.fitted)
+            probes = [probe for name in self.unknowns for probe in self.probes(one.fitted, name)]
+            promises = best_promises([projection.promise(probe, self.unknowns[probe.effect].effect) for probe in probes])
+            for promise in list(promises.values())[:FITTED_UNKNOWNS]:
+                begun = self.begun_unknown(one.fitted, promise)
+                both = self.fitted(begun.candidate, begun)
+                if not self.matters(both, one, level) or not self.matters(both, before, level):
+                    continue
+                alone = self.fitted(both.fitted.candidate.without(one.beyond(before)), both.fitted)
+                if self.matters(both, alone, level):
+                    return one
+        self.windows.place = before.place
+        return None
+
     def thinned(self, model: Scored) -> Scored:
         """Return the model without effects that it can do without (backward elimination)."""
-        while len(names := [name for name in model.names if name not in self.windows.forms]) > 1:
+        while len(names := [name for name in model.names if name not in self.windows.forms | self.needed]) > 1:
             less = [self.fitted(model.fitted.candidate.without([name])) for name in names]
             best = min(less, key=lambda one: one.left_out)
             if self.matters(model, best):

@@ -124,14 +124,22 @@ def judged(analysis: Analysis) -> Verdict:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
     if _hardly_touched(analysis, model):
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
-    # a regression on the motion is the freest law of all
-    follows_on, taken = search.follows_motion(model), _taken(base, model)
-    law_left = follows_on.taken / (max(taken, 0.0) + follows_on.taken) if follows_on.taken else 0.0
+    # a regression on the motion is the freest law of all; what a free law takes beside the names is not laid at their door
+    freest = unknown or model
+    follows_on, taken = search.follows_motion(freest), _taken(base, model)
+    law_left = follows_on.taken / (max(_taken(base, freest), 0.0) + follows_on.taken) if follows_on.taken else 0.0
     if law_left > 1.0 - MOST_OF_IT:
         share = search.follows_motion(base).share if unknown is None else 0.0
         return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, (), share)
-    models = _confidence_set(analysis, model, added)
     if unknown is not None:
+        left = tuple(name for name in added if not _covered(analysis, model, unknown, name))
+        if not left:
+            law_left = max(law_left, 1.0 - taken / max(_taken(base, unknown), 1e-12))
+            return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, ())
+        if left != added:
+            covered = set(added) - set(left)
+            model, unknown = (search.fitted(one.fitted.candidate.without(covered)) for one in (model, unknown))
+            added, taken = left, _taken(base, model)
         law_left = max(law_left, 1.0 - taken / max(_taken(base, unknown), 1e-12))
     # one free law that does as well with no more parameters: the names are not the simpler explanation
     freedom = len(model.fitted.free)
@@ -140,9 +148,8 @@ def judged(analysis: Analysis) -> Verdict:
     )
     if alone is not None:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, alone, ())
-    if unknown is not None and law_left > 1.0 - MOST_OF_IT and not _needed(analysis, unknown, added):
-        return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, ())
-    sets = tuple(one.beyond(base) for one in models)
+    models = _confidence_set(analysis, model, added, unknown)
+    sets = tuple(tuple(name for name in one.beyond(base) if name in search.library) for one in models)
     if len(sets) > 1:
         group = tuple(dict.fromkeys(name for one in sets for name in one))
         return Verdict(ONE_OF, group, model, p_value, sets, max(law_left, 0.0), unknown, ())
@@ -190,16 +197,24 @@ def _taken(base: Scored, model: Scored) -> float:
     return math.log(base.left_out / model.left_out)
 
 
-def _needed(analysis: Analysis, unknown: Scored, added: tuple[str, ...]) -> bool:
-    """Whether each named effect is needed beside the unknown, too."""
+def _covered(analysis: Analysis, model: Scored, unknown: Scored, name: str) -> bool:
+    """Whether a free law makes a named effect needless that takes less than most of what it takes: then it is not that effect."""
     search = analysis.search
-    less = [search.fitted(unknown.fitted.candidate.without([name])) for name in added]
-    return all(search.matters(unknown, one) for one in less)
+    rest = search.fitted(unknown.fitted.candidate.without([name]))
+    if search.matters(unknown, rest):
+        return False
+    less = search.fitted(model.fitted.candidate.without([name]))
+    return _taken(less, model) < MOST_OF_IT * _taken(less, rest)
 
 
-def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...]) -> list[Scored]:
-    """Return the model and every model with one name exchanged that is not worse at the level of all claims."""
+def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], unknown: Scored | None) -> list[Scored]:
+    """Return the model and every model with one name exchanged that is not worse at the level of all claims.
+
+    Where a free law takes a share that matters beside the model, rivals are compared beside it: what it takes is no scatter.
+    """
     search, found = analysis.search, [model]
+    best = unknown or model
+    beside = {name: own for name, own in best.fitted.candidate.effects.items() if name not in model.names}
     for step in search.steps:
         here = [
             name for name in added if any(name in one.names for one in step.named) and name not in step.before.names
@@ -212,9 +227,11 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...]) -
                 exchanged = model.fitted.candidate.without([name]).with_effect(
                     other, one.fitted.candidate.effects[other]
                 )
+                for free, own in beside.items():
+                    exchanged = exchanged.with_effect(free, own)
                 rival = search.fitted(exchanged)
                 known = {frozenset(each.names) for each in found}
-                if frozenset(rival.names) not in known and not search.beats(model, rival):
+                if frozenset(rival.names) not in known and not search.beats(best, rival):
                     found.append(rival)
     return found
 
