@@ -13,5 +13,6 @@ from hjcamp.model.element import expand
 def test_a_store_takes_what_flows_in_not_its_state() -> None:
     [line] = ast.parse("rate.upper = store(state.upper, inflow - between)").body
     assert isinstance(line, ast.Assign) and isinstance(line.value, ast.Call)
-    with pytest.raises(UsageError, match=r"line 9: store\(\.\.\.\) takes inflow, capacity, stiffness; the first is inflow, not the state"):
+    said = r"^line 9: store\(\.\.\.\) takes inflow, capacity, stiffness; the first is inflow, not the state: rate.upper"
+    with pytest.raises(UsageError, match=said):
         expand(line.value, "upper", "upper", False, "line 9")
