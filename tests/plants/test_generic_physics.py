@@ -53,6 +53,15 @@ def test_saturation_holds_what_is_delivered(voltage: float, force: float) -> Non
     assert model("axis", "saturation", limit=50.0).signals({"voltage": voltage})["force"] == pytest.approx(force)
 
 
+def test_a_soft_limit_is_the_sharp_one_far_away_and_less_where_it_bends() -> None:
+    def delivered(force: float) -> float:
+        return model("axis", "saturation", limit=50.0, softness=0.5).signals({"voltage": force / GAIN})["force"]
+
+    assert delivered(5e4) == pytest.approx(50.0, rel=1e-4) and delivered(-50.0) == pytest.approx(-50.0 / sqrt(2.0))
+    # of small commands the series of u / sqrt(1 + u^2)
+    assert delivered(5.0) == pytest.approx(5.0 * (1.0 - 0.5 * 0.1**2), rel=1e-4)
+
+
 @pytest.mark.parametrize("dead_share", [0.0, 0.25, 0.5])
 def test_a_late_actuator_and_a_late_sensor_are_late_by_their_time(dead_share: float) -> None:
     command = model("axis", "command_delay", delay=10 * MILLI, dead_share=dead_share)
