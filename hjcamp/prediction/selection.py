@@ -196,16 +196,19 @@ class Search:
         effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
         promises = [projection.promise(probe, effects[probe.effect]) for probe in probes]
         best = best_promises(promises)
-        chosen, unnamed = (FITTED, FITTED_UNKNOWNS) if p_value(gain, chance) <= LEVEL else (FITTED_BY_CHANCE, 0)
         usual = float(np.median(chance)) if len(chance) else 0.0
-        able = [name for name in self.begins if name in names]
-        able += [name for name, one in best.items() if name in self.library and one.gain > 0.0 and name not in able]
+        chosen = FITTED if p_value(gain, chance) <= LEVEL else FITTED_BY_CHANCE
+        sure = [name for name in names if name in self.begins or self.hidden_by_delay(name, fitted.candidate)]
+        able = [name for name, one in best.items() if name in self.library and one.gain > 0.0 and name not in sure]
         able = [name for k, name in enumerate(able[: 2 * chosen]) if k < chosen // 2 or best[name].gain > usual]
         begun = self.each(
-            lambda name: self.begun(projection, name, [one for one in promises if one.effect == name]), able,
+            lambda name: self.begun(projection, name, [one for one in promises if one.effect == name]), [*sure, *able],
             lambda name: f"looking closer at {name}",
         )  # fmt: skip
         begun.sort(key=lambda one: one.loss)
+        # what is promised is linear; what a curved law gains is seen when it is fitted
+        gain = max([gain, *(fitted.loss - one.loss for one in begun[:1] if np.isfinite(one.loss))])
+        chosen, unnamed = (FITTED, FITTED_UNKNOWNS) if p_value(gain, chance) <= LEVEL else (FITTED_BY_CHANCE, 0)
         others = [one for name, one in best.items() if name in self.unknowns][:unnamed]
         starts = [*begun[:chosen], *(self.begun_unknown(fitted, one) for one in others)]
         # what gains no more than chance promises cannot be claimed; two are fitted to be shown
@@ -232,6 +235,14 @@ class Search:
         return name not in (*present, *self.unnamed) and not any(
             law and law == law_of(self.library[one]) for one in present if one in self.library
         )
+
+    def hidden_by_delay(self, name: str, candidate: Candidate) -> bool:
+        """Whether an effect is a lag, and the base has the delay of an input in its place: nothing of it is promised beside that."""
+        if name not in self.library or not self.library[name].states:
+            return False
+        generic = (getattr(self.library[name], "made_of", None) or (None,))[0]
+        late = any(value > 0.0 for key, value in candidate.base.items() if key.startswith(DELAY))
+        return late and getattr(generic, "acts_on", "") in ("actuator", "sensor")
 
     def beside(self, fitted: Fitted) -> Beside:
         """Return the model beside which effects are probed, made once for each fit."""
