@@ -18,10 +18,10 @@ from any_plant_judging import page
 from hidden_effects_ledger import Ledger, code_version
 from truth.hidden_form import NOTHING
 
-from . import ROOT, accumulator, belt, crane, hysteretic, inductor, levitation, oven, suspension
+from . import ROOT, accumulator, belt, crane, heater, hysteretic, inductor, levitation, oven, shaft, suspension
 from .machine import Machine
 
-KNOWN = (accumulator, belt, crane, hysteretic, inductor, levitation, oven, suspension)
+KNOWN = (accumulator, belt, crane, heater, hysteretic, inductor, levitation, oven, shaft, suspension)
 MACHINES: dict[str, Machine] = {one.MACHINE.name: one.MACHINE for one in KNOWN}
 PLAN, EFFORT = "foreign_machines/1", "standard"
 FIRST_COUNTED = 1001

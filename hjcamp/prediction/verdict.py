@@ -23,7 +23,7 @@ class Verdict:
     ``effects`` are what to add, or the group that cannot be told apart, of which ``model`` has one set;
     ``confidence_set`` every set of names that the tests do not rule out; ``law_left`` the share that the named laws leave of
     what the freest law takes; ``unknown`` the unknown that takes it; ``follows`` the share of the error
-    that follows from the motion though no law takes it.
+    that follows from the motion though no law takes it; ``refused`` are names that take less than half of what it takes.
     """
 
     word: str
@@ -35,6 +35,7 @@ class Verdict:
     unknown: Scored | None
     lacking: tuple[str, ...]
     follows: float = 0.0
+    refused: tuple[str, ...] = ()
 
 
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
@@ -63,7 +64,8 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
         other = judged(seen)
         if other.word == CANNOT_TELL:
             break
-        if other.word != NOTHING and not other.follows:
+        # what takes too little in short windows is no better news in long ones
+        if other.word != NOTHING and not other.follows and not set(other.effects) & set(verdict.refused):
             return seen, other
         if verdict.word == NOTHING and other.follows:
             analysis, verdict = seen, other
@@ -130,7 +132,7 @@ def judged(analysis: Analysis) -> Verdict:
     law_left = follows_on.taken / (max(_taken(base, freest), 0.0) + follows_on.taken) if follows_on.taken else 0.0
     if law_left > 1.0 - MOST_OF_IT:
         share = search.follows_motion(base).share if unknown is None else 0.0
-        return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, (), share)
+        return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, (), share, added)
     if unknown is not None:
         left = tuple(name for name in added if not _covered(analysis, model, unknown, name))
         if not left:
