@@ -30,7 +30,7 @@ class Data:
     """
 
     def __init__(self, paths: Sequence[str | Path]) -> None:
-        from hjcamp.plants import DEFAULT
+        from hjcamp.known_plants import DEFAULT
         from hjcamp.records.find import find_logs
         from hjcamp.records.of_plant import PLANT_KEY
         from hjcamp.records.read import read_metadata
@@ -49,7 +49,7 @@ class Data:
     @property
     def plant(self) -> type[Plant]:
         """The plant of these tests."""
-        from hjcamp.plants import find_plant
+        from hjcamp.known_plants import find_plant
 
         return find_plant(self.plant_name, str(self.paths[0]))
 

@@ -39,7 +39,7 @@ def watches(config: Mapping[str, Any]) -> list[Watch]:
         from hjcamp.backends.rig.margins import rig_watches
 
         return rig_watches(config)
-    from hjcamp.plants import DEFAULT, find_plant
+    from hjcamp.known_plants import DEFAULT, find_plant
 
     return plausible_watches(find_plant(str((config.get("plant") or {}).get("name") or DEFAULT), "plant"))
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjcamp.errors import UsageError
-from hjcamp.plants import usual_plant
+from hjcamp.known_plants import usual_plant
 from hjcamp.plants.pump_joint.hardware import transfer_function
 from hjcamp.records.log import TestLog
 from hjcamp.yaml_file import yaml_values

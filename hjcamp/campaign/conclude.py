@@ -12,7 +12,7 @@ from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
 from hjcamp.errors import HjcampError, RigStopped, UsageError, counted
-from hjcamp.plants import DEFAULT
+from hjcamp.known_plants import DEFAULT
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -24,7 +24,7 @@ COMMAND_PHASE = 3.0
 def followed_error(columns: Mapping[str, NDArray[np.float64]], config: Mapping[str, Any]) -> tuple[str, float] | None:
     """Return what the plant controls and its RMS error over the command phase, in the field's unit; None without a reference."""
     from hjcamp.controllers.fit import controlled_field
-    from hjcamp.plants import DEFAULT, find_plant
+    from hjcamp.known_plants import DEFAULT, find_plant
     from hjcamp.report.exploration import references
 
     followed = controlled_field(find_plant(str((config.get("plant") or {}).get("name") or DEFAULT), "plant"))

@@ -117,7 +117,7 @@ def complete_plant(incomplete: str) -> list[str]:
     """Return the names of plants."""
 
     def found() -> list[str]:
-        from hjcamp.plants import load_plants
+        from hjcamp.known_plants import load_plants
 
         return starting(incomplete, load_plants())
 

@@ -87,7 +87,7 @@ def read_answer(file: Path) -> Mapping[str, Any]:
 
 def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
     """Return what a file begins with from the answer of a diagnosis."""
-    from hjcamp.plants import DEFAULT
+    from hjcamp.known_plants import DEFAULT
 
     rows = content.get("unknowns") or []
     known = next((row for row in rows if isinstance(row, dict) and row.get("curve")), None)
@@ -108,8 +108,8 @@ def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
 
 def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.effects._curve_template import Begun, Table, even_steps
+    from hjcamp.known_plants import find_plant
     from hjcamp.model.vocabulary import read_vocabulary
-    from hjcamp.plants import find_plant
 
     ports = read_vocabulary(find_plant(plant)).ports
     if row["port"] not in ports:
@@ -127,7 +127,7 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
 
 def _of_pump_joint(row: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.effects._curve_template import Begun, Table, even_steps
-    from hjcamp.plants import DEFAULT
+    from hjcamp.known_plants import DEFAULT
 
     driver, curve = str(row["driver"]), row["curve"]
     if driver not in DRIVERS:

@@ -12,7 +12,7 @@ from hjcamp.analyses.adding import add as add_effects
 from hjcamp.analyses.data import Data, joined
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError, counted, nearest, unknown
-from hjcamp.plants import DEFAULT
+from hjcamp.known_plants import DEFAULT
 
 if TYPE_CHECKING:
     from rich.console import Console

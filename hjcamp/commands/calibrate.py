@@ -11,7 +11,7 @@ from hjcamp.analyses.calibrating import identify_pump_joint, pairs
 from hjcamp.analyses.data import Data
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError, counted
-from hjcamp.plants import DEFAULT
+from hjcamp.known_plants import DEFAULT
 
 if TYPE_CHECKING:
     from hjcamp.calibrate.estimate import Estimate

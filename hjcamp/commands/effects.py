@@ -101,7 +101,7 @@ def effects(
             raise UsageError(f"give one name: {USAGE}")
         case [name, *overrides]:
             from hjcamp.commands._session import check_picture
-            from hjcamp.plants import DEFAULT
+            from hjcamp.known_plants import DEFAULT
 
             pictured = not no_figure and is_pictured(name, plant or DEFAULT)
             if not pictured and (figure or overrides) and not no_figure:
@@ -130,8 +130,8 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._answers import effect_row
     from hjcamp.effects import effect_files, imposed_files, library_of
+    from hjcamp.known_plants import DEFAULT
     from hjcamp.model.port import KINDS
-    from hjcamp.plants import DEFAULT
 
     library = library_of(plant or DEFAULT)
     parts = [*library.plant.subsystems, *KINDS]
@@ -166,7 +166,7 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
 def is_pictured(name: str, plant: str) -> bool:
     """Return whether a test of the plant can be drawn with that effect; an unknown name is shown as such later."""
     from hjcamp.effects import effect_files, library_of
-    from hjcamp.plants import DEFAULT
+    from hjcamp.known_plants import DEFAULT
 
     if plant != DEFAULT:
         return False
@@ -176,7 +176,7 @@ def is_pictured(name: str, plant: str) -> bool:
 def shown_effect(name: str, plant: str) -> type[Effect]:
     """Return the effect as the plant has it; where no plant is asked for and it has none, as its file holds it."""
     from hjcamp.effects import effect_files, library_of
-    from hjcamp.plants import DEFAULT
+    from hjcamp.known_plants import DEFAULT
 
     library = library_of(plant or DEFAULT, imposed=True)
     files = {} if plant else effect_files()
@@ -278,7 +278,7 @@ def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = Non
     if begun is not None:
         from hjcamp.commands._effect_from import write_from_diagnosis
         from hjcamp.effects import effect_files, imposed_files, load_effects
-        from hjcamp.plants import DEFAULT
+        from hjcamp.known_plants import DEFAULT
 
         taken = {*effect_files([]), *imposed_files(), *load_effects([])}
         path, plant = write_from_diagnosis(name, begun, sorted(taken))
@@ -297,7 +297,7 @@ def new_effect_file(name: str, plant: str, on: str) -> Path:
     from hjcamp.effects import effect_files, imposed_files, load_effects
     from hjcamp.effects._generic_template import write_generic
     from hjcamp.effects._template import write_template
-    from hjcamp.plants import DEFAULT, find_plant
+    from hjcamp.known_plants import DEFAULT, find_plant
 
     folder, taken = Path("effects"), {*effect_files([]), *imposed_files(), *load_effects([])}
     if on or plant not in ("", DEFAULT):
@@ -309,8 +309,8 @@ def test_effect(name: str, plant: str = "") -> dict[str, Any]:
     """Run the checks that every effect of the library passes on one effect, at each of its places."""
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import library_of
+    from hjcamp.known_plants import DEFAULT
     from hjcamp.model.effect_units import check_units
-    from hjcamp.plants import DEFAULT
 
     library = library_of(plant or DEFAULT)
     console = make_console()

@@ -51,8 +51,8 @@ def import_table(
     """Turn measurements from elsewhere into test logs."""
     from hjcamp.analyses.data import joined
     from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.known_plants import DEFAULT
     from hjcamp.model.plant_checks import other_period
-    from hjcamp.plants import DEFAULT
     from hjcamp.records.import_map import read_import_map
     from hjcamp.records.importing import import_files
     from hjcamp.records.of_plant import PERIOD_KEY

@@ -16,9 +16,9 @@ from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.schema import controller_schema
 from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.known_plants import DEFAULT
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
-from hjcamp.plants import DEFAULT
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.schema import Group, checked, naming
 from hjcamp.trajectories import build_trajectory

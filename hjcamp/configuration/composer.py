@@ -35,8 +35,8 @@ from hjcamp.configuration.shared_parts import parts_of
 from hjcamp.configuration.trust import check_overrides
 from hjcamp.configuration.variation import Loaded, NotJoinedError, Variations
 from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.known_plants import OWN_PLANTS
 from hjcamp.model.field_unit import FIELD_UNITS
-from hjcamp.plants import OWN_PLANTS
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
 COMPOSE_ERRORS = (

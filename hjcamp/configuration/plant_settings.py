@@ -12,11 +12,11 @@ from hjcamp.controllers.fit import check_fits, fitting
 from hjcamp.controllers.schema import controller_schema
 from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.known_plants import DEFAULT, find_plant, usual_plant
 from hjcamp.model.base_values import checked_base, period_of
 from hjcamp.model.compose import Composition
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_file import is_users
-from hjcamp.plants import DEFAULT, find_plant, usual_plant
 from hjcamp.schema import Group, between, checked
 from hjcamp.trajectories import build_trajectory
 

@@ -12,9 +12,9 @@ import numpy as np
 from hjcamp import backends
 from hjcamp.controllers.fit import controlled_field
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import DEFAULT, find_plant
 from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.plant import Plant
-from hjcamp.plants import DEFAULT, find_plant
 from hjcamp.report.exploration import NOT_CHANNELS, channel_label, described, references
 
 PHASE = re.compile(r"(\d+) ([^,;]+)")

@@ -168,8 +168,8 @@ def plants(name: str | None = None) -> Catalogue | OnePlant:
     >>> figure = hjcamp.plants("stage").plot()
     """
     from hjcamp.effects import library_of
+    from hjcamp.known_plants import find_plant, load_plants
     from hjcamp.model.plant_checks import check_plant
-    from hjcamp.plants import find_plant, load_plants
 
     if name is not None:
         plant = find_plant(name)
@@ -191,8 +191,8 @@ def new_plant(name: str) -> Path:
     >>> hjcamp.new_plant("my_axis").as_posix()
     'plants/my_axis.py'
     """
-    from hjcamp.plants import load_plants
-    from hjcamp.plants._template import write_template
+    from hjcamp.commands._plant_template import write_template
+    from hjcamp.known_plants import load_plants
 
     return write_template(name, Path("plants"), load_plants())
 

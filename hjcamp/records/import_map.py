@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.known_plants import DEFAULT, find_plant, load_plants
 from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.field_unit import unit_of_field
 from hjcamp.model.parameter import Parameter, finite_number
 from hjcamp.model.plant import Plant
 from hjcamp.model.plant_checks import check_users_plant
-from hjcamp.plants import DEFAULT, find_plant, load_plants
 from hjcamp.records.check import check_names
 from hjcamp.records.of_plant import LONGEST_PERIOD_S, PERIOD_KEY, PLANT_KEY
 from hjcamp.records.units import conversion_to_field

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from hjcamp.errors import UsageError, counted
+from hjcamp.known_plants import DEFAULT
 from hjcamp.model.field_unit import field_of
-from hjcamp.plants import DEFAULT
 from hjcamp.records.check import check_finite, check_phase
 from hjcamp.records.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, usual_step
 from hjcamp.records.import_map import ImportMap, read_import_map

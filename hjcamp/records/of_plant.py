@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import DEFAULT, find_plant, usual_plant
 from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.field_unit import FIELD_UNITS
 from hjcamp.model.plant import Plant
-from hjcamp.plants import DEFAULT, find_plant, usual_plant
 
 PLANT_KEY, PERIOD_KEY = "plant", "period_s"
 USUAL_PERIOD_S = 1e-3

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from hjcamp.errors import UsageError, counted
-from hjcamp.plants import DEFAULT
+from hjcamp.known_plants import DEFAULT
 from hjcamp.records.check import check_log, check_names
 from hjcamp.records.container import CHANNEL, Container
 from hjcamp.records.layout import encode

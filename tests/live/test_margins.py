@@ -12,9 +12,9 @@ from hjcamp.backends.nidaqmx import limit_check
 from hjcamp.backends.rig.margins import rig_watches
 from hjcamp.backends.rig.wiring import read_wiring
 from hjcamp.configuration.composer import Composer
+from hjcamp.known_plants import find_plant
 from hjcamp.live.describe import describe
 from hjcamp.model.watch import Term, Watch, plausible_watches
-from hjcamp.plants import find_plant
 
 CALM = {
     "reference_deg": 0.0,

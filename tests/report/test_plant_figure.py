@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from matplotlib.figure import Figure
 
+from hjcamp.known_plants import find_plant
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.plants import find_plant
 from hjcamp.report.plant_figure import columns, links, paint_plant, without_partitions
 
 

@@ -13,7 +13,7 @@ import yaml
 
 from hjcamp.configuration.composer import Composer, as_override
 from hjcamp.configuration.search_path import packaged_root
-from hjcamp.plants import OWN_PLANTS
+from hjcamp.known_plants import OWN_PLANTS
 from hjcamp.report.published import CONDITION, cell_key
 
 #: The campaigns whose conditions are the tests of a published table.

@@ -1,0 +1,43 @@
+"""The plants by name: one file (or folder) each, ours in ``hjcamp/plants`` and the user's in a folder ``plants``; there is no list."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from hjcamp.errors import unknown
+from hjcamp.model.catalogue import class_in, files_in, scan
+from hjcamp.model.plant import Plant
+from hjcamp.model.user_folders import extension_folders
+
+DEFAULT = "pump_joint"
+PACKAGE = "hjcamp.plants"
+OWN_PLANTS = Path(__file__).parent / "plants"
+
+
+def load_plants(folders: Sequence[Path] | None = None) -> dict[str, type[Plant]]:
+    """Return every plant by name, ours and the user's; a faulty file is refused, saying what is allowed."""
+    chosen = extension_folders("plants") if folders is None else list(folders)
+    return scan(OWN_PLANTS, PACKAGE, Plant, chosen)
+
+
+def usual_plant() -> type[Plant]:
+    """Return the plant of logs and configurations that name none; no other plant's file is looked at."""
+    found = class_in(OWN_PLANTS / DEFAULT / "plant.py", Plant, f"{PACKAGE}.{DEFAULT}", DEFAULT)
+    assert found is not None
+    return found
+
+
+def plant_names(folder: Path) -> list[str]:
+    """Return the plants of a folder by name; a user's files are not run for it."""
+    if folder == OWN_PLANTS:
+        return sorted(load_plants([]))
+    return sorted({name for name, _ in files_in(folder, "plant.py")})
+
+
+def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | None = None) -> type[Plant]:
+    """Return the plant called ``name``; ``where`` says what names it. Raises ``UsageError`` with the nearest match."""
+    plants = load_plants(folders)
+    if name not in plants:
+        raise unknown("plant", name, plants, where)
+    return plants[name]
