@@ -11,9 +11,9 @@ from hjcamp.analyses.data import Data, Report, joined, silent
 from hjcamp.errors import UsageError, counted
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.add import Addition as PumpAddition
-    from hjcamp.discrepancy.measured.evidence import Evidence
     from hjcamp.model.effect import Effect
+    from hjcamp.plants.pump_joint.diagnosis.add import Addition as PumpAddition
+    from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
     from hjcamp.prediction.addition import Addition as PlantAddition
 
 
@@ -40,11 +40,11 @@ def add(data: Data, names: Sequence[str], name: str, model: str = "published", r
 
 def _add_pump_joint(data: Data, names: list[str], name: str, model: str, report: Report) -> Added:
     from hjcamp.configuration.saved_model import check_new_name, write_model
-    from hjcamp.discrepancy.add import add as fit_added
-    from hjcamp.discrepancy.add import answer, check_effects
-    from hjcamp.discrepancy.models.saved import saved_model
-    from hjcamp.discrepancy.residuals.views import Views
-    from hjcamp.discrepancy.workers.pool import Crew, available
+    from hjcamp.plants.pump_joint.diagnosis.add import add as fit_added
+    from hjcamp.plants.pump_joint.diagnosis.add import answer, check_effects
+    from hjcamp.plants.pump_joint.diagnosis.models.saved import saved_model
+    from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
+    from hjcamp.workers.pool import Crew, available
 
     library = library_of_data(data)
     path = check_new_name(name)

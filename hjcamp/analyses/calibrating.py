@@ -11,7 +11,7 @@ from hjcamp.analyses.data import Data, Report, joined, silent
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
-    from hjcamp.calibrate.identify import Calibration
+    from hjcamp.plants.pump_joint.calibrate.identify import Calibration
     from hjcamp.prediction.analysis import Analysis
 
 
@@ -37,10 +37,10 @@ def identify_pump_joint(
     data: Data, name: str, only: Mapping[str, str], conf: Path = Path("conf"), replace: bool = False
 ) -> Identified:
     """Identify every constant that these tests of a pump joint support; write model and rig of that name."""
-    from hjcamp.calibrate.configuration_file import check_name, write_configuration
-    from hjcamp.calibrate.identify import identify
-    from hjcamp.calibrate.identify import only as select
     from hjcamp.configuration.setups import configuration_for
+    from hjcamp.plants.pump_joint.calibrate.configuration_file import check_name, write_configuration
+    from hjcamp.plants.pump_joint.calibrate.identify import identify
+    from hjcamp.plants.pump_joint.calibrate.identify import only as select
     from hjcamp.records.find import refuse_unanalysed
 
     check_name(name, conf, replace)

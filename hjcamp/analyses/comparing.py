@@ -10,8 +10,8 @@ from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from hjcamp.analyses.plant_comparison import PlantComparison
-    from hjcamp.discrepancy.compare import Comparison as PumpComparison
-    from hjcamp.discrepancy.measured.evidence import Evidence
+    from hjcamp.plants.pump_joint.diagnosis.compare import Comparison as PumpComparison
+    from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 
 
 def check_models(names: Sequence[str]) -> None:
@@ -21,10 +21,10 @@ def check_models(names: Sequence[str]) -> None:
 
 
 def compare_pump_joint(data: Data, names: Sequence[str], report: Report = silent) -> PumpComparison:
-    """Return saved models of the pump joint on its tests (`hjcamp.discrepancy.compare`)."""
-    from hjcamp.discrepancy.compare import compare
-    from hjcamp.discrepancy.models.saved import saved_model
+    """Return saved models of the pump joint on its tests (`hjcamp.plants.pump_joint.diagnosis.compare`)."""
     from hjcamp.effects import load_effects
+    from hjcamp.plants.pump_joint.diagnosis.compare import compare
+    from hjcamp.plants.pump_joint.diagnosis.models.saved import saved_model
 
     check_models(names)
     models = {name: saved_model(name) for name in names}

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.measured.evidence import Evidence
     from hjcamp.model.plant import Plant
+    from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
     from hjcamp.prediction.measured import Measured
     from hjcamp.records.log import TestLog
 
@@ -75,7 +75,7 @@ class Data:
 
 def evidence_of(paths: Sequence[Path], logs: Sequence[TestLog] | None = None) -> Evidence:
     """Return the evidence of the logs at ``paths``; refuse what cannot be, and say on stderr what is doubtful."""
-    from hjcamp.discrepancy.measured.evidence import prepare
+    from hjcamp.plants.pump_joint.diagnosis.measured.evidence import prepare
     from hjcamp.records.find import read_logs, refuse_unanalysed
 
     logs = read_logs(list(paths)) if logs is None else logs

@@ -13,13 +13,13 @@ from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.report.where_words import NEAR
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.answer import Judging
-    from hjcamp.discrepancy.diagnose import Diagnosis
-    from hjcamp.discrepancy.localisation.unexplained import Unexplained
-    from hjcamp.discrepancy.measured.evidence import Evidence
-    from hjcamp.discrepancy.scale import Judged
     from hjcamp.model.candidate import Candidate
     from hjcamp.model.effect import Effect
+    from hjcamp.plants.pump_joint.diagnosis.answer import Judging
+    from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis
+    from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import Unexplained
+    from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
+    from hjcamp.plants.pump_joint.diagnosis.scale import Judged
     from hjcamp.prediction.analysis import Analysis
     from hjcamp.prediction.verdict import Verdict
 
@@ -41,7 +41,7 @@ class Asked:
 
     def check(self) -> None:
         """Refuse an unknown effort, a seed that ``seed=`` of a run would not take, and less than one process."""
-        from hjcamp.discrepancy.selection.effort import EFFORTS
+        from hjcamp.plants.pump_joint.diagnosis.selection.effort import EFFORTS
 
         check_seed(self.seed)
         if self.effort not in EFFORTS:
@@ -89,17 +89,17 @@ def diagnose_pump_joint(
     lacking: Callable[[Evidence], None] = lambda evidence: None,
     gather: Callable[[Diagnosis, dict[str, Any], Mapping[str, type[Effect]]], Any] = lambda found, content, library: None,
 ) -> Diagnosed:
-    """Return what the model of the pump joint misses (`hjcamp.discrepancy.diagnose`).
+    """Return what the model of the pump joint misses (`hjcamp.plants.pump_joint.diagnosis.diagnose`).
 
     ``compiling`` hears how many kernels of how many are there, ``lacking`` the evidence before anything is computed; what
     ``gather`` makes of the diagnosis, while its processes are there, is kept as ``shown``.
     """
     from hjcamp.campaign.warm import missing, ready_to_diagnose, side_by_side
-    from hjcamp.discrepancy.answer import Judging, answer, asked_candidates
-    from hjcamp.discrepancy.diagnose import diagnose
-    from hjcamp.discrepancy.models.saved import saved_model
-    from hjcamp.discrepancy.workers.pool import Crew, available
     from hjcamp.effects import load_effects
+    from hjcamp.plants.pump_joint.diagnosis.answer import Judging, answer, asked_candidates
+    from hjcamp.plants.pump_joint.diagnosis.diagnose import diagnose
+    from hjcamp.plants.pump_joint.diagnosis.models.saved import saved_model
+    from hjcamp.workers.pool import Crew, available
 
     began = time.perf_counter()
     asked.check()
@@ -135,7 +135,7 @@ def diagnose_pump_joint(
 
 
 def _curve(found: Diagnosis, content: Mapping[str, Any]) -> Unexplained | None:
-    from hjcamp.discrepancy.localisation.unexplained import unexplained
+    from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import unexplained
 
     if not content["drivers"]:
         return None
@@ -150,11 +150,11 @@ def looks_at_final(found: Diagnosis, error: float | None) -> bool:
 
 def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDiagnosed:
     """Return what the model of any plant misses (`hjcamp.prediction.verdict`)."""
-    from hjcamp.discrepancy.workers.pool import available
     from hjcamp.prediction.analysis import Known, calibrated
     from hjcamp.prediction.answer import answer, asked_candidates
     from hjcamp.prediction.floor import not_above
     from hjcamp.prediction.verdict import agreed
+    from hjcamp.workers.pool import available
 
     began = time.perf_counter()
     asked.check()

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
 from hjcamp.errors import HjcampError, RigStopped, UsageError, counted
 from hjcamp.known_plants import DEFAULT
+from hjcamp.plants.pump_joint.calibrate.string_slip import string_warning
 
 if TYPE_CHECKING:
     from rich.console import Console

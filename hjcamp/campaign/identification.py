@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hjcamp.calibrate.constants import hardware_of
-from hjcamp.calibrate.estimate import Finding
-from hjcamp.calibrate.identify import identify
-from hjcamp.calibrate.kinds import KINDS, kind_of
-from hjcamp.calibrate.validation import validate
 from hjcamp.configuration.setups import configuration_for
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.calibrate.constants import hardware_of
+from hjcamp.plants.pump_joint.calibrate.estimate import Finding
+from hjcamp.plants.pump_joint.calibrate.identify import identify
+from hjcamp.plants.pump_joint.calibrate.kinds import KINDS, kind_of
+from hjcamp.plants.pump_joint.calibrate.validation import validate
 from hjcamp.records.log import TestLog
 from hjcamp.records.stored import kept
 from hjcamp.report.identification_figures import draw_chart, title_of

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.calibrate.frequency_response import bode_charts, points_of
-from hjcamp.calibrate.static_stiffness import steps_of, stiffness_charts
 from hjcamp.campaign.design_pictures import DESIGN, design_pictures
 from hjcamp.campaign.identification import identification_pictures
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.calibrate.frequency_response import bode_charts, points_of
+from hjcamp.plants.pump_joint.calibrate.static_stiffness import steps_of, stiffness_charts
 from hjcamp.records.find import tell
 from hjcamp.records.log import TestLog
 from hjcamp.report.identification_figures import draw_chart

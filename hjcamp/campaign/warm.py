@@ -10,11 +10,6 @@ import numpy as np
 
 from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
-from hjcamp.discrepancy.design.menu import Choice, menu
-from hjcamp.discrepancy.design.trials import Bench
-from hjcamp.discrepancy.measured.hardware import simulator
-from hjcamp.discrepancy.residuals.kernel_choice import first_needed
-from hjcamp.discrepancy.residuals.passes import compile_passes
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.course import Course, inputs_along
@@ -24,6 +19,11 @@ from hjcamp.model.kernel_cache import is_compiled, load_kernel
 from hjcamp.model.shared import SPACE
 from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.diagnosis.design.menu import Choice, menu
+from hjcamp.plants.pump_joint.diagnosis.design.trials import Bench
+from hjcamp.plants.pump_joint.diagnosis.measured.hardware import simulator
+from hjcamp.plants.pump_joint.diagnosis.residuals.kernel_choice import first_needed
+from hjcamp.plants.pump_joint.diagnosis.residuals.passes import compile_passes
 
 SAMPLES = 20
 # One for each text of a kernel: both controllers share theirs, and the first has that of the feedforward besides.

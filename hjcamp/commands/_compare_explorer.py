@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.compare import Comparison
-    from hjcamp.discrepancy.residuals.replay import Replay
+    from hjcamp.plants.pump_joint.diagnosis.compare import Comparison
+    from hjcamp.plants.pump_joint.diagnosis.residuals.replay import Replay
     from hjcamp.records.model_log import ModelledTest
     from hjcamp.report.exploration import Exploration
 
@@ -34,8 +34,8 @@ def _replays(found: Comparison) -> list[Replay]:
 
 def tests_of(found: Comparison) -> Iterator[ModelledTest]:
     """Yield every test with what was measured and what each model says, in the units of the fields."""
-    from hjcamp.discrepancy.measured.signals import STRIDE
-    from hjcamp.discrepancy.residuals.replay import CHANNELS
+    from hjcamp.plants.pump_joint.diagnosis.measured.signals import STRIDE
+    from hjcamp.plants.pump_joint.diagnosis.residuals.replay import CHANNELS
     from hjcamp.records.model_log import ModelledTest
     from hjcamp.report.exploration import NOT_CHANNELS, names_of
 

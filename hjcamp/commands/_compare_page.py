@@ -9,7 +9,7 @@ from hjcamp.commands._error_words import in_unit, worse_than_mean
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.compare import Compared, Comparison
+    from hjcamp.plants.pump_joint.diagnosis.compare import Compared, Comparison
     from hjcamp.report.discrepancy_figures import Overlay
 
 NOT_CALIBRATED = "not calibrated on these tests: friction and stiffness of another specimen count here"
@@ -147,7 +147,7 @@ def worst_overlay(models: list[Compared]) -> Overlay:
 
 def draw_where(one: Compared) -> str:
     """Return the map of the missing force and the bars of one model."""
-    from hjcamp.discrepancy.localisation.where import SLIDING
+    from hjcamp.plants.pump_joint.diagnosis.localisation.where import SLIDING
     from hjcamp.report.discrepancy_figures import draw_map
     from hjcamp.report.where_words import grouped_bars
 

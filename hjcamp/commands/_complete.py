@@ -174,7 +174,7 @@ def complete_effort(incomplete: str) -> list[str]:
     """Return the efforts of a diagnosis."""
 
     def found() -> list[str]:
-        from hjcamp.discrepancy.selection.effort import EFFORTS
+        from hjcamp.plants.pump_joint.diagnosis.selection.effort import EFFORTS
 
         return starting(incomplete, EFFORTS)
 

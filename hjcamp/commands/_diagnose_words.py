@@ -12,7 +12,7 @@ from hjcamp.report.units import label, told, told_interval
 from hjcamp.report.where_words import where_sentences, worse_calibrated
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.scale import Judged
+    from hjcamp.plants.pump_joint.diagnosis.scale import Judged
 
 TITLES = {
     "nothing_missing": "Nothing missing",

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.discrepancy.residuals.replay import ChannelError
-    from hjcamp.discrepancy.scale import Judged, Scale
+    from hjcamp.plants.pump_joint.diagnosis.residuals.replay import ChannelError
+    from hjcamp.plants.pump_joint.diagnosis.scale import Judged, Scale
 
 CHANNELS = {
     "arm_deg": (1.0, "deg"),

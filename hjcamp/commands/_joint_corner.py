@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from hjcamp.commands._corner import Estimate
-    from hjcamp.discrepancy.fitting.heldout import Local
+    from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import Local
 
 
 def fitted_parameters(local: Local) -> tuple[list[Estimate], Any]:

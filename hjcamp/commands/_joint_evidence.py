@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.diagnose import Diagnosis
-    from hjcamp.discrepancy.fitting.gauss_newton import Fit
-    from hjcamp.discrepancy.localisation.unexplained import Unexplained
-    from hjcamp.discrepancy.measured.evidence import Evidence
     from hjcamp.model.effect import Effect
+    from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis
+    from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
+    from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import Unexplained
+    from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
     from hjcamp.report.evidence_figures import Branch, Missing
 
 POINTS = 1500
@@ -55,8 +55,8 @@ def missing_of(
     Where effects were named, the driver is that of their law. A law of the lines may depend on the very pressures.
     """
     from hjcamp.commands._plant_evidence import amplitude_band
-    from hjcamp.discrepancy.localisation.drivers import TAUTOLOGIES, rank_drivers
-    from hjcamp.discrepancy.localisation.unexplained import IN_SI, SI, driver_of, unexplained
+    from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import TAUTOLOGIES, rank_drivers
+    from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import IN_SI, SI, driver_of, unexplained
     from hjcamp.report.evidence_figures import Missing
 
     features, floor = found.features, found.floor

@@ -9,9 +9,9 @@ import numpy as np
 
 from hjcamp.analyses.data import joined
 from hjcamp.commands._next_work import Words, Work
-from hjcamp.discrepancy.design.propose import ALL_PAIRS, REPETITIONS, Proposal, Proposed, weighted
-from hjcamp.discrepancy.design.rivals import NOTHING, Rival
 from hjcamp.errors import counted
+from hjcamp.plants.pump_joint.diagnosis.design.propose import ALL_PAIRS, REPETITIONS, Proposal, Proposed, weighted
+from hjcamp.plants.pump_joint.diagnosis.design.rivals import NOTHING, Rival
 from hjcamp.report.next_figure import Bar, Prediction, draw_predictions
 from hjcamp.storage import whole_file
 

@@ -10,14 +10,14 @@ from typing import Any
 from hjcamp.analyses.data import evidence_of
 from hjcamp.campaign.campaign_file import RUN_KEYS
 from hjcamp.configuration.composer import as_override, free, key_of, parse_overrides
-from hjcamp.discrepancy.design.campaign_file import allowed_by
-from hjcamp.discrepancy.design.menu import menu
-from hjcamp.discrepancy.design.propose import Proposal, propose
-from hjcamp.discrepancy.design.rivals import NOTHING, Rival, check_names, rivals_by_name, rivals_of
-from hjcamp.discrepancy.design.trials import RIG_PRESSURE, Bench
-from hjcamp.discrepancy.diagnose import Diagnosis
-from hjcamp.discrepancy.workers.pool import Crew, available
 from hjcamp.errors import UsageError, unknown
+from hjcamp.plants.pump_joint.diagnosis.design.campaign_file import allowed_by
+from hjcamp.plants.pump_joint.diagnosis.design.menu import menu
+from hjcamp.plants.pump_joint.diagnosis.design.propose import Proposal, propose
+from hjcamp.plants.pump_joint.diagnosis.design.rivals import NOTHING, Rival, check_names, rivals_by_name, rivals_of
+from hjcamp.plants.pump_joint.diagnosis.design.trials import RIG_PRESSURE, Bench
+from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis
+from hjcamp.workers.pool import Crew, available
 
 Report = Callable[[str, float], None]
 HARDWARE = ("pump", "amplifier", "tubing")
@@ -91,8 +91,8 @@ def read_words(words: Sequence[str], rivals: Sequence[str], library: Mapping[str
 
 def work_of(words: Words, library: Mapping[str, Any], effort: str, seed: int, report: Report) -> Work | Diagnosis:
     """Return the work to be done, or the diagnosis whose verdict leaves nothing to separate."""
-    from hjcamp.discrepancy.diagnose import diagnose as search
-    from hjcamp.discrepancy.selection.effort import EFFORTS
+    from hjcamp.plants.pump_joint.diagnosis.diagnose import diagnose as search
+    from hjcamp.plants.pump_joint.diagnosis.selection.effort import EFFORTS
 
     if effort not in EFFORTS:
         raise unknown("effort", effort, EFFORTS)

@@ -38,7 +38,6 @@ def diagnose_tables(
     check_seed(seed)
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.discrepancy.workers.pool import Crew, available
         from hjcamp.storage import write_whole
         from hjcamp.tabulated import question as questions
         from hjcamp.tabulated.answer import NAME, answer
@@ -46,6 +45,7 @@ def diagnose_tables(
         from hjcamp.tabulated.page import PICTURE, draw, page
         from hjcamp.tabulated.quantities import candidates
         from hjcamp.tabulated.search import EFFORTS
+        from hjcamp.workers.pool import Crew, available
 
         if effort not in EFFORTS:
             raise unknown("effort", effort, EFFORTS)

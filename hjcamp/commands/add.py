@@ -17,7 +17,7 @@ from hjcamp.known_plants import DEFAULT
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.discrepancy.add import Addition
+    from hjcamp.plants.pump_joint.diagnosis.add import Addition
 
 BAR = 30
 
@@ -42,8 +42,8 @@ def add(
     from hjcamp.commands._session import check_answer_file, progress_of, write_answer
     from hjcamp.commands._tables import add_table
     from hjcamp.configuration.saved_model import check_new_name
-    from hjcamp.discrepancy.add import Addition
     from hjcamp.effects import load_effects
+    from hjcamp.plants.pump_joint.diagnosis.add import Addition
     from hjcamp.storage import named_file
     from hjcamp.tabulated.answer import is_answer
 

@@ -14,8 +14,8 @@ from hjcamp.errors import UsageError, counted
 from hjcamp.known_plants import DEFAULT
 
 if TYPE_CHECKING:
-    from hjcamp.calibrate.estimate import Estimate
-    from hjcamp.calibrate.identify import Calibration
+    from hjcamp.plants.pump_joint.calibrate.estimate import Estimate
+    from hjcamp.plants.pump_joint.calibrate.identify import Calibration
 
 
 def register(app: typer.Typer) -> None:
@@ -34,10 +34,10 @@ def calibrate(
     json: AnswerFile = None,
 ) -> None:
     """Identify a rig's constants from its own logs and save them as configuration."""
-    from hjcamp.calibrate.configuration_file import check_name
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._any_plant import calibrate_any
     from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.plants.pump_joint.calibrate.configuration_file import check_name
     from hjcamp.report.identification_figures import identification_page
     from hjcamp.storage import whole_file
 
@@ -87,7 +87,7 @@ def answer_of(found: Calibration) -> dict[str, Any]:
 
 def row_of(one: Estimate) -> list[str]:
     """Return what a table shows of an estimate: text, value, interval, published value, tests."""
-    from hjcamp.calibrate.estimate import significant
+    from hjcamp.plants.pump_joint.calibrate.estimate import significant
 
     scale, unit = one.shown_scale, one.shown_unit
     width = (one.interval[1] - one.interval[0]) * scale if one.interval else 0.0

@@ -16,7 +16,7 @@ from hjcamp.storage import check_place
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.discrepancy.compare import Compared, Comparison
+    from hjcamp.plants.pump_joint.diagnosis.compare import Compared, Comparison
 
 BAR = 30
 
@@ -67,7 +67,7 @@ def compare(
     with progress_of(console) as report:
         from hjcamp.commands._compare_explorer import tests_of
         from hjcamp.commands._compare_page import write_pictures
-        from hjcamp.discrepancy.compare import answer
+        from hjcamp.plants.pump_joint.diagnosis.compare import answer
         from hjcamp.records.model_log import write_modelled
 
         found = compare_pump_joint(data, names, report)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from hjcamp.commands._diagnose_words import Told
-    from hjcamp.discrepancy.measured.evidence import Evidence
+    from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 
 STYLES = {"nothing_missing": "green", "effect": "bold"}
 SHOWN = 6
@@ -102,7 +102,7 @@ def diagnose(
 def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:
     """Say before anything is computed what these tests lack: for a verdict, and for a floor."""
     from hjcamp.commands._error_words import print_wrapped
-    from hjcamp.discrepancy.selection.verdict import lacks
+    from hjcamp.plants.pump_joint.diagnosis.selection.verdict import lacks
     from hjcamp.report.where_words import NO_FLOOR
 
     lacking = [f"{one[:1].upper()}{one[1:]}." for one in lacks(evidence)]

@@ -109,8 +109,8 @@ def targets_of(files: Sequence[Path], into: Path | None, output: Path | None) ->
 def _check_hardware(metadata: Sequence[Mapping[str, str]], mapping: Path) -> None:
     """Refuse hardware that no configuration describes: every analysis would ask for it."""
     from hjcamp.configuration.composer import Composer
-    from hjcamp.discrepancy.measured.hardware import NAMED
     from hjcamp.errors import unknown
+    from hjcamp.plants.pump_joint.diagnosis.measured.hardware import NAMED
 
     named = [(group, one[group]) for one in metadata for group in NAMED if one.get(group)]
     composer = Composer() if named else None

@@ -48,7 +48,7 @@ def next_(
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._any_plant import next_any
     from hjcamp.commands._session import check_answer_file, folder_for, progress_of, write_answer
-    from hjcamp.discrepancy.design.campaign_file import campaign_content, new_campaign, write_campaign
+    from hjcamp.plants.pump_joint.diagnosis.design.campaign_file import campaign_content, new_campaign, write_campaign
 
     began = time.perf_counter()
     check_answer_file(json)
@@ -67,8 +67,8 @@ def next_(
     with progress_of(console) as report:
         from hjcamp.commands._next_answer import answer, comment_of, draw, names_of, tell
         from hjcamp.commands._next_work import Work, read_words, work_of
-        from hjcamp.discrepancy.design.propose import REPETITIONS
         from hjcamp.effects import load_effects
+        from hjcamp.plants.pump_joint.diagnosis.design.propose import REPETITIONS
 
         library = load_effects()
         given = read_words(words or [], rivals or [], library)

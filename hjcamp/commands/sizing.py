@@ -11,7 +11,7 @@ from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
-    from hjcamp.sizing.capability import Friction, Joint
+    from hjcamp.plants.pump_joint.sizing.capability import Friction, Joint
 
 USAGE = "hjcamp sizing | sizing capability torque_mnm=20 range_deg=180 diameter_mm=15 | sizing figures [OVERRIDE...]"
 #: The joint as measured last, as measured first, and as thesis 5.6 would have it.
@@ -63,8 +63,8 @@ def show_formulas() -> dict[str, Any]:
     from rich.table import Table
 
     from hjcamp.campaign.console import make_console
+    from hjcamp.plants.pump_joint.sizing.reference import decimals, quantities
     from hjcamp.report.units import plain
-    from hjcamp.sizing.reference import decimals, quantities
 
     found = quantities()
     table = Table(box=None, header_style="bold", pad_edge=False)
@@ -96,7 +96,7 @@ def show_formulas() -> dict[str, Any]:
 
 def answer_question(lines: list[str]) -> dict[str, Any]:
     """Print whether the joint can do it with each friction, and what stops it; returns the answer for programs."""
-    from hjcamp.sizing import capability
+    from hjcamp.plants.pump_joint.sizing import capability
 
     asked, overrides = _split(lines)
     question = capability.read_question(asked)
@@ -136,7 +136,7 @@ def _split(lines: list[str]) -> tuple[list[str], list[str]]:
 def _joint_and_frictions(overrides: list[str]) -> tuple[Joint, list[Friction]]:
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer
-    from hjcamp.sizing.capability import Joint, frictions_of
+    from hjcamp.plants.pump_joint.sizing.capability import Joint, frictions_of
 
     chosen = any(line.partition("=")[0] == "friction" for line in overrides)
     composer, frictions = Composer(), []
@@ -182,8 +182,8 @@ def draw(output: Path, lines: list[str]) -> None:
     from hjcamp.campaign.console import make_console
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer
-    from hjcamp.report.joint_figures import figures_of
-    from hjcamp.report.sizing_figures import FIGURES, draw_figures
+    from hjcamp.plants.pump_joint.figures.joint import figures_of
+    from hjcamp.plants.pump_joint.figures.sizing import FIGURES, draw_figures
     from hjcamp.storage import check_place
 
     for line in lines:

@@ -21,7 +21,7 @@ COLUMNS = ("model", "channel", "rms", "floor", "r2", "score")
 class Comparison(Result):
     """Models on the same tests. ``frame``: a row for each model and channel, with the model's score: 1 is perfect.
 
-    ``found`` is the analysis itself (`hjcamp.discrepancy.compare` or `hjcamp.prediction.comparison`).
+    ``found`` is the analysis itself (`hjcamp.plants.pump_joint.diagnosis.compare` or `hjcamp.prediction.comparison`).
     """
 
     data: Data
@@ -99,7 +99,7 @@ def compare(
     data = data_of(tests)
     names = [str(one) for one in model] if isinstance(model, Sequence) and not isinstance(model, str) else [str(model)]
     if data.of_pump_joint:
-        from hjcamp.discrepancy.compare import answer
+        from hjcamp.plants.pump_joint.diagnosis.compare import answer
 
         pump = compare_pump_joint(data, names, progress_to(progress))
         return Comparison(data, pump, answer(pump.models, len(data.evidence.tests)))

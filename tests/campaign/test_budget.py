@@ -17,7 +17,7 @@ from hjcamp.campaign.budget import Item, better_by, budget, errors_of, variants
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError
-from hjcamp.sizing import dynamics
+from hjcamp.plants.pump_joint.sizing import dynamics
 
 SHORT = [
     "trajectory=ramp_pos",

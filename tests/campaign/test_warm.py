@@ -17,12 +17,12 @@ from hjcamp.campaign.warm import (
 )
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers import find_controller
-from hjcamp.discrepancy.design.menu import menu
-from hjcamp.discrepancy.measured.hardware import simulator
-from hjcamp.discrepancy.residuals.passes import compile_passes
 from hjcamp.effects import load_effects
 from hjcamp.model.kernel_cache import is_compiled
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.diagnosis.design.menu import menu
+from hjcamp.plants.pump_joint.diagnosis.measured.hardware import simulator
+from hjcamp.plants.pump_joint.diagnosis.residuals.passes import compile_passes
 
 
 def kernel_of(config: dict) -> str:

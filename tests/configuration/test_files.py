@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from hjcamp.calibrate.constants import attached_configuration
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.calibrate.constants import attached_configuration
 from hjcamp.records.import_map import read_import_map
 from hjcamp.records.log import TestLog
 from hjcamp.report.check import read_tolerances

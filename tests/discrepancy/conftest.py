@@ -26,7 +26,7 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureF
     monkeypatch.delenv("HJCAMP_CONF", raising=False)
     monkeypatch.setattr(hjcamp.effects, "load_effects", lambda folders=None: dict(few))
     # Other processes would load, and compile, the whole library.
-    monkeypatch.setattr("hjcamp.discrepancy.workers.pool.available", lambda: 1)
+    monkeypatch.setattr("hjcamp.workers.pool.available", lambda: 1)
 
     def answer(*arguments: str | Path) -> Answer:
         capfd.readouterr()

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.models.unknowns import effect_unknowns, read, written
-from hjcamp.discrepancy.screening.responses import Probe, angle_of, shapes
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis.models.unknowns import effect_unknowns, read, written
+from hjcamp.plants.pump_joint.diagnosis.screening.responses import Probe, angle_of, shapes
 
 LIBRARY = load_effects([])
 

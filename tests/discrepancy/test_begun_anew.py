@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy import diagnose
-from hjcamp.discrepancy.diagnose import _Search
-from hjcamp.discrepancy.selection.verdict import Verdict
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis import diagnose
+from hjcamp.plants.pump_joint.diagnosis.diagnose import _Search
+from hjcamp.plants.pump_joint.diagnosis.selection.verdict import Verdict
 
 EFFECTS: Any = ()
 

@@ -8,9 +8,9 @@ import time
 
 import pytest
 
-from hjcamp.discrepancy.residuals.memo import Recent
-from hjcamp.discrepancy.workers.pool import Crew, available
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.diagnosis.residuals.memo import Recent
+from hjcamp.workers.pool import Crew, available
 
 
 def _scaled(factor: float, item: int) -> float:

@@ -10,9 +10,9 @@ import pytest
 
 from hjcamp.commands._diagnose_words import Told
 from hjcamp.commands._error_words import error_table, worse_than_mean
-from hjcamp.discrepancy.residuals.replay import ChannelError
-from hjcamp.discrepancy.scale import Judged, Scale
 from hjcamp.effects import load_effects
+from hjcamp.plants.pump_joint.diagnosis.residuals.replay import ChannelError
+from hjcamp.plants.pump_joint.diagnosis.scale import Judged, Scale
 
 ROW = {"value": 2.79e-16, "unit": "m^3/(s*Pa)", "ci95": [2.6e-16, 3e-16]}
 CONTENT: dict[str, Any] = {

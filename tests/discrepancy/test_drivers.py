@@ -8,7 +8,15 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.localisation.drivers import KNOTS, _basis, _gain, _rhythm, _swings, bends, outdone
+from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import (
+    KNOTS,
+    _basis,
+    _gain,
+    _rhythm,
+    _swings,
+    bends,
+    outdone,
+)
 
 TESTS, BLOCKS = 6, 200
 

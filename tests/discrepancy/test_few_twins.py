@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy import diagnose
-from hjcamp.discrepancy.bootstrap.early_stopping import APART, FAR, FIRST, is_clear, is_far
-from hjcamp.discrepancy.bootstrap.null_distribution import Null
-from hjcamp.discrepancy.diagnose import _Search
-from hjcamp.discrepancy.selection.step import LEVEL
+from hjcamp.plants.pump_joint.diagnosis import diagnose
+from hjcamp.plants.pump_joint.diagnosis.bootstrap.early_stopping import APART, FAR, FIRST, is_clear, is_far
+from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
+from hjcamp.plants.pump_joint.diagnosis.diagnose import _Search
+from hjcamp.plants.pump_joint.diagnosis.selection.step import LEVEL
 
 TWINS, RIGS, CHANNELS = 60, 20_000, 5
 LAWS: dict[str, Callable[[np.random.Generator, tuple[int, int]], Any]] = {

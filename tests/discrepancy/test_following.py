@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from hjcamp.analyses.data import evidence_of
-from hjcamp.discrepancy.models.saved import complete
-from hjcamp.discrepancy.residuals.replay_parallel import parts
-from hjcamp.discrepancy.residuals.views import Views
-from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis.models.saved import complete
+from hjcamp.plants.pump_joint.diagnosis.residuals.replay_parallel import parts
+from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
+from hjcamp.workers.pool import Crew
 
 
 def test_parts_begin_with_a_test_and_cover_all() -> None:

@@ -8,9 +8,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.bootstrap.null_distribution import Null
-from hjcamp.discrepancy.localisation import drivers
-from hjcamp.discrepancy.selection import verdict
+from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
+from hjcamp.plants.pump_joint.diagnosis.localisation import drivers
+from hjcamp.plants.pump_joint.diagnosis.selection import verdict
 
 TESTS, BLOCKS, CHANNELS, SLIDING = 6, 200, 6, 4
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.discrepancy.screening.screening import Step
+from hjcamp.plants.pump_joint.diagnosis.screening.screening import Step
 
 
 def test_a_step_takes_the_heaviest_of_its_rivals() -> None:

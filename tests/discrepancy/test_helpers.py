@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from hjcamp.analyses.data import evidence_of
-from hjcamp.discrepancy.diagnose import diagnose
-from hjcamp.discrepancy.workers.pool import Crew
-from hjcamp.discrepancy.workers.processes import Helpers
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.effect import Effect
+from hjcamp.plants.pump_joint.diagnosis.diagnose import diagnose
+from hjcamp.workers.pool import Crew
+from hjcamp.workers.processes import Helpers
 
 OWN = '''"""A constant leak."""
 

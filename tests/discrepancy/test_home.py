@@ -10,12 +10,12 @@ import pytest
 from test_hidden_effects_end_to_end import RIVALS
 from truth.case import write_case
 
-from hjcamp.discrepancy.fitting.heldout import judged_error
-from hjcamp.discrepancy.measured.evidence import Evidence, home_reading, prepare
-from hjcamp.discrepancy.residuals.features import Features
-from hjcamp.discrepancy.residuals.views import CHANNELS, HOME, Views
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import judged_error
+from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence, home_reading, prepare
+from hjcamp.plants.pump_joint.diagnosis.residuals.features import Features
+from hjcamp.plants.pump_joint.diagnosis.residuals.views import CHANNELS, HOME, Views
 from hjcamp.records.find import find_logs, read_logs
 from hjcamp.records.log import TestLog
 

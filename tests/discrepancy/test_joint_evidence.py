@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hjcamp.commands._joint_evidence import Shown, _correlations, _worst_test
-from hjcamp.discrepancy.localisation import unexplained
+from hjcamp.plants.pump_joint.diagnosis.localisation import unexplained
 
 TIME = np.arange(300) * 0.004
 MEASURED = {

@@ -9,15 +9,15 @@ import pytest
 
 from hjcamp.analyses.diagnosing import considered
 from hjcamp.campaign import warm
-from hjcamp.discrepancy.measured.evidence import Evidence
-from hjcamp.discrepancy.residuals import kernel_choice
-from hjcamp.discrepancy.residuals.kernel_choice import chosen_for, first_needed
-from hjcamp.discrepancy.residuals.views import Views
 from hjcamp.effects import load_effects
 from hjcamp.effects._template import template
 from hjcamp.errors import UsageError
 from hjcamp.model.candidate import Candidate
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
+from hjcamp.plants.pump_joint.diagnosis.residuals import kernel_choice
+from hjcamp.plants.pump_joint.diagnosis.residuals.kernel_choice import chosen_for, first_needed
+from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
 
 LIBRARY = tuple(load_effects([]).values())
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from hjcamp.commands._joint_corner import fitted_parameters
-from hjcamp.discrepancy.fitting.heldout import LEAST_CONDITIONS, Local
-from hjcamp.discrepancy.models.unknowns import Unknown
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.parameter import Parameter
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import LEAST_CONDITIONS, Local
+from hjcamp.plants.pump_joint.diagnosis.models.unknowns import Unknown
 
 BLOCKS, UNKNOWNS = 40, 2
 

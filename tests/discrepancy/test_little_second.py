@@ -8,11 +8,11 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy import diagnose
-from hjcamp.discrepancy.diagnose import LITTLE, PROMISING, _Search
-from hjcamp.discrepancy.screening.screening import Step
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis import diagnose
+from hjcamp.plants.pump_joint.diagnosis.diagnose import LITTLE, PROMISING, _Search
+from hjcamp.plants.pump_joint.diagnosis.screening.screening import Step
 
 LEAST = 10.0
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.errors import HjcampError
+from hjcamp.workers.pool import Crew
 
 SCHEDULER = """
 import sys

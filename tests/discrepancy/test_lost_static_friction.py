@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from hjcamp.discrepancy.screening import screening as search
-from hjcamp.discrepancy.screening.screening import Screening, screen, with_static_friction
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis.screening import screening as search
+from hjcamp.plants.pump_joint.diagnosis.screening.screening import Screening, screen, with_static_friction
 
 LOST = Candidate({"coulomb_positive": 5.0, "static_positive": 5.0, "coulomb_negative": 2.0, "static_negative": 2.8})
 

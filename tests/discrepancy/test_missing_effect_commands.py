@@ -128,7 +128,7 @@ def test_one_test_cannot_tell_and_says_so_before_it_computes(
     def no_twin(*arguments: object) -> None:
         raise AssertionError("a twin was simulated although no verdict can be given")
 
-    monkeypatch.setattr("hjcamp.discrepancy.bootstrap.null_distribution.make_twin", no_twin)
+    monkeypatch.setattr("hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution.make_twin", no_twin)
     answer = call("diagnose", leak / "ramp_hold_r1.mcap", "--effort", "quick", "--json", "d.json")
     assert answer.code == 0, answer.err
     found = read_answer(Path("d.json"))

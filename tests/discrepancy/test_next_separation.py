@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.design.campaign_file import allowed_by, campaign_content
-from hjcamp.discrepancy.design.menu import Choice, menu
-from hjcamp.discrepancy.design.responses import Products
-from hjcamp.discrepancy.design.separation import Arena, Contest, choose
+from hjcamp.plants.pump_joint.diagnosis.design.campaign_file import allowed_by, campaign_content
+from hjcamp.plants.pump_joint.diagnosis.design.menu import Choice, menu
+from hjcamp.plants.pump_joint.diagnosis.design.responses import Products
+from hjcamp.plants.pump_joint.diagnosis.design.separation import Arena, Contest, choose
 
 LEAST = np.array([0.1])
 

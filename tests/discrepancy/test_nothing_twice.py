@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from hjcamp.analyses.data import evidence_of
-from hjcamp.discrepancy.answer import Judging, answer
-from hjcamp.discrepancy.diagnose import Diagnosis, diagnose
-from hjcamp.discrepancy.fitting.heldout import Local
-from hjcamp.discrepancy.residuals.views import Views
-from hjcamp.discrepancy.scale import scale_of
-from hjcamp.discrepancy.screening.screening import unknowns_of
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis.answer import Judging, answer
+from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis, diagnose
+from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import Local
+from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
+from hjcamp.plants.pump_joint.diagnosis.scale import scale_of
+from hjcamp.plants.pump_joint.diagnosis.screening.screening import unknowns_of
 
 EFFORT = "quick"
 LIBRARY = ("leakage", "pressure_offset", "stribeck_friction")

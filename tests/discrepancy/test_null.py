@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.bootstrap.null_distribution import LAW, MARGIN, Null
+from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import LAW, MARGIN, Null
 
 TESTS, CHANNELS, TWINS = 12, 6, 40
 

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from hjcamp.analyses.data import evidence_of
-from hjcamp.discrepancy.models.saved import complete
-from hjcamp.discrepancy.residuals.features import BLOCK, Features
-from hjcamp.discrepancy.residuals.passes import (
+from hjcamp.effects import load_effects
+from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis.models.saved import complete
+from hjcamp.plants.pump_joint.diagnosis.residuals.features import BLOCK, Features
+from hjcamp.plants.pump_joint.diagnosis.residuals.passes import (
     LOOK_BACK,
     SURPRISE,
     block_means,
@@ -20,9 +22,7 @@ from hjcamp.discrepancy.residuals.passes import (
     joint_errors,
     line_errors,
 )
-from hjcamp.discrepancy.residuals.views import CHANNELS, Views
-from hjcamp.effects import load_effects
-from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis.residuals.views import CHANNELS, Views
 
 Array = Any
 PASSES = (joint_errors, line_errors, force_errors, block_means)

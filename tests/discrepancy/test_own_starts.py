@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.models.per_test_states import OwnStarts, own_moves, step_within
-from hjcamp.discrepancy.models.unknowns import effect_unknowns
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter, State
+from hjcamp.plants.pump_joint.diagnosis.models.per_test_states import OwnStarts, own_moves, step_within
+from hjcamp.plants.pump_joint.diagnosis.models.unknowns import effect_unknowns
 
 TESTS, SAMPLES = 3, 400
 EDGES = np.arange(TESTS + 1) * SAMPLES

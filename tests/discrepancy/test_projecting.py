@@ -8,7 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.screening.normal_equations import Gram, Group, Known, all_gains, gains_of_each, project
+from hjcamp.plants.pump_joint.diagnosis.screening.normal_equations import (
+    Gram,
+    Group,
+    Known,
+    all_gains,
+    gains_of_each,
+    project,
+)
 
 Array = Any
 TESTS, CHANNELS, BLOCKS, COLUMNS, RESIDUALS = 5, 3, 40, 6, 8

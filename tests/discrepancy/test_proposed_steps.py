@@ -13,8 +13,8 @@ from discrepancy_answers import Call
 from hjcamp.analyses.data import free_model_name
 from hjcamp.commands.compare import next_commands
 from hjcamp.commands.diagnose import next_command
-from hjcamp.discrepancy.localisation.unexplained import Unexplained
-from hjcamp.discrepancy.scale import Judged, fall_of
+from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import Unexplained
+from hjcamp.plants.pump_joint.diagnosis.scale import Judged, fall_of
 
 LOGS = [Path("logs")]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete, lfilter
 
-from hjcamp.discrepancy.measured.hardware import _hardware
+from hjcamp.plants.pump_joint.diagnosis.measured.hardware import _hardware
 
 
 @pytest.mark.parametrize("names", [(), (("pump", "pump1"), ("amplifier", "low_gain"))])

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.fitting.gauss_newton import Fit
-from hjcamp.discrepancy.screening.screening import asks, rival_weights
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
+from hjcamp.plants.pump_joint.diagnosis.screening.screening import asks, rival_weights
 
 EFFECTS = tuple(load_effects([]).values())
 LEAST = np.ones(3)

@@ -8,8 +8,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.screening.screening import Step
-from hjcamp.discrepancy.selection.verdict import rivals_of, weighed
+from hjcamp.plants.pump_joint.diagnosis.screening.screening import Step
+from hjcamp.plants.pump_joint.diagnosis.selection.verdict import rivals_of, weighed
 
 
 def step(**weights: float) -> Step:

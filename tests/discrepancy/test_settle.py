@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.fitting.pattern_search import settle
-from hjcamp.discrepancy.models.unknowns import base_unknowns, read, written
-from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis.fitting.pattern_search import settle
+from hjcamp.plants.pump_joint.diagnosis.models.unknowns import base_unknowns, read, written
+from hjcamp.workers.pool import Crew
 
 UNKNOWNS = base_unknowns(["viscous_positive", "line_stiffness"])
 BEST = np.array([3.0, 30.5])

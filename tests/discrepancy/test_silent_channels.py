@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.fitting.heldout import JUDGED, judged_error
-from hjcamp.discrepancy.residuals.views import CHANNELS, HOME
-from hjcamp.discrepancy.screening.responses import Responses
+from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import JUDGED, judged_error
+from hjcamp.plants.pump_joint.diagnosis.residuals.views import CHANNELS, HOME
+from hjcamp.plants.pump_joint.diagnosis.screening.responses import Responses
 
 SLIDING = CHANNELS.index("sliding")
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import convolve1d
 from scipy.signal import savgol_coeffs
 
-from hjcamp.discrepancy.measured.signals import _parabola_kernels, slider_motion
+from hjcamp.plants.pump_joint.diagnosis.measured.signals import _parabola_kernels, slider_motion
 
 
 def test_the_kernels_are_those_of_savitzky_and_golay() -> None:

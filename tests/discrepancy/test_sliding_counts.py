@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.bootstrap.null_distribution import of_those_that_tell
-from hjcamp.discrepancy.residuals.features import BLOCK, LEAST_SLIDING, Features
-from hjcamp.discrepancy.residuals.views import CHANNELS
+from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import of_those_that_tell
+from hjcamp.plants.pump_joint.diagnosis.residuals.features import BLOCK, LEAST_SLIDING, Features
+from hjcamp.plants.pump_joint.diagnosis.residuals.views import CHANNELS
 
 SLIDING = CHANNELS.index("sliding")
 BLOCKS = 20

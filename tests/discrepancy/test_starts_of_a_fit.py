@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.screening.responses import shapes, strength_is_a_shape
-from hjcamp.discrepancy.screening.screening import starts_of
 from hjcamp.effects import load_effects
+from hjcamp.plants.pump_joint.diagnosis.screening.responses import shapes, strength_is_a_shape
+from hjcamp.plants.pump_joint.diagnosis.screening.screening import starts_of
 
 LIBRARY = load_effects([])
 

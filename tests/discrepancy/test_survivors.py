@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from hjcamp.discrepancy.selection import step as step_fits
-from hjcamp.discrepancy.selection.step import LEVEL, PAIR, StepFitter
+from hjcamp.plants.pump_joint.diagnosis.selection import step as step_fits
+from hjcamp.plants.pump_joint.diagnosis.selection.step import LEVEL, PAIR, StepFitter
 
 PREDICTED = {"leakage": 90.0, "tubing_creep": 42.0, "friction_drift": 40.0, "encoder_lag": 5.0}
 

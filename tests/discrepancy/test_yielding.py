@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hjcamp.discrepancy.measured.signals import (
+from hjcamp.plants.pump_joint.diagnosis.measured.signals import (
     CREEPS,
     FALLS_TO,
     FALLS_WITHIN,

@@ -64,7 +64,7 @@ def cell_key(choices: Mapping[str, Any]) -> tuple[str, ...]:
 def published_cells() -> pl.DataFrame:
     """Return every published cell: table, condition, indicator, mean, std, decimals, simulated.
 
-    ``std`` is the printed deviation, which divides by n (see `hjcamp.report.published.consistency`). Where none is
+    ``std`` is the printed deviation, which divides by n (see `hjcamp.plants.pump_joint.published.consistency`). Where none is
     printed (the steady state errors) it is that of the printed repetitions, formed alike; where the thesis gives one
     value alone (simulations, previous work) it is null.
     """
