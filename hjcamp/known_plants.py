@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from hjcamp.errors import unknown
 from hjcamp.model.catalogue import class_in, files_in, scan
@@ -41,3 +42,13 @@ def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | N
     if name not in plants:
         raise unknown("plant", name, plants, where)
     return plants[name]
+
+
+def plant_called(name: str, where: str = "") -> type[Plant]:
+    """Return the plant called ``name``; for the usual one no other plant's file is run."""
+    return usual_plant() if name == DEFAULT else find_plant(name, where)
+
+
+def plant_of(config: Mapping[str, Any]) -> type[Plant]:
+    """Return the plant of a resolved configuration; the usual one where it names none."""
+    return plant_called(str((config.get("plant") or {}).get("name") or DEFAULT), "plant")

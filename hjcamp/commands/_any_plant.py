@@ -1,4 +1,4 @@
-"""compare, diagnose, add and calibrate for tests of any plant but the pump joint."""
+"""What compare, diagnose, add, calibrate and next do for tests of any plant that has no module of its own for it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, joined
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import DEFAULT
 
 if TYPE_CHECKING:
     from hjcamp.analyses.diagnosing import Asked
 
 
-def diagnose_any(data: Data, asked: Asked, json: Path | None) -> None:
+def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
     """Say which effect the model of a plant misses; the answer is that of ``hjcamp diagnose``."""
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._session import folder_for, keep_answer, progress_of, write_answer
@@ -36,11 +37,10 @@ def diagnose_any(data: Data, asked: Asked, json: Path | None) -> None:
         console.print(f"{'        ' if number else 'next    '}{line}", markup=False)
 
 
-def compare_any(data: Data, names: list[str], json: Path | None, into: Path | None, mcap: Path | None = None) -> None:
+def compare(data: Data, names: list[str], json: Path | None, into: Path | None, mcap: Path | None = None) -> None:
     """Predict measured tests of a plant with one or more models."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import folder_for, progress_of, write_answer
-    from hjcamp.commands.compare import tell_of_views
+    from hjcamp.commands._session import folder_for, progress_of, tell_of_views, write_answer
 
     console = make_console()
     with progress_of(console) as report:
@@ -63,28 +63,32 @@ def compare_any(data: Data, names: list[str], json: Path | None, into: Path | No
     console.print(f"next    hjcamp diagnose {joined(data.paths)}{own}", markup=False)
 
 
-def add_any(there: Data, names_and_paths: list[str], name: str, model: str, json: Path | None) -> None:
+def add(there: list[Path], names_and_paths: list[str], name: str, model: str, json: Path | None) -> None:
     """Fit effects of a plant, save the model, and show the error on chapters that were not used; ``there`` are its logs."""
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._session import progress_of, write_answer
 
+    data = Data(there)
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.analyses.adding import add, library_of_data
+        from hjcamp.analyses.adding import add as add_effects
+        from hjcamp.analyses.adding import library_of_data
+        from hjcamp.commands._effects_and_paths import split
         from hjcamp.commands._plant_words import print_addition
-        from hjcamp.commands.add import split
-        from hjcamp.prediction.addition import Addition
 
-        names, paths = split(names_and_paths, library_of_data(there), there.plant)
-        done = add(there, names, name, model, report)
+        names, paths = split(names_and_paths, library_of_data(data), data.plant)
+        done = add_effects(data, names, name, model, report)
         write_answer(json, done.content)
-    assert isinstance(done.found, Addition)
     print_addition(console, done.found, names, done.path)
     console.print(f"next    hjcamp compare {joined(paths)} --model {model} --model {name}", markup=False)
 
 
-def calibrate_any(data: Data, name: str, json: Path | None = None) -> None:
+def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool, json: Path | None = None) -> None:
     """Fit the base parameters of a plant to tests and save them as a model."""
+    if only:
+        raise UsageError(
+            f"--only {only[0]}: it chooses logs of {DEFAULT}; of plant {data.plant_name} name the logs themselves"
+        )
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._session import progress_of, write_answer
 
@@ -112,10 +116,10 @@ def calibrate_any(data: Data, name: str, json: Path | None = None) -> None:
     console.print(f"next    hjcamp compare {joined(data.paths)} --model published --model {name}", markup=False)
 
 
-def next_any(
-    data: Data, words: list[str], rivals: list[str], tests: int, asked: Asked, name: str | None, json: Path | None
+def propose(
+    logs: list[Path], words: list[str], rivals: list[str], tests: int, asked: Asked, name: str | None, json: Path | None
 ) -> None:
-    """Propose the tests of any plant that separate best what its diagnosis leaves; ``words`` are what is no path of the call."""
+    """Propose the tests of any plant that separate best what its diagnosis leaves."""
     import time
 
     from hjcamp.analyses.proposing import propose_for_plant
@@ -126,7 +130,8 @@ def next_any(
     from hjcamp.report.next_figure import draw_predictions
     from hjcamp.storage import whole_file
 
-    began = time.perf_counter()
+    began, data = time.perf_counter(), Data(logs)
+    words = [word for word in words if Path(word) not in logs]
     named = [one for group in rivals for one in group.split(",") if one] + [one for one in words if "=" not in one]
     _check_words(data, words, rivals, named)
     console = make_console()
@@ -155,7 +160,7 @@ def _check_words(data: Data, words: list[str], rivals: list[str], named: list[st
     for one in words:
         if "=" in one:
             raise UsageError(
-                f"{one}: only the menu of pump_joint can be cut down; the tests of plant {data.plant_name} are made from its logs"
+                f"{one}: only the menu of {DEFAULT} can be cut down; the tests of plant {data.plant_name} are made from its logs"
             )
         if not rivals:
             raise UsageError(f"{one}: there is no such file or folder")

@@ -174,7 +174,7 @@ def complete_effort(incomplete: str) -> list[str]:
     """Return the efforts of a diagnosis."""
 
     def found() -> list[str]:
-        from hjcamp.plants.pump_joint.diagnosis.selection.effort import EFFORTS
+        from hjcamp.analyses.effort import EFFORTS
 
         return starting(incomplete, EFFORTS)
 

@@ -168,8 +168,8 @@ def _beyond(one: Beyond) -> str:
 
 def tell(console: Console, done: PlantProposed, picture: Path | None, campaign: Path | None, lines: list[str]) -> None:
     """Print the sentence, the table, and what to do next."""
-    from hjcamp.commands._error_words import print_wrapped
     from hjcamp.commands._plant_words import table
+    from hjcamp.commands._wrapped import print_wrapped
 
     proposal = done.proposal
     if done.reused:

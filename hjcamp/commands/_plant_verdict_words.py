@@ -219,7 +219,7 @@ def telling_tests(
 
 def print_diagnosis(console: Console, words: Words) -> None:
     """Print the answer."""
-    from hjcamp.commands._error_words import print_wrapped
+    from hjcamp.commands._wrapped import print_wrapped
 
     analysis, layout = words.analysis, words.analysis.windows.layout
     print_head(console, analysis)

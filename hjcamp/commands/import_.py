@@ -51,7 +51,6 @@ def import_table(
     """Turn measurements from elsewhere into test logs."""
     from hjcamp.analyses.data import joined
     from hjcamp.commands._session import check_answer_file, write_answer
-    from hjcamp.known_plants import DEFAULT
     from hjcamp.model.plant_checks import other_period
     from hjcamp.records.import_map import read_import_map
     from hjcamp.records.importing import import_files
@@ -60,8 +59,7 @@ def import_table(
     check_answer_file(json)
     targets = targets_of(files, into, output)
     rules = read_import_map(mapping)
-    if rules.plant.name == DEFAULT:
-        _check_hardware([rules.metadata, *rules.files.values()], mapping)
+    _check_hardware([rules.metadata, *rules.files.values()], rules.plant.setups, mapping)
     left = [target for target in targets if target.with_name(target.name + ".part").exists()]
     logs = import_files(files, mapping, targets)
     rows = [
@@ -106,13 +104,12 @@ def targets_of(files: Sequence[Path], into: Path | None, output: Path | None) ->
     return targets
 
 
-def _check_hardware(metadata: Sequence[Mapping[str, str]], mapping: Path) -> None:
+def _check_hardware(metadata: Sequence[Mapping[str, str]], setups: Sequence[str], mapping: Path) -> None:
     """Refuse hardware that no configuration describes: every analysis would ask for it."""
     from hjcamp.configuration.composer import Composer
     from hjcamp.errors import unknown
-    from hjcamp.plants.pump_joint.diagnosis.measured.hardware import NAMED
 
-    named = [(group, one[group]) for one in metadata for group in NAMED if one.get(group)]
+    named = [(group, one[group]) for one in metadata for group in setups if one.get(group)]
     composer = Composer() if named else None
     for group, choice in named:
         if composer and choice not in (allowed := composer.options(group)):

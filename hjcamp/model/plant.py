@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from hjcamp.errors import UsageError, shown, unknown
@@ -44,6 +46,7 @@ class Plant:
     friction by ``friction_varies``, starts by the ``scatter`` of a state, the ``drawn`` parameters.
     Lines that occur twice are written once, as a function: ``NAME = part(FUNCTION, ...)`` (see `hjcamp.model.marks.part`).
     ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
+    ``rooms`` are modules that do for this plant alone what the program does for any: what is done -> the module's name.
     """
 
     name: ClassVar[str] = ""
@@ -74,6 +77,9 @@ class Plant:
     drawn: ClassVar[tuple[str, ...]] = ()
     # Configuration groups whose choices name the machine on which a log was made.
     rig: ClassVar[tuple[str, ...]] = ()
+    # Those that a log's metadata may name in all, the machine and how it was set up.
+    setups: ClassVar[tuple[str, ...]] = ()
+    rooms: ClassVar[Mapping[str, str]] = {}
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -125,6 +131,19 @@ class Plant:
     def courses(cls) -> Mapping[str, Course]:
         """Return the tests on which an effect is tried out; without any its places are looked at one by one."""
         return {}
+
+    @classmethod
+    def room(cls, name: str) -> ModuleType | None:
+        """Return the plant's own module for what is called ``name``, None where that of any plant does it."""
+        return importlib.import_module(cls.rooms[name]) if name in cls.rooms else None
+
+    @classmethod
+    def own_room(cls, name: str) -> ModuleType:
+        """Return the plant's own module for what no other plant has; refuse a plant without one."""
+        found = cls.room(name)
+        if found is None:
+            raise UsageError(f"plant {cls.name} has no {name}")
+        return found
 
     @classmethod
     def given_inputs(cls) -> dict[str, Input]:

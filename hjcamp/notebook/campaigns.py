@@ -198,10 +198,10 @@ def report(path: str | Path, against: str | None = "published") -> Run:
         ...
     hjcamp.errors.UsageError: nowhere: there is no such file or folder
     """
-    from hjcamp.campaign.study_pictures import study_pictures
+    from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.report.build import build_report
 
-    made = build_report(Path(path), against=against, further=study_pictures)
+    made = build_report(Path(path), against=against, further=further_pictures)
     return Run(made.run_dir, made.page, made.indicators, made.tables, made.comparison, {})
 
 

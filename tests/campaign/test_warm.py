@@ -6,15 +6,6 @@ from pathlib import Path
 
 from hjcamp.backends.simulation import prepare
 from hjcamp.campaign.planning import make_plan
-from hjcamp.campaign.warm import (
-    CONDITIONS,
-    configured,
-    follow_nothing,
-    menu_tests,
-    tasks,
-    timed,
-    try_test,
-)
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers import find_controller
 from hjcamp.effects import load_effects
@@ -23,6 +14,15 @@ from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.design.menu import menu
 from hjcamp.plants.pump_joint.diagnosis.measured.hardware import simulator
 from hjcamp.plants.pump_joint.diagnosis.residuals.passes import compile_passes
+from hjcamp.plants.pump_joint.studies.warm import (
+    CONDITIONS,
+    configured,
+    follow_nothing,
+    menu_tests,
+    tasks,
+    timed,
+    try_test,
+)
 
 
 def kernel_of(config: dict) -> str:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.commands._diagnose_words import Told
-from hjcamp.commands._error_words import error_table, worse_than_mean
 from hjcamp.effects import load_effects
+from hjcamp.plants.pump_joint.answers.diagnose_words import Told
+from hjcamp.plants.pump_joint.answers.error_words import error_table, worse_than_mean
 from hjcamp.plants.pump_joint.diagnosis.residuals.replay import ChannelError
 from hjcamp.plants.pump_joint.diagnosis.scale import Judged, Scale
 

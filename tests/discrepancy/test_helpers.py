@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hjcamp.analyses.data import evidence_of
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.effect import Effect
+from hjcamp.plants.pump_joint.analyses.evidence import evidence_of
 from hjcamp.plants.pump_joint.diagnosis.diagnose import diagnose
 from hjcamp.workers.pool import Crew
 from hjcamp.workers.processes import Helpers

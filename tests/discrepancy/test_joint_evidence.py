@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.commands._joint_evidence import Shown, _correlations, _worst_test
+from hjcamp.plants.pump_joint.answers.evidence import Shown, _correlations, _worst_test
 from hjcamp.plants.pump_joint.diagnosis.localisation import unexplained
 
 TIME = np.arange(300) * 0.004

@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import pytest
 
 from hjcamp.analyses.diagnosing import considered
-from hjcamp.campaign import warm
 from hjcamp.effects import load_effects
 from hjcamp.effects._template import template
 from hjcamp.errors import UsageError
@@ -18,6 +17,7 @@ from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 from hjcamp.plants.pump_joint.diagnosis.residuals import kernel_choice
 from hjcamp.plants.pump_joint.diagnosis.residuals.kernel_choice import chosen_for, first_needed
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
+from hjcamp.plants.pump_joint.studies import warm
 
 LIBRARY = tuple(load_effects([]).values())
 

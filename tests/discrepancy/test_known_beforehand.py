@@ -10,10 +10,10 @@ import numpy as np
 import plain_kernel
 import pytest
 
-from hjcamp.analyses.data import evidence_of
 from hjcamp.effects import load_effects
 from hjcamp.model import simulator
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.analyses.evidence import evidence_of
 from hjcamp.plants.pump_joint.diagnosis.models.saved import complete
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import HOME, Views
 from hjcamp.plants.pump_joint.diagnosis.screening.normal_equations import Gram, Group, Known, all_gains

@@ -9,10 +9,10 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from hjcamp.commands._joint_corner import fitted_parameters
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.parameter import Parameter
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.answers.corner import fitted_parameters
 from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import LEAST_CONDITIONS, Local
 from hjcamp.plants.pump_joint.diagnosis.models.unknowns import Unknown
 

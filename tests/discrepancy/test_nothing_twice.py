@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.analyses.data import evidence_of
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.analyses.evidence import evidence_of
 from hjcamp.plants.pump_joint.diagnosis.answer import Judging, answer
 from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis, diagnose
 from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import Local

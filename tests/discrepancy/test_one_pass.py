@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.analyses.data import evidence_of
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.analyses.evidence import evidence_of
 from hjcamp.plants.pump_joint.diagnosis.models.saved import complete
 from hjcamp.plants.pump_joint.diagnosis.residuals.features import BLOCK, Features
 from hjcamp.plants.pump_joint.diagnosis.residuals.passes import (

@@ -11,8 +11,8 @@ import pytest
 from discrepancy_answers import Call
 
 from hjcamp.analyses.data import free_model_name
-from hjcamp.commands.compare import next_commands
-from hjcamp.commands.diagnose import next_command
+from hjcamp.plants.pump_joint.answers.compare import next_commands
+from hjcamp.plants.pump_joint.answers.diagnose import next_command
 from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import Unexplained
 from hjcamp.plants.pump_joint.diagnosis.scale import Judged, fall_of
 

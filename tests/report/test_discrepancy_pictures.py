@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 
+from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
 from hjcamp.report.discrepancy_figures import (
     HorizonCurve,
     Overlay,
@@ -18,7 +19,6 @@ from hjcamp.report.discrepancy_figures import (
 )
 from hjcamp.report.discrepancy_page import bullets, discrepancy_page, picture, place_table
 from hjcamp.report.figures import PAPER, tidy
-from hjcamp.report.unexplained_figure import draw_unexplained
 
 TIME = np.arange(500) * 0.004
 

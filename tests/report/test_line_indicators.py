@@ -9,7 +9,7 @@ import polars as pl
 import pytest
 from report_samples import make_log
 
-from hjcamp.campaign.study_pictures import varied_numbers
+from hjcamp.campaign.further_pictures import varied_numbers
 from hjcamp.report.declared import Column, TableDefinition
 from hjcamp.report.indicators import indicators_of
 from hjcamp.report.line_indicators import FURTHER, line_indicators

@@ -12,6 +12,7 @@ from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 from hjcamp.plants.pump_joint.effects import COVERS, INSTANCES
 from hjcamp.plants.pump_joint.fields import FIELDS, ONE_OF
+from hjcamp.plants.pump_joint.rooms import ROOMS
 
 if TYPE_CHECKING:
     from hjcamp.model.course import Course
@@ -32,6 +33,8 @@ class PumpJoint(Plant):
     fields = FIELDS
     one_of = ONE_OF
     rig = ("pump", "amplifier", "tubing")
+    setups = (*rig, "payload", "orientation")
+    rooms = ROOMS
 
     pump_position = State("m", 1e-9, 1e-3, text="travel of the pump motor's nut")
     pump_velocity = State("m/s", 1e-6, 0.01, text="speed of the pump motor's nut")

@@ -9,31 +9,16 @@ from typing import Any
 import yaml
 
 from hjcamp.configuration.check import check_model
-from hjcamp.errors import UsageError, counted
+from hjcamp.configuration.saved_model import paths_of
+from hjcamp.errors import counted
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.calibrate.estimate import Estimate
 from hjcamp.plants.pump_joint.calibrate.identify import Calibration
 from hjcamp.schema import naming
-from hjcamp.storage import named_file, whole_file
+from hjcamp.storage import whole_file
 
-RESERVED = ("published", "virtual")
 SCATTER = {"friction_between": 1.0, "friction_within": 1.0, "initial_pressure": 1e-6}
 LEAK = "leakage."
-
-
-def check_name(name: str, folder: Path, replace: bool) -> None:
-    """Raise UsageError where the name cannot be that of a choice, is ours, or is taken in ``folder`` (conf)."""
-    paths = named_file(name, "model or rig", *(path.parent for path in paths_of(name, folder)))
-    if name in RESERVED:
-        raise UsageError(f"'{name}' is a model or rig of hjcamp's own; choose another name")
-    for path in paths:
-        if path.exists() and not replace:
-            raise UsageError(f"{path} exists; choose another name, or say --replace")
-
-
-def paths_of(name: str, folder: Path) -> tuple[Path, Path]:
-    """Return where the model and its rig go."""
-    return folder / "model" / f"{name}.yaml", folder / "rig" / f"{name}.yaml"
 
 
 def write_configuration(

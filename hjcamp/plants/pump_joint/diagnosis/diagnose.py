@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.analyses.effort import EFFORTS, Effort
 from hjcamp.errors import counted
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
@@ -32,7 +33,6 @@ from hjcamp.plants.pump_joint.diagnosis.screening.screening import (
     screen,
     unknowns_of,
 )
-from hjcamp.plants.pump_joint.diagnosis.selection.effort import EFFORTS, Effort
 from hjcamp.plants.pump_joint.diagnosis.selection.step import LEVEL, StepFitter, at_most, same_as
 from hjcamp.plants.pump_joint.diagnosis.selection.verdict import judge, lacks, law_of, matters, named_by, rivals_of
 from hjcamp.workers.pool import Crew

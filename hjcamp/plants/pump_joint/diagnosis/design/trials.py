@@ -20,7 +20,7 @@ from hjcamp.model.compose import Composition
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.design.menu import Choice
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence, TestEvidence, prepare_test
-from hjcamp.plants.pump_joint.diagnosis.measured.hardware import NAMED, Hardware
+from hjcamp.plants.pump_joint.diagnosis.measured.hardware import Hardware
 from hjcamp.plants.pump_joint.diagnosis.measured.repetition import RepetitionScatter
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
 from hjcamp.plants.pump_joint.loop import JointSimulator
@@ -125,7 +125,7 @@ class Bench:
 
 
 def _names(config: Mapping[str, Any]) -> dict[str, str]:
-    return {group: str(config[group]["name"]) for group in NAMED}
+    return {group: str(config[group]["name"]) for group in PumpJoint.setups}
 
 
 def _hardware(config: Mapping[str, Any]) -> Hardware:

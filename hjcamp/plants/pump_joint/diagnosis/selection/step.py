@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from hjcamp.analyses.effort import Effort
 from hjcamp.model.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
@@ -22,7 +23,6 @@ from hjcamp.plants.pump_joint.diagnosis.screening.screening import (
     starts_of,
     unknowns_of,
 )
-from hjcamp.plants.pump_joint.diagnosis.selection.effort import Effort
 
 LEVEL = 0.05
 SAME = 0.95

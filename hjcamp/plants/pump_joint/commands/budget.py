@@ -11,7 +11,7 @@ from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
-    from hjcamp.campaign.budget import Item
+    from hjcamp.plants.pump_joint.studies.budget import Item
 
 
 def register(app: typer.Typer) -> None:
@@ -35,13 +35,13 @@ def budget(
 ) -> None:
     """What costs how much: each part of the rig halved or each effect removed, gains tuned anew, errors before and after."""
     from hjcamp.analyses.diagnosing import check_seed
-    from hjcamp.campaign.budget import budget as work
     from hjcamp.campaign.compiling import Doing, kernels_of, status
     from hjcamp.campaign.console import make_console
-    from hjcamp.campaign.retune import gains_of
     from hjcamp.commands._session import check_answer_file, check_picture, write_answer
     from hjcamp.commands.plan import compose_plan
-    from hjcamp.report.budget_figure import draw_budget
+    from hjcamp.plants.pump_joint.figures.budget import draw_budget
+    from hjcamp.plants.pump_joint.studies.budget import budget as work
+    from hjcamp.plants.pump_joint.studies.retune import gains_of
 
     check_seed(seed)
     check_picture(figure)

@@ -10,18 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.tabulated.answer import is_answer as is_answer
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 MOST_WORKERS = 4
-
-
-def no_logs() -> UsageError:
-    """Return the refusal of a call that names neither logs nor tables."""
-    return UsageError(
-        "name run folders, folders of logs or log files; or --tables with a published table or a CSV file"
-    )
 
 
 def diagnose_tables(
@@ -90,7 +84,7 @@ def folder_of(
 
 def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
     from hjcamp.analyses.data import free_model_name
-    from hjcamp.commands._error_words import print_wrapped
+    from hjcamp.commands._wrapped import print_wrapped
     from hjcamp.tabulated.page import verdict_told
 
     word, told = content["verdict"].upper(), verdict_told(content)

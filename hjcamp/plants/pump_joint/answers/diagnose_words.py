@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.analyses.diagnosing import Diagnosed, looks_at_final
+from hjcamp.plants.pump_joint.analyses.diagnosing import Diagnosed, looks_at_final
 from hjcamp.report.units import label, told, told_interval
 from hjcamp.report.where_words import where_sentences, worse_calibrated
 

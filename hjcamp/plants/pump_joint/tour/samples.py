@@ -17,7 +17,7 @@ from hjcamp.records.log import TestLog
 from hjcamp.records.write import write_log
 from hjcamp.storage import whole_file
 
-FOLDER = Path(__file__).parents[1] / "tour"
+FOLDER = Path(__file__).parent
 SAMPLES = FOLDER / "samples.npz.xz"
 SEALED = FOLDER / "answer.sealed"
 METADATA = "metadata"

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjcamp.analyses.data import joined
-from hjcamp.commands._next_work import Words, Work
 from hjcamp.errors import counted
+from hjcamp.plants.pump_joint.answers.next_work import Words, Work
 from hjcamp.plants.pump_joint.diagnosis.design.propose import ALL_PAIRS, REPETITIONS, Proposal, Proposed, weighted
 from hjcamp.plants.pump_joint.diagnosis.design.rivals import NOTHING, Rival
 from hjcamp.report.next_figure import Bar, Prediction, draw_predictions

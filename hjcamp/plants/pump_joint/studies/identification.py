@@ -11,9 +11,9 @@ from hjcamp.plants.pump_joint.calibrate.estimate import Finding
 from hjcamp.plants.pump_joint.calibrate.identify import identify
 from hjcamp.plants.pump_joint.calibrate.kinds import KINDS, kind_of
 from hjcamp.plants.pump_joint.calibrate.validation import validate
+from hjcamp.plants.pump_joint.figures.identification import draw_chart, title_of
 from hjcamp.records.log import TestLog
 from hjcamp.records.stored import kept
-from hjcamp.report.identification_figures import draw_chart, title_of
 
 
 def identification_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:

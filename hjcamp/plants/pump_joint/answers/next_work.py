@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hjcamp.analyses.data import evidence_of
 from hjcamp.campaign.campaign_file import RUN_KEYS
 from hjcamp.configuration.composer import as_override, free, key_of, parse_overrides
 from hjcamp.errors import UsageError, unknown
+from hjcamp.plants.pump_joint.analyses.evidence import evidence_of
 from hjcamp.plants.pump_joint.diagnosis.design.campaign_file import allowed_by
 from hjcamp.plants.pump_joint.diagnosis.design.menu import menu
 from hjcamp.plants.pump_joint.diagnosis.design.propose import Proposal, propose
@@ -91,8 +91,8 @@ def read_words(words: Sequence[str], rivals: Sequence[str], library: Mapping[str
 
 def work_of(words: Words, library: Mapping[str, Any], effort: str, seed: int, report: Report) -> Work | Diagnosis:
     """Return the work to be done, or the diagnosis whose verdict leaves nothing to separate."""
+    from hjcamp.analyses.effort import EFFORTS
     from hjcamp.plants.pump_joint.diagnosis.diagnose import diagnose as search
-    from hjcamp.plants.pump_joint.diagnosis.selection.effort import EFFORTS
 
     if effort not in EFFORTS:
         raise unknown("effort", effort, EFFORTS)

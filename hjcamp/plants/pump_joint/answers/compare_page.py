@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hjcamp.commands._error_words import in_unit, worse_than_mean
 from hjcamp.errors import counted
+from hjcamp.plants.pump_joint.answers.error_words import in_unit, worse_than_mean
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.compare import Compared, Comparison
@@ -56,7 +56,7 @@ def places_in_words(one: Compared) -> list[str]:
 
 def write_pictures(found: Comparison, folder: Path) -> list[Path]:
     """Write overlay, where, horizon and the page that holds them; return their paths, the page last."""
-    from hjcamp.commands._compare_explorer import exploration_of
+    from hjcamp.plants.pump_joint.answers.compare_explorer import exploration_of
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.discrepancy_figures import HorizonCurve, draw_horizon, draw_overlay
     from hjcamp.report.explorer import explorer_html

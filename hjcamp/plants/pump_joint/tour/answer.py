@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.commands._tour_samples import sealed_answer
+from hjcamp.plants.pump_joint.tour.samples import sealed_answer
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -14,7 +14,7 @@ from hjcamp.errors import UsageError, unknown
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.commands._tour_steps import Tour
+    from hjcamp.plants.pump_joint.tour.steps import Tour
 
 EFFORTS = ("quick", "standard", "thorough")
 DIAGNOSING, ADDING = 2, 3
@@ -39,8 +39,8 @@ def tour(
 ) -> None:
     """Ten minutes with sample logs: find the effect that hides in them, add it, see the error fall, open the answer."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._tour_samples import lay_out
-    from hjcamp.commands._tour_steps import STEPS, Tour
+    from hjcamp.plants.pump_joint.tour.samples import lay_out
+    from hjcamp.plants.pump_joint.tour.steps import STEPS, Tour
 
     if effort not in EFFORTS:
         raise unknown("effort", effort, EFFORTS)
@@ -69,7 +69,7 @@ def tour(
 def do_step(console: Console, tour: Tour, number: int) -> None:
     """Say what to look at, show the command, run it, and say where the pictures are."""
     from hjcamp.commands import command_files, load
-    from hjcamp.commands._tour_steps import STEPS, effects_to_add
+    from hjcamp.plants.pump_joint.tour.steps import STEPS, effects_to_add
 
     step = STEPS[number - 1]
     words = step.words(tour)
@@ -93,7 +93,7 @@ def do_step(console: Console, tour: Tour, number: int) -> None:
 
 def open_answer(console: Console, tour: Tour) -> None:
     """Print what hides in the sample logs beside what was found, and what to do next."""
-    from hjcamp.commands._tour_answer import print_answer
+    from hjcamp.plants.pump_joint.tour.answer import print_answer
 
     done = {number: tour.answer(number) for number in (DIAGNOSING, ADDING) if tour.answer_file(number).is_file()}
     try:

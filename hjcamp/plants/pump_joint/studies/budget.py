@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.backends.simulation import model_values, run_test
-from hjcamp.campaign.retune import gains_of, retune
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.studies.retune import gains_of, retune
 from hjcamp.records.plan import Condition
 
 Values = dict[str, float]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from hjcamp.commands._diagnose_words import Told
+    from hjcamp.plants.pump_joint.answers.diagnose_words import Told
 
 EVIDENCE = {
     "missing_before": "What the calibrated model misses over what drives it, and the named law through it",
@@ -21,11 +21,11 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
     """Write the evidence, the errors, what is unexplained, and the page that holds them; return their paths, the page last."""
     from hjcamp.commands._corner import how_well_known
     from hjcamp.commands._effect_links import write_effect_pages
-    from hjcamp.commands._error_words import over
-    from hjcamp.commands._joint_corner import fitted_parameters
-    from hjcamp.commands._joint_evidence import evidence_pictures
+    from hjcamp.plants.pump_joint.answers.corner import fitted_parameters
+    from hjcamp.plants.pump_joint.answers.error_words import over
+    from hjcamp.plants.pump_joint.answers.evidence import evidence_pictures
+    from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
     from hjcamp.report.discrepancy_figures import draw_errors
-    from hjcamp.report.unexplained_figure import draw_unexplained
     from hjcamp.storage import whole_file
 
     pictures = evidence_pictures(told.found, told.shown)
@@ -48,10 +48,10 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
 
 
 def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) -> str:
-    from hjcamp.commands._diagnose_words import CALIBRATED, CANDIDATES, LEFT
     from hjcamp.commands._effect_links import equations_of, links
-    from hjcamp.commands._error_words import error_table, over
     from hjcamp.commands._plant_pages import BAND, CORRELATIONS
+    from hjcamp.plants.pump_joint.answers.diagnose_words import CALIBRATED, CANDIDATES, LEFT
+    from hjcamp.plants.pump_joint.answers.error_words import error_table, over
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.units import label
     from hjcamp.report.units import told as told_value

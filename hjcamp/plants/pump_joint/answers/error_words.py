@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -23,7 +22,6 @@ CHANNELS = {
 MEAN = "arm and lines"
 OVER_FLOOR = "error / floor, geometric mean of arm and lines"
 OVER_SPREAD = "error / spread of the measurement, geometric mean of arm and lines"
-READABLE = 100
 
 
 def in_unit(value: float, channel: str) -> str:
@@ -84,13 +82,3 @@ def worse_than_mean(errors: Mapping[str, ChannelError | None]) -> list[str]:
     if not told:
         return []
     return [f"r2 is negative for {', '.join(told)}: the mean of the measurement would be nearer than the model."]
-
-
-def print_wrapped(console: Console, lines: Sequence[str], indent: int, first: str = "") -> None:
-    """Print sentences so that no terminal breaks a word: wrapped to its width, under each other."""
-    room = max(min(console.width, READABLE) - indent - 2, 20)
-    for number, line in enumerate(lines):
-        parts = textwrap.wrap(line, room, break_long_words=False, break_on_hyphens=False)
-        for part, text in enumerate(parts or [""]):
-            head = first.ljust(indent) if number == 0 and part == 0 else " " * (indent + (2 if part else 0))
-            console.print(f"{head}{text}", markup=False)

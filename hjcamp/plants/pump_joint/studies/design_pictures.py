@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from hjcamp.backends.simulation import control_values, reference_of
 from hjcamp.controllers.pid import LONGEST_DERIVATIVE, Pid
+from hjcamp.plants.pump_joint.figures.design import DesignStep, draw_filters, draw_steps
 from hjcamp.records.log import TestLog
-from hjcamp.report.design_figures import DesignStep, draw_filters, draw_steps
 
 Array = NDArray[np.float64]
 DESIGN = "pid_design"
