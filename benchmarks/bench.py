@@ -14,8 +14,8 @@ from typing import Any
 import lsoda
 import numpy as np
 
-from hjcamp.backends.simulation import log_columns, prepare
 from hjcamp.configuration.composer import Composer
+from hjcamp.plants.pump_joint.simulation import log_columns, prepare
 from hjcamp.records.log import TestLog
 from hjcamp.records.read import read_log
 from hjcamp.records.write import write_log

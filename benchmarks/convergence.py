@@ -15,9 +15,9 @@ import numpy as np
 from hjcamp.campaign.plan import Plan
 from numpy.typing import NDArray
 
-from hjcamp.backends.simulation import log_columns, prepare
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
+from hjcamp.plants.pump_joint.simulation import log_columns, prepare
 
 CAMPAIGNS = (
     "controllers",

@@ -19,12 +19,12 @@ import numpy as np
 from loop_timing import BUDGET_US, MOMENTS, WRITES, PacedTasks
 
 from hjcamp import backends
-from hjcamp.backends import nidaqmx
 from hjcamp.backends.recording import recording
-from hjcamp.backends.rig import connection as rig_connection
 from hjcamp.configuration.composer import Composer
 from hjcamp.live.feed import current_feed
 from hjcamp.live.process import LiveAsk, live_page
+from hjcamp.plants.pump_joint.rig import connection as rig_connection
+from hjcamp.plants.pump_joint.rig import nidaqmx
 from hjcamp.records.write import LogWriter
 
 HIDDEN = {"leakage": {"conductance": 3e-16}}

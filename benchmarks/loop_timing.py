@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from hjcamp import backends
-from hjcamp.backends import nidaqmx
 from hjcamp.backends.recording import recording
-from hjcamp.backends.rig.tasks import RigTasks
 from hjcamp.configuration.composer import Composer
+from hjcamp.plants.pump_joint.rig import nidaqmx
+from hjcamp.plants.pump_joint.rig.tasks import RigTasks
 from hjcamp.records.write import LogWriter
 
 BUDGET_US = 1000.0

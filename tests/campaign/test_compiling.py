@@ -123,7 +123,7 @@ def test_a_run_says_before_its_first_test_what_is_compiled(
 def test_the_picture_of_an_effect_says_what_is_compiled(
     cold: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("hjcamp.backends.simulation.run_test", lambda config, seed: ({}, {}))
+    monkeypatch.setattr("hjcamp.plants.pump_joint.simulation.run_test", lambda config, seed: ({}, {}))
     monkeypatch.setattr("hjcamp.plants.pump_joint.figures.effect.draw_effect", lambda *given: None)
     assert cli.run(["effects", "leakage"]) == 0
     out = capfd.readouterr().out

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hjcamp.backends.simulation import prepare
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers import find_controller
@@ -14,6 +13,7 @@ from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.design.menu import menu
 from hjcamp.plants.pump_joint.diagnosis.measured.hardware import simulator
 from hjcamp.plants.pump_joint.diagnosis.residuals.passes import compile_passes
+from hjcamp.plants.pump_joint.simulation import prepare
 from hjcamp.plants.pump_joint.studies.warm import (
     CONDITIONS,
     configured,

@@ -14,6 +14,10 @@ ROOMS = {
     "effects": f"{HERE}.answers.effects",
     "curve": f"{HERE}.answers.curve",
     "tune": f"{HERE}.answers.tune",
+    "configuration": f"{HERE}.configuration",
+    "simulation": f"{HERE}.simulation",
+    "nidaqmx": f"{HERE}.rig.nidaqmx",
+    "watches": f"{HERE}.rig.margins",
     "run": f"{HERE}.studies.of_run",
     "kernels": f"{HERE}.studies.warm",
 }

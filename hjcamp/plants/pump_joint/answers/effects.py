@@ -58,9 +58,9 @@ def draw(name: str, config: dict[str, Any], path: Path) -> None:
 
 def simulated_pair(name: str, config: dict[str, Any], console: Console) -> tuple[Columns, Columns]:
     """Simulate one test without and with an effect and return the columns of both."""
-    from hjcamp.backends.simulation import run_test
     from hjcamp.campaign.compiling import kernels_of, status
     from hjcamp.model.time_limit import RunLimit
+    from hjcamp.plants.pump_joint.simulation import run_test
 
     own: dict[str, Any] = {**(config["effects"] or {})}
     given = {**(own.pop(name, None) or {})}

@@ -138,8 +138,8 @@ def add_table(path: Path, name: str, json: Path | None) -> None:
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.provenance import git_label, utc_now
     from hjcamp.commands._session import check_answer_file, write_answer
-    from hjcamp.configuration.check import check_model
     from hjcamp.configuration.saved_model import check_new_name, rounded, write_content
+    from hjcamp.plants.pump_joint.configuration import check_model
     from hjcamp.tabulated.answer import read_answer
 
     check_answer_file(json)

@@ -8,12 +8,12 @@ from typing import Any
 
 import yaml
 
-from hjcamp.configuration.check import check_model
 from hjcamp.configuration.saved_model import paths_of
 from hjcamp.errors import counted
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.calibrate.estimate import Estimate
 from hjcamp.plants.pump_joint.calibrate.identify import Calibration
+from hjcamp.plants.pump_joint.configuration import check_model
 from hjcamp.schema import naming
 from hjcamp.storage import whole_file
 

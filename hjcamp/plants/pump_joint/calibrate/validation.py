@@ -26,7 +26,7 @@ def model_test(log: TestLog, configure: Configure, model: str = "published") -> 
 
     Raises UsageError where the log does not say which trajectory was run.
     """
-    from hjcamp.backends.simulation import run_test
+    from hjcamp.plants.pump_joint.simulation import run_test
 
     attached = attached_configuration(log)
     if attached is None and not log.metadata.get("trajectory"):

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.backends.simulation import model_values, run_test
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.simulation import model_values, run_test
 from hjcamp.plants.pump_joint.studies.retune import gains_of, retune
 from hjcamp.records.plan import Condition
 

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.backends.simulation import log_columns, prepare
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers.ziegler_nichols import CriticalPoint
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.simulation import log_columns, prepare
 
 SIDES = ("positive", "negative")
 QUIET = (

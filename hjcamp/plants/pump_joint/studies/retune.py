@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.backends.simulation import PreparedTest, control_values, log_columns, prepare
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.model.simulator import Propagators
+from hjcamp.plants.pump_joint.simulation import PreparedTest, control_values, log_columns, prepare
 from hjcamp.records.plan import Condition
 
 Array = NDArray[np.float64]

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
@@ -24,6 +23,7 @@ from hjcamp.plants.pump_joint.diagnosis.design.trials import Bench
 from hjcamp.plants.pump_joint.diagnosis.measured.hardware import simulator
 from hjcamp.plants.pump_joint.diagnosis.residuals.kernel_choice import first_needed
 from hjcamp.plants.pump_joint.diagnosis.residuals.passes import compile_passes
+from hjcamp.plants.pump_joint.simulation import run_test
 
 SAMPLES = 20
 # One for each text of a kernel: both controllers share theirs, and the first has that of the feedforward besides.

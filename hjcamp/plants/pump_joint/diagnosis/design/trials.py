@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.backends.simulation import log_columns, model_values, prepare
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.composer import Composer, as_override
 from hjcamp.controllers import find_controller
@@ -24,6 +23,7 @@ from hjcamp.plants.pump_joint.diagnosis.measured.hardware import Hardware
 from hjcamp.plants.pump_joint.diagnosis.measured.repetition import RepetitionScatter
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
 from hjcamp.plants.pump_joint.loop import JointSimulator
+from hjcamp.plants.pump_joint.simulation import log_columns, model_values, prepare
 from hjcamp.records.log import TestLog
 from hjcamp.trajectories import build_trajectory
 

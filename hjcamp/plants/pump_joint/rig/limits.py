@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from math import inf, pi
 from typing import Any
 
-from hjcamp.backends.rig.schema import LimitSettings
-from hjcamp.backends.rig.silence import RELEASE_PHASE, Coupling, Silence
-from hjcamp.backends.rig.wiring import Output
 from hjcamp.errors import counted
+from hjcamp.plants.pump_joint.rig.schema import LimitSettings
+from hjcamp.plants.pump_joint.rig.silence import RELEASE_PHASE, Coupling, Silence
+from hjcamp.plants.pump_joint.rig.wiring import Output
 from hjcamp.schema import checked
 
 DEGREE = pi / 180

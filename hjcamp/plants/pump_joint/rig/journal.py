@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.backends.recording import Recording, Samples, Writer, part_of
-from hjcamp.backends.simulation import LOG_NAMES
 from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.loop import RECORDED
+from hjcamp.plants.pump_joint.simulation import LOG_NAMES
 
 Array = NDArray[np.float64]
 WRITE_EVERY_S = 0.05

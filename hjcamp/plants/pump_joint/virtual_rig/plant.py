@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.backends.simulation import prepare
-from hjcamp.backends.virtual_rig import tick
 from hjcamp.model.kernel import load_model
 from hjcamp.model.simulator import PERIOD, Propagators
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.loop import FRESH
 from hjcamp.plants.pump_joint.procedure import Procedure
+from hjcamp.plants.pump_joint.simulation import prepare
+from hjcamp.plants.pump_joint.virtual_rig import tick
 
 Array = NDArray[np.float64]
 LONGEST_DELAY = 1024  # samples of the command that are kept

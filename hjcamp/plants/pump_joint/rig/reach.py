@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
-from hjcamp.backends.rig.limits import Limits
-from hjcamp.backends.rig.silence import coupling_of
-from hjcamp.backends.rig.wiring import Wiring
-from hjcamp.backends.simulation import reference_of
 from hjcamp.controllers import find_controller
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.rig.limits import Limits
+from hjcamp.plants.pump_joint.rig.silence import coupling_of
+from hjcamp.plants.pump_joint.rig.wiring import Wiring
+from hjcamp.plants.pump_joint.simulation import reference_of
 
 DEGREE = pi / 180
 

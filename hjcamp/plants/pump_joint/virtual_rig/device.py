@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.backends.rig.wiring import Wiring, read_wiring
-from hjcamp.backends.virtual_rig.faults import Fault
-from hjcamp.backends.virtual_rig.plant import READINGS, VirtualPlant
-from hjcamp.backends.virtual_rig.sessions import NO_SUCH_TASK, DeviceError, Tasks
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.rig.wiring import Wiring, read_wiring
+from hjcamp.plants.pump_joint.virtual_rig.faults import Fault
+from hjcamp.plants.pump_joint.virtual_rig.plant import READINGS, VirtualPlant
+from hjcamp.plants.pump_joint.virtual_rig.sessions import NO_SUCH_TASK, DeviceError, Tasks
 
 DEVICE_GONE = -201003
 READ_FAILED = -200361

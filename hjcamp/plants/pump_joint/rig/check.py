@@ -15,9 +15,9 @@ import numpy as np
 from nidaqmx.errors import Error
 
 from hjcamp.backends.rig.fault import LeftAt
-from hjcamp.backends.rig.limits import COMMAND_PHASE, LimitCheck
-from hjcamp.backends.rig.tasks import AT_START, RigTasks, device_facts, first_line, last_words, not_written
 from hjcamp.errors import RigStopped, UsageError
+from hjcamp.plants.pump_joint.rig.limits import COMMAND_PHASE, LimitCheck
+from hjcamp.plants.pump_joint.rig.tasks import AT_START, RigTasks, device_facts, first_line, last_words, not_written
 
 DEGREE = pi / 180
 PERIOD = 1e-3
@@ -210,13 +210,13 @@ def open_check(
 
     ``seed`` of the joint that a virtual rig gets, None: the one that is on it. ``left`` is where motor and arm stand.
     """
-    from hjcamp.backends.nidaqmx import limit_check
-    from hjcamp.backends.rig.connection import connect
     from hjcamp.backends.rig.guard import require_guard
-    from hjcamp.backends.rig.limits import read_limits
-    from hjcamp.backends.rig.park import note_parked
     from hjcamp.backends.rig.stop import while_moving
-    from hjcamp.backends.rig.wiring import read_wiring
+    from hjcamp.plants.pump_joint.rig.connection import connect
+    from hjcamp.plants.pump_joint.rig.limits import read_limits
+    from hjcamp.plants.pump_joint.rig.nidaqmx import limit_check
+    from hjcamp.plants.pump_joint.rig.park import note_parked
+    from hjcamp.plants.pump_joint.rig.wiring import read_wiring
 
     wiring, limits = read_wiring(config), read_limits(config)
     with while_moving() as signals:
@@ -247,9 +247,9 @@ def check_rig(
 
     Raises ``RigStopped`` where a limit was passed; whatever happens, the outputs end in their safe state.
     """
-    from hjcamp.backends.nidaqmx import check_test
-    from hjcamp.backends.rig.check_stamp import stamp_path, write_stamp
-    from hjcamp.backends.rig.lock import take_lock
+    from hjcamp.plants.pump_joint.rig.check_stamp import stamp_path, write_stamp
+    from hjcamp.plants.pump_joint.rig.lock import take_lock
+    from hjcamp.plants.pump_joint.rig.nidaqmx import check_test
     from hjcamp.storage import check_place
 
     if config["backend"]["name"] != "nidaqmx":

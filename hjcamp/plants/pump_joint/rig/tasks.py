@@ -23,9 +23,9 @@ from nidaqmx.system import Device
 from nidaqmx.system.watchdog import WatchdogTask
 from nidaqmx.types import AOExpirationState
 
-from hjcamp.backends.rig.connection import Connection, RigUnavailable
 from hjcamp.backends.rig.fault import LeftAt
-from hjcamp.backends.rig.wiring import Wiring
+from hjcamp.plants.pump_joint.rig.connection import Connection, RigUnavailable
+from hjcamp.plants.pump_joint.rig.wiring import Wiring
 
 RATE = 1000.0
 DECODING = {"x1": EncoderType.X_1, "x2": EncoderType.X_2, "x4": EncoderType.X_4}

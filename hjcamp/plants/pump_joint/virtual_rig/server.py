@@ -12,11 +12,11 @@ from typing import Any
 import grpc
 from nidaqmx._stubs.nidaqmx_pb2_grpc import add_NiDAQmxServicer_to_server
 
-from hjcamp.backends.virtual_rig.bench import bench_handler
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.backends.virtual_rig.faults import Fault
-from hjcamp.backends.virtual_rig.servicer import VirtualServicer
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.plants.pump_joint.virtual_rig.bench import bench_handler
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.faults import Fault
+from hjcamp.plants.pump_joint.virtual_rig.servicer import VirtualServicer
 
 LOCAL_HOSTS = ("localhost", "127.0.0.1", "[::1]")
 EVERYWHERE = ("0.0.0.0", "[::]")

@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.backends import plant_simulation
-from hjcamp.backends.factors import changed_loop, changed_values
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.effects import chosen_effects
@@ -22,6 +20,7 @@ from hjcamp.model.compose import Composition
 from hjcamp.model.scatter import Scatter, draw
 from hjcamp.model.simulator import PERIOD, Simulator
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.factors import changed_loop, changed_values
 from hjcamp.plants.pump_joint.feedforward import Feedforward
 from hjcamp.plants.pump_joint.loop import ClosedLoop, JointSimulator, NotEndedError
 from hjcamp.plants.pump_joint.procedure import Procedure
@@ -212,8 +211,6 @@ def prepare(config: Mapping[str, Any], seed: int, whole: bool = True) -> Prepare
 
 def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     """Return the kernels that a test needs: what each is in words, its text, and the function that is compiled last."""
-    if config.get("plant"):
-        return plant_simulation.kernel_texts(config)
     law: Any = find_controller(config["controller"]["name"])
     effects = tuple(chosen_effects(model_values(config)[1])[0])
     names = ", ".join(effect.name for effect in effects) or "no effect"
@@ -230,8 +227,6 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
     The same configuration and seed give the same columns bit for bit, in any process. Raises ``HjcampError`` where the
     test does not come to its end, or where the arm goes where none can.
     """
-    if config.get("plant"):
-        return plant_simulation.run_test(config, seed)
     prepared = prepare(config, seed, whole=False)
     try:
         recorded = prepared.simulator.run(prepared.start, prepared.p, prepared.test)

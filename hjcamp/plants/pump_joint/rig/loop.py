@@ -9,12 +9,12 @@ from math import copysign, isfinite
 
 from nidaqmx.errors import Error
 
-from hjcamp.backends.rig.control import COMMAND, DITHER, PHASE, PRELOAD_SPEED, RigControl
-from hjcamp.backends.rig.journal import Journal
-from hjcamp.backends.rig.limits import COMMAND_PHASE, RELEASE_PHASE, LimitCheck
-from hjcamp.backends.rig.tasks import RigTasks, first_line
 from hjcamp.backends.rig.timing import LoopTiming
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.rig.control import COMMAND, DITHER, PHASE, PRELOAD_SPEED, RigControl
+from hjcamp.plants.pump_joint.rig.journal import Journal
+from hjcamp.plants.pump_joint.rig.limits import COMMAND_PHASE, RELEASE_PHASE, LimitCheck
+from hjcamp.plants.pump_joint.rig.tasks import RigTasks, first_line
 
 FAILED_PHASE = 6.0
 PERIOD = 1e-3

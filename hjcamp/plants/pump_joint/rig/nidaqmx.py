@@ -11,23 +11,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.backends.recording import current_recording
-from hjcamp.backends.rig.check_stamp import require_check
-from hjcamp.backends.rig.connection import connect
-from hjcamp.backends.rig.control import RigControl
 from hjcamp.backends.rig.fault import LeftAt, RigFault
 from hjcamp.backends.rig.guard import guard_facts, interlock_of, notices, require_guard
-from hjcamp.backends.rig.journal import Journal
-from hjcamp.backends.rig.limits import LimitCheck, read_limits
-from hjcamp.backends.rig.lock import take_lock
-from hjcamp.backends.rig.loop import RigLoop, Stopped, StoppedForGood
-from hjcamp.backends.rig.park import note_parked, parked_at
-from hjcamp.backends.rig.reach import check_reach
-from hjcamp.backends.rig.silence import coupling_of
 from hjcamp.backends.rig.stop import while_moving
-from hjcamp.backends.rig.tasks import RigTasks, device_facts, last_words, not_written
 from hjcamp.backends.rig.timing import LoopTiming, undisturbed
-from hjcamp.backends.rig.wiring import Wiring, read_wiring
-from hjcamp.backends.simulation import (
+from hjcamp.controllers import find_controller
+from hjcamp.errors import RigStopped
+from hjcamp.model.simulator import PERIOD
+from hjcamp.plants.pump_joint.procedure import Procedure
+from hjcamp.plants.pump_joint.rig.check_stamp import require_check
+from hjcamp.plants.pump_joint.rig.connection import connect
+from hjcamp.plants.pump_joint.rig.control import RigControl
+from hjcamp.plants.pump_joint.rig.journal import Journal
+from hjcamp.plants.pump_joint.rig.limits import LimitCheck, read_limits
+from hjcamp.plants.pump_joint.rig.lock import take_lock
+from hjcamp.plants.pump_joint.rig.loop import RigLoop, Stopped, StoppedForGood
+from hjcamp.plants.pump_joint.rig.park import note_parked, parked_at
+from hjcamp.plants.pump_joint.rig.reach import check_reach
+from hjcamp.plants.pump_joint.rig.silence import coupling_of
+from hjcamp.plants.pump_joint.rig.tasks import RigTasks, device_facts, last_words, not_written
+from hjcamp.plants.pump_joint.rig.wiring import Wiring, read_wiring
+from hjcamp.plants.pump_joint.simulation import (
     control_values,
     dither_of,
     feedforward_of,
@@ -35,10 +39,6 @@ from hjcamp.backends.simulation import (
     procedure_values,
     reference_of,
 )
-from hjcamp.controllers import find_controller
-from hjcamp.errors import RigStopped
-from hjcamp.model.simulator import PERIOD
-from hjcamp.plants.pump_joint.procedure import Procedure
 
 Array = NDArray[np.float64]
 SPARE_SAMPLES = 100
@@ -100,7 +100,7 @@ def before_moving(config: Mapping[str, Any]) -> list[str]:
 
 def look_again(config: Mapping[str, Any], left: LeftAt) -> str:
     """Look at the rig after a fault and bring it to where a test begins; raises ``HjcampError`` where it is not fit."""
-    from hjcamp.backends.rig.look_again import look_again as look
+    from hjcamp.plants.pump_joint.rig.look_again import look_again as look
 
     return look(config, left)
 

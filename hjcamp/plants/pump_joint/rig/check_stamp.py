@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from hjcamp.backends.rig.connection import RigUnavailable
+from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
 from hjcamp.storage import user_folder, whole_file
 
 DECIDES = (

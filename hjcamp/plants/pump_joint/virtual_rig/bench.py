@@ -7,8 +7,8 @@ from typing import Any
 
 import grpc
 
-from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 
 SERVICE = "hjcamp.VirtualBench"
 ARRANGE = f"/{SERVICE}/Arrange"

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from math import copysign
 from typing import Any
 
-from hjcamp.backends.rig.check import BACK, FORWARD, Finding, RigCheck, open_check
 from hjcamp.backends.rig.fault import LeftAt
-from hjcamp.backends.rig.limits import COMMAND_PHASE
-from hjcamp.backends.rig.silence import RELEASE_PHASE
 from hjcamp.errors import RigStopped
+from hjcamp.plants.pump_joint.rig.check import BACK, FORWARD, Finding, RigCheck, open_check
+from hjcamp.plants.pump_joint.rig.limits import COMMAND_PHASE
+from hjcamp.plants.pump_joint.rig.silence import RELEASE_PHASE
 
 SETTLING_SAMPLES = 300
 STRAY_MM = 0.1

@@ -6,9 +6,9 @@ from typing import Any, NoReturn
 
 import grpc
 
-from hjcamp.backends.virtual_rig.bench import ARRANGE, handle
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.backends.virtual_rig.servicer import VirtualServicer
+from hjcamp.plants.pump_joint.virtual_rig.bench import ARRANGE, handle
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.servicer import VirtualServicer
 
 
 class InProcessError(grpc.RpcError):

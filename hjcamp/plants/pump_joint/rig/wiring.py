@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from hjcamp.backends.rig.schema import EncoderSettings, OutputSettings, PressureSettings, PumpOutput, WiredRig
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.rig.schema import EncoderSettings, OutputSettings, PressureSettings, PumpOutput, WiredRig
 from hjcamp.schema import checked
 
 DEGREE = math.pi / 180

@@ -46,11 +46,11 @@ def serve(
     ] = None,
 ) -> None:
     """Serve a virtual rig on the vendor's protocol, in lockstep virtual time or in real time, until Ctrl-C."""
-    from hjcamp.backends.virtual_rig.faults import parse_fault
-    from hjcamp.backends.virtual_rig.server import check_address, client_address, is_local, start_server
     from hjcamp.configuration.composer import Composer, free
     from hjcamp.effects import chosen_effects
     from hjcamp.errors import UsageError
+    from hjcamp.plants.pump_joint.virtual_rig.faults import parse_fault
+    from hjcamp.plants.pump_joint.virtual_rig.server import check_address, client_address, is_local, start_server
 
     check_address(address, anybody)
     if rate is not None and not (real_time and 0.01 <= rate <= 1.0):
@@ -92,10 +92,10 @@ def check(
 ) -> None:
     """Check wiring, noise, preload and directions with small motions; a rig must pass before it runs a campaign."""
     from hjcamp.backends import before_moving
-    from hjcamp.backends.rig.check import Finding, check_rig
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer, free
+    from hjcamp.plants.pump_joint.rig.check import Finding, check_rig
 
     check_answer_file(json)
     config = Composer().compose([free(line) for line in overrides or []] + ["backend=nidaqmx"]).config
@@ -126,8 +126,8 @@ def check(
 
 def unlock(json: AnswerFile = None) -> None:
     """Say who holds each rig of this computer. A lock ends with its process, so there is nothing to remove."""
-    from hjcamp.backends.rig.lock import describe, is_free, lock_folder, read_holder
     from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.plants.pump_joint.rig.lock import describe, is_free, lock_folder, read_holder
 
     check_answer_file(json)
     held: list[dict[str, Any]] = []

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp import locks
-from hjcamp.backends.rig.connection import RigUnavailable
-from hjcamp.backends.rig.wiring import read_wiring
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
+from hjcamp.plants.pump_joint.rig.wiring import read_wiring
 
 FOLDER = "hjcamp_rigs"
 _held: dict[str, int] = {}

@@ -12,8 +12,8 @@ from nidaqmx._stubs.nidaqmx_pb2_grpc import NiDAQmxServicer
 from nidaqmx.utils import unflatten_channel_string
 from session_pb2 import Session
 
-from hjcamp.backends.virtual_rig.device import PERIOD_S, VirtualDevice, Watchdog
-from hjcamp.backends.virtual_rig.sessions import NO_SUCH_CHANNEL, NO_SUCH_TASK, RESERVED, DeviceError, Task
+from hjcamp.plants.pump_joint.virtual_rig.device import PERIOD_S, VirtualDevice, Watchdog
+from hjcamp.plants.pump_joint.virtual_rig.sessions import NO_SUCH_CHANNEL, NO_SUCH_TASK, RESERVED, DeviceError, Task
 
 TASK_NAME = 0x1276
 SAMPLES_ACQUIRED = 0x192A

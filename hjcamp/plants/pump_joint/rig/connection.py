@@ -32,8 +32,8 @@ class Connection:
 def in_process_channel() -> Any:
     """Return the channel to the virtual rig of this process; the rig is made on the first call."""
     if not _in_process:
-        from hjcamp.backends.virtual_rig.device import VirtualDevice
-        from hjcamp.backends.virtual_rig.in_process import InProcessChannel
+        from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+        from hjcamp.plants.pump_joint.virtual_rig.in_process import InProcessChannel
 
         _in_process.append(InProcessChannel(VirtualDevice()))
     return _in_process[0]
@@ -102,7 +102,7 @@ def _reach(channel: Any, address: str) -> None:
 def _arrange(channel: Any, config: Mapping[str, Any], seed: int) -> None:
     import grpc
 
-    from hjcamp.backends.virtual_rig.bench import ARRANGE, as_bytes
+    from hjcamp.plants.pump_joint.virtual_rig.bench import ARRANGE, as_bytes
 
     request = as_bytes({"config": dict(config), "seed": seed, "owner": OWNER})
     try:
