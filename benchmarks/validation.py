@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from quiet_loop import DEGREE, RADIUS, columns, cycloid, sine
 from thesis_solution import LAG, Arm, Gains, Physics, Y, closed_loop, open_loop
 
-from hjcamp.controllers.pid import Pid
+from hjcamp.plants.pump_joint.controllers.pid import Pid
 
 PRESSURES = (0.32e6, 0.14e6)
 GAINS = (Gains(1.05, 70.0, 0.015), Gains(1.4, 90.0, 0.018))

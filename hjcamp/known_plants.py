@@ -29,6 +29,11 @@ def usual_plant() -> type[Plant]:
     return found
 
 
+def folders_in_plants(name: str) -> list[tuple[Path, str]]:
+    """Return the folders called ``name`` of our plants, each with its package: ``plants/PLANT/controllers``."""
+    return [(folder, f"{PACKAGE}.{folder.parent.name}.{name}") for folder in sorted(OWN_PLANTS.glob(f"*/{name}"))]
+
+
 def plant_names(folder: Path) -> list[str]:
     """Return the plants of a folder by name; a user's files are not run for it."""
     if folder == OWN_PLANTS:

@@ -11,12 +11,12 @@ from plain_kernel import uncompiled
 from quiet_loop import AREA1, AREA2, EXACT, RADIUS, STIFFNESS
 
 from hjcamp.configuration.composer import Composer
-from hjcamp.controllers.open_loop import OpenLoop
 from hjcamp.effects import chosen_effects, find_effect, load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import Composition
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.calibrate.static_stiffness import step_of, stiffness_charts, stiffness_of
+from hjcamp.plants.pump_joint.controllers.open_loop import OpenLoop
 from hjcamp.plants.pump_joint.loop import ClosedLoop, JointSimulator
 from hjcamp.plants.pump_joint.procedure import Procedure
 from hjcamp.plants.pump_joint.sizing.stiffness import arm_stiffness, line_compliances, locked_stiffness

@@ -171,7 +171,7 @@ def test_a_gain_set_that_is_there_is_refused_before_anything_is_computed(
 def test_tuning_says_what_is_compiled(
     cold: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    from hjcamp.controllers.ziegler_nichols import CriticalPoint
+    from hjcamp.plants.pump_joint.studies.ziegler_nichols import CriticalPoint
 
     monkeypatch.setattr("hjcamp.plants.pump_joint.studies.critical_gain.critical_point", lambda *given: CriticalPoint(2.0, 0.1))
     assert cli.run(["tune"]) == 0

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.configuration.composer import Composer
-from hjcamp.controllers.ziegler_nichols import CriticalPoint
 from hjcamp.errors import HjcampError
 from hjcamp.plants.pump_joint.simulation import log_columns, prepare
+from hjcamp.plants.pump_joint.studies.ziegler_nichols import CriticalPoint
 
 SIDES = ("positive", "negative")
 QUIET = (

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.controllers.pid import LONGEST_DERIVATIVE, Pid
+from hjcamp.plants.pump_joint.controllers.pid import LONGEST_DERIVATIVE, Pid
 from hjcamp.plants.pump_joint.figures.design import DesignStep, draw_filters, draw_steps
 from hjcamp.plants.pump_joint.simulation import control_values, reference_of
 from hjcamp.records.log import TestLog

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from hjcamp.controllers.sum_difference import SumDifference
 from hjcamp.model.parameter import Parameter
+from hjcamp.plants.two_pumps.controllers.sum_difference import SumDifference
 
 
 class Opposite(SumDifference):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hjcamp.controllers.pid import Pid
+from hjcamp.plants.pump_joint.controllers.pid import Pid
 
 
 class FfwdPid(Pid):

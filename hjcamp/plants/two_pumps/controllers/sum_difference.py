@@ -9,13 +9,13 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.controllers.pid import Pid
 from hjcamp.model.compose import Composition
 from hjcamp.model.law import Memory
 from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.controllers.pid import Pid
 from hjcamp.plants.pump_joint.feedforward import Feedforward
 
 LINE = 2.57e13 * math.pi / 4 * 6.35e-3**2 * 1e-3 / (2 * math.pi)  # Pa for one rad of a pump motor

@@ -10,7 +10,7 @@ from hjcamp.model.marks import body, contact, limited, outside, path, sensor, si
 from hjcamp.model.parameter import Input, Measured, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.scatter import FrictionScatter
-from hjcamp.plants._valves import Valves
+from hjcamp.plants.valve_joint.valves import Valves
 
 DEGREE = math.pi / 180.0
 PINION_M = 9.525e-3 / 2.0  # 18 teeth of 48 diametral pitch: 12.03 deg/mm; printed errors give 12.0 (2.4 against 6.3)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hjcamp.controllers.pid import Pid
-from hjcamp.controllers.sum_difference import SumDifference
 from hjcamp.model.law import Memory
 from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
+from hjcamp.plants.pump_joint.controllers.pid import Pid
+from hjcamp.plants.two_pumps.controllers.sum_difference import SumDifference
 
 
 class PushHold(SumDifference):

@@ -9,8 +9,8 @@ from hjcamp.model.marks import body, contact, limited, outside, part, sensor, si
 from hjcamp.model.parameter import Input, Measured, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.scatter import FrictionScatter
-from hjcamp.plants._two_delays import TwoDelays
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.two_pumps.delays import TwoDelays
 
 ONE = PumpJoint.parameters
 TRAVEL = (-80 * math.pi, 80 * math.pi)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.controllers.pva import differences
 from hjcamp.model.law import Memory
 from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
+from hjcamp.plants.valve_joint.controllers.pva import differences
 
 
 class ThreeMode(Controller):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from hjcamp.controllers.ffwd_pva import FfwdPva
-from hjcamp.controllers.pva import differences
 from hjcamp.model.marks import part
 from hjcamp.model.parameter import Parameter
+from hjcamp.plants.valve_joint.controllers.ffwd_pva import FfwdPva
+from hjcamp.plants.valve_joint.controllers.pva import differences
 
 
 class SlidingMode(FfwdPva):
