@@ -97,7 +97,7 @@ def notes_on(found: Comparison) -> list[str]:
 
 def further_off(found: Comparison) -> list[str]:
     """Return in words where the last model is the worse for being calibrated."""
-    from hjcamp.report.where_words import worse_calibrated
+    from hjcamp.report.floor_words import worse_calibrated
 
     last = found.models[-1]
     why = "the fit weighs what scatters more for less, this number counts all alike; use it as it stands"

@@ -59,7 +59,7 @@ def import_table(
     check_answer_file(json)
     targets = targets_of(files, into, output)
     rules = read_import_map(mapping)
-    _check_hardware([rules.metadata, *rules.files.values()], rules.plant.setups, mapping)
+    _check_hardware([rules.metadata, *rules.files.values()], (*rules.plant.rig, *rules.plant.setups), mapping)
     left = [target for target in targets if target.with_name(target.name + ".part").exists()]
     logs = import_files(files, mapping, targets)
     rows = [
@@ -104,12 +104,12 @@ def targets_of(files: Sequence[Path], into: Path | None, output: Path | None) ->
     return targets
 
 
-def _check_hardware(metadata: Sequence[Mapping[str, str]], setups: Sequence[str], mapping: Path) -> None:
+def _check_hardware(metadata: Sequence[Mapping[str, str]], groups: Sequence[str], mapping: Path) -> None:
     """Refuse hardware that no configuration describes: every analysis would ask for it."""
     from hjcamp.configuration.composer import Composer
     from hjcamp.errors import unknown
 
-    named = [(group, one[group]) for one in metadata for group in setups if one.get(group)]
+    named = [(group, one[group]) for one in metadata for group in groups if one.get(group)]
     composer = Composer() if named else None
     for group, choice in named:
         if composer and choice not in (allowed := composer.options(group)):

@@ -77,8 +77,10 @@ class Plant:
     drawn: ClassVar[tuple[str, ...]] = ()
     # Configuration groups whose choices name the machine on which a log was made.
     rig: ClassVar[tuple[str, ...]] = ()
-    # Those that a log's metadata may name in all, the machine and how it was set up.
+    # Those that say how the machine was set up for a test.
     setups: ClassVar[tuple[str, ...]] = ()
+    # How people read the names of its channels and parameters, where it is not the name itself.
+    labels: ClassVar[Mapping[str, str]] = {}
     rooms: ClassVar[Mapping[str, str]] = {}
 
     def __init_subclass__(cls) -> None:

@@ -89,7 +89,7 @@ class Run(Result):
     def plot(self, indicator: str = "rmse1_deg") -> Picture:
         """Return an indicator of every test by condition."""
         from hjcamp.errors import unknown
-        from hjcamp.report.discrepancy_figures import dress
+        from hjcamp.report.drawing import dress
         from hjcamp.report.figures import BLUE
 
         numbers = [name for name, kind in self.frame.schema.items() if kind.is_float()]

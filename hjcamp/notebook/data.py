@@ -62,7 +62,7 @@ class Data(Read, Result):
 
     def plot(self, test: str | int = 0) -> Picture:
         """Return one test over time, a panel for each unit."""
-        from hjcamp.report.discrepancy_figures import dress
+        from hjcamp.report.drawing import dress
         from hjcamp.report.figures import panels_by_unit
 
         name, log = self._log(test)

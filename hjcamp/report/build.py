@@ -21,8 +21,7 @@ from hjcamp.report.exploration import REFERENCE, Exploration, names_of
 from hjcamp.report.explorer import explorer_html
 from hjcamp.report.figures import draw_condition
 from hjcamp.report.formats import to_latex, to_markdown
-from hjcamp.report.indicators import COLUMNS, IDENTITY, INDICATORS, frame_with_varied, row_of, varied_columns
-from hjcamp.report.line_indicators import FURTHER
+from hjcamp.report.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, frame_with_varied, row_of, varied_columns
 from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
 from hjcamp.report.page import Picture, build_page
 from hjcamp.report.refitted import beside_refit

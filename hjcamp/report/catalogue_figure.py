@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from hjcamp.report.discrepancy_figures import draw, dress
+from hjcamp.report.drawing import draw, dress
 from hjcamp.report.figures import BLUE, INK
 from hjcamp.report.prediction_figures import readable
 

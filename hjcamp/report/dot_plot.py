@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from hjcamp.report.discrepancy_figures import draw, dress
+from hjcamp.report.drawing import draw, dress
 from hjcamp.report.figures import BLUE, GRID, INK, RED
 from hjcamp.report.names import readable
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.report.correlations import Correlation
-from hjcamp.report.discrepancy_figures import draw, dress
+from hjcamp.report.drawing import draw, dress
 from hjcamp.report.figures import BLUE, GREEN, GRID, INK, RED
 from hjcamp.report.prediction_figures import readable
 

@@ -1,4 +1,4 @@
-"""One picture per condition: angle, error, pressures and command over time, with the spread of the repetitions."""
+"""One picture per condition: its signals over time in panels, with the spread of the repetitions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hjcamp.model.field_unit import unit_of_field
-from hjcamp.report.spread import SIGNALS, Condition
+from hjcamp.report.spread import Condition, panels_known
 
 # Colours of Okabe and Ito, told apart by colour-blind readers; the page puts its own shades in their place.
 INK = "#1b1f24"
@@ -43,21 +43,6 @@ class Panel(NamedTuple):
     title: str
     curves: tuple[Curve, ...]
     share: float = 1.0
-
-
-PANELS = (
-    Panel("Arm angle (deg)", (Curve("arm_deg", OBSERVED, BLUE), Curve("reference_deg", "reference", INK, True)), 1.4),
-    Panel("Error (deg)", (Curve("error_deg", f"reference − {OBSERVED}", BLUE),)),
-    Panel("Pressure (MPa gauge)", (Curve("pressure1_mpa", "line 1", BLUE), Curve("pressure2_mpa", "line 2", RED))),
-    Panel(
-        "Pump command (deg)",
-        (
-            Curve("command_deg", "command", BLUE),
-            Curve("pid_deg", "feedback part", RED),
-            Curve("feedforward_deg", "feedforward part", GREEN),
-        ),
-    ),
-)
 
 
 def panels_by_unit(signals: Sequence[str]) -> list[Panel]:
@@ -111,8 +96,9 @@ class Frame:
         self.figure.patch.set_visible(False)
         self._lines: dict[str, Any] = {}
         self._bands: dict[str, Any] = {}
-        panels = [panel for panel in PANELS if any(curve.signal in signals for curve in panel.curves)]
-        panels += panels_by_unit([name for name in signals if name not in SIGNALS])
+        known = panels_known()
+        panels = [panel for panel in known.PANELS if any(curve.signal in signals for curve in panel.curves)]
+        panels += panels_by_unit([name for name in signals if name not in known.SIGNALS])
         shares = sum(panel.share for panel in panels)
         usable = TOP - BOTTOM - GAP * (len(panels) - 1)
         bottom = TOP + GAP

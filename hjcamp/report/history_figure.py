@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from hjcamp.report.discrepancy_figures import dress
 from hjcamp.report.dot_plot import TITLES
+from hjcamp.report.drawing import dress
 from hjcamp.report.figures import BLUE, INK, RED, SETTINGS
 from hjcamp.storage import whole_file
 

@@ -9,13 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.discrepancy_figures import dress
+from hjcamp.report.drawing import dress
 from hjcamp.report.figures import BLUE, GREEN, INK, RED, SETTINGS
 
 Array = NDArray[np.float64]
 COLOURS = (BLUE, RED, GREEN, "#cc79a7")
-ROWS = ("Arm angle (deg)", "Mean pressure (MPa)", "Pressure difference (MPa)")
-LAST = "Difference minus that\nof {name} (kPa)"
 FARTHEST = 30.0
 HEIGHT = 8.0
 COLUMNS = 4
@@ -34,8 +32,8 @@ class Prediction(NamedTuple):
 class Labels(NamedTuple):
     """What the rows of the picture are, the last one's difference from the first rival ``{name}`` and its factor, the bands."""
 
-    rows: Sequence[str] = ROWS
-    last: str = LAST
+    rows: Sequence[str]
+    last: str
     factor: float = 1e3
     bands: str = "2 standard deviations of the repetitions"
 
@@ -48,7 +46,7 @@ class Bar(NamedTuple):
     alone: Sequence[float]
 
 
-def draw_predictions(tests: Sequence[Prediction], bars: Sequence[Bar], labels: Labels | None = None) -> bytes:
+def draw_predictions(tests: Sequence[Prediction], bars: Sequence[Bar], labels: Labels) -> bytes:
     """Return the picture as PNG: a column for each test (at most four), and bars of separations below."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -59,12 +57,12 @@ def draw_predictions(tests: Sequence[Prediction], bars: Sequence[Bar], labels: L
 
 
 def predictions_figure(
-    tests: Sequence[Prediction], bars: Sequence[Bar], labels: Labels | None, kind: Callable[..., Any]
+    tests: Sequence[Prediction], bars: Sequence[Bar], labels: Labels, kind: Callable[..., Any]
 ) -> Any:
     """Return the picture as a figure of matplotlib, made by ``kind``."""
     import matplotlib
 
-    shown, labels = list(tests)[:COLUMNS], labels or Labels()
+    shown = list(tests)[:COLUMNS]
     below = 1.0 + 0.24 * len(bars)
     with matplotlib.rc_context(SETTINGS):  # type: ignore[arg-type]
         figure = kind(figsize=(1.4 + 4.0 * max(len(shown), 2), HEIGHT + below), layout="constrained")

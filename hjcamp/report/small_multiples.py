@@ -8,6 +8,7 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.report.followed import FOLLOWED, WANTED
 from hjcamp.report.names import readable
 from hjcamp.report.spread import Condition, Spread, stretches
 
@@ -15,7 +16,6 @@ Array = NDArray[np.float64]
 WIDE, HIGH, MOST_POINTS = 150.0, 54.0, 150
 #: An area of fewer points, each of which covers most of a period, has no teeth.
 AREA_POINTS = 38
-WANTED, MEASURED = "reference_deg", "arm_deg"
 
 
 def small_multiples(conditions: Sequence[Condition], anchors: Mapping[str, str], said: Mapping[str, str]) -> str:
@@ -28,7 +28,7 @@ def small_multiples(conditions: Sequence[Condition], anchors: Mapping[str, str],
 
 
 def _small(condition: Condition, anchor: str, said: str) -> str:
-    names = [name for name in (WANTED, MEASURED) if name in condition.signals] or list(condition.signals)[:1]
+    names = [name for name in (WANTED, FOLLOWED) if name in condition.signals] or list(condition.signals)[:1]
     curves = {name: condition.signals[name] for name in names if len(condition.signals[name].mean)}
     ends = [float(end) for one in curves.values() for end in (one.lowest.min(), one.highest.max())]
     low, high = (min(ends), max(ends)) if ends else (0.0, 1.0)

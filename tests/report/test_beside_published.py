@@ -22,8 +22,7 @@ from hjcamp.report.build import Report, build_report, verdict
 from hjcamp.report.check import check
 from hjcamp.report.declared import declared_tables
 from hjcamp.report.formats import to_latex
-from hjcamp.report.indicators import COLUMNS, indicators_frame
-from hjcamp.report.line_indicators import FURTHER
+from hjcamp.report.indicators import COLUMNS, FURTHER, indicators_frame
 from hjcamp.report.published import cell_key, published_cells
 from hjcamp.report.published.configurations import (
     CAMPAIGNS,

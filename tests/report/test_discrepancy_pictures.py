@@ -7,17 +7,17 @@ import re
 import numpy as np
 import pytest
 
-from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
-from hjcamp.report.discrepancy_figures import (
+from hjcamp.plants.pump_joint.figures.discrepancy import (
     HorizonCurve,
     Overlay,
-    draw_errors,
     draw_horizon,
     draw_map,
     draw_overlay,
     worst_part,
 )
+from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
 from hjcamp.report.discrepancy_page import bullets, discrepancy_page, picture, place_table
+from hjcamp.report.drawing import draw_errors
 from hjcamp.report.figures import PAPER, tidy
 
 TIME = np.arange(500) * 0.004

@@ -11,7 +11,7 @@ from hjcamp.model.parameter import Channel, Cut, Input, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 from hjcamp.plants.pump_joint.effects import COVERS, INSTANCES
-from hjcamp.plants.pump_joint.fields import FIELDS, ONE_OF
+from hjcamp.plants.pump_joint.fields import FIELDS, LABELS, ONE_OF
 from hjcamp.plants.pump_joint.rooms import ROOMS
 
 if TYPE_CHECKING:
@@ -33,7 +33,8 @@ class PumpJoint(Plant):
     fields = FIELDS
     one_of = ONE_OF
     rig = ("pump", "amplifier", "tubing")
-    setups = (*rig, "payload", "orientation")
+    setups = ("payload", "orientation")
+    labels = LABELS
     rooms = ROOMS
 
     pump_position = State("m", 1e-9, 1e-3, text="travel of the pump motor's nut")

@@ -18,6 +18,8 @@ ROOMS = {
     "simulation": f"{HERE}.simulation",
     "nidaqmx": f"{HERE}.rig.nidaqmx",
     "watches": f"{HERE}.rig.margins",
+    "indicators": f"{HERE}.indicators",
+    "panels": f"{HERE}.figures.panels",
     "run": f"{HERE}.studies.of_run",
     "kernels": f"{HERE}.studies.warm",
 }

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import DEFAULT
 from hjcamp.report.against_run import Tests, tests_of
 from hjcamp.report.declared import declared_tables
 from hjcamp.report.dot_plot import dots_of
@@ -82,7 +83,7 @@ def write_paper(
         used |= {str(name) for name in answer.get("effects") or ()}
         plants.add(str(answer.get("plant") or ""))
     sources = [one for plant in sorted(plants) for one in documented(plant, used)]
-    entries = bibliography(sources, bool(plants & {"", "pump_joint"}))
+    entries = bibliography(sources, bool(plants & {"", DEFAULT}))
     paper.cite = list(entries)
     replace_file(folder / "references.bib", "\n".join(entries.values()))
     replace_file(folder / "numbers.tex", macros(paper.numbers))

@@ -10,7 +10,7 @@ from hjcamp.plants.pump_joint.answers.error_words import in_unit, worse_than_mea
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.compare import Compared, Comparison
-    from hjcamp.report.discrepancy_figures import Overlay
+    from hjcamp.plants.pump_joint.figures.discrepancy import Overlay
 
 NOT_CALIBRATED = "not calibrated on these tests: friction and stiffness of another specimen count here"
 FITTED_TO = "what is fitted are short windows, pressures and forces, what is told here are whole tests; use it as it stands"
@@ -37,7 +37,7 @@ def error_cells(one: Compared, name: str) -> list[str]:
 
 def calibrated_in_words(found: Comparison) -> list[str]:
     """Return the sentences of the places that the calibrated model leaves, first of all where it is the worse one."""
-    from hjcamp.report.where_words import worse_calibrated
+    from hjcamp.report.floor_words import worse_calibrated
 
     if not found.calibrated:
         return []
@@ -48,7 +48,7 @@ def calibrated_in_words(found: Comparison) -> list[str]:
 
 def places_in_words(one: Compared) -> list[str]:
     """Return the sentences of one model's places; without repetitions nothing says how much of the error is left."""
-    from hjcamp.report.where_words import where_sentences
+    from hjcamp.plants.pump_joint.answers.where_words import where_sentences
 
     said = where_sentences(one.places, one.score if one.replay.evidence.repeated else None)
     return [*worse_than_mean(one.errors), *said]
@@ -57,11 +57,11 @@ def places_in_words(one: Compared) -> list[str]:
 def write_pictures(found: Comparison, folder: Path) -> list[Path]:
     """Write overlay, where, horizon and the page that holds them; return their paths, the page last."""
     from hjcamp.plants.pump_joint.answers.compare_explorer import exploration_of
+    from hjcamp.plants.pump_joint.figures.discrepancy import HorizonCurve, draw_horizon, draw_overlay
     from hjcamp.report import discrepancy_page as page
-    from hjcamp.report.discrepancy_figures import HorizonCurve, draw_horizon, draw_overlay
     from hjcamp.report.explorer import explorer_html
+    from hjcamp.report.floor_words import NO_FLOOR
     from hjcamp.report.names import readable
-    from hjcamp.report.where_words import NO_FLOOR
     from hjcamp.storage import whole_file
 
     models, last, calibrated = found.models, found.models[-1], found.calibrated
@@ -128,8 +128,8 @@ def worst_overlay(models: list[Compared]) -> Overlay:
     """Return the first test of the condition in which the arm of the first model is furthest off, with all models."""
     import numpy as np
 
+    from hjcamp.plants.pump_joint.figures.discrepancy import Overlay
     from hjcamp.records.log import observed
-    from hjcamp.report.discrepancy_figures import Overlay
 
     first = models[0].replay
     evidence = first.evidence
@@ -147,9 +147,9 @@ def worst_overlay(models: list[Compared]) -> Overlay:
 
 def draw_where(one: Compared) -> str:
     """Return the map of the missing force and the bars of one model."""
+    from hjcamp.plants.pump_joint.answers.where_words import grouped_bars
     from hjcamp.plants.pump_joint.diagnosis.localisation.where import SLIDING
-    from hjcamp.report.discrepancy_figures import draw_map
-    from hjcamp.report.where_words import grouped_bars
+    from hjcamp.plants.pump_joint.figures.discrepancy import draw_map
 
     evidence = one.replay.evidence
     slides = evidence.sliding

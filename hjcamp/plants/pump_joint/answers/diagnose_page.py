@@ -25,7 +25,7 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
     from hjcamp.plants.pump_joint.answers.error_words import over
     from hjcamp.plants.pump_joint.answers.evidence import evidence_pictures
     from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
-    from hjcamp.report.discrepancy_figures import draw_errors
+    from hjcamp.report.drawing import draw_errors
     from hjcamp.storage import whole_file
 
     pictures = evidence_pictures(told.found, told.shown)
@@ -53,9 +53,9 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) 
     from hjcamp.plants.pump_joint.answers.diagnose_words import CALIBRATED, CANDIDATES, LEFT
     from hjcamp.plants.pump_joint.answers.error_words import error_table, over
     from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.floor_words import NO_FLOOR
     from hjcamp.report.units import label
     from hjcamp.report.units import told as told_value
-    from hjcamp.report.where_words import NO_FLOOR
 
     answer = told.answer()
     scale = told.judging.scale

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.plants.pump_joint.analyses.diagnosing import Diagnosed, looks_at_final
+from hjcamp.plants.pump_joint.answers.where_words import where_sentences
+from hjcamp.report.floor_words import worse_calibrated
 from hjcamp.report.units import label, told, told_interval
-from hjcamp.report.where_words import where_sentences, worse_calibrated
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.scale import Judged

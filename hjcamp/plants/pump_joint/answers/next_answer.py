@@ -12,7 +12,7 @@ from hjcamp.errors import counted
 from hjcamp.plants.pump_joint.answers.next_work import Words, Work
 from hjcamp.plants.pump_joint.diagnosis.design.propose import ALL_PAIRS, REPETITIONS, Proposal, Proposed, weighted
 from hjcamp.plants.pump_joint.diagnosis.design.rivals import NOTHING, Rival
-from hjcamp.report.next_figure import Bar, Prediction, draw_predictions
+from hjcamp.report.next_figure import Bar, Labels, Prediction, draw_predictions
 from hjcamp.storage import whole_file
 
 if TYPE_CHECKING:
@@ -22,6 +22,9 @@ SCHEMA = "hjcamp.next/1"
 DRAWN = 4
 APART = 3.0
 ROWS = 8
+LABELS = Labels(
+    ("Arm angle (deg)", "Mean pressure (MPa)", "Pressure difference (MPa)"), "Difference minus that\nof {name} (kPa)"
+)
 Pairs = dict[tuple[int, int], float]
 
 
@@ -110,7 +113,7 @@ def draw(path: Path, proposal: Proposal, work: Work, seed: int) -> None:
         title = f"{one.trial.choice.text}\n{one.trial.config['procedure']['preload_mpa']:g} MPa"
         tests.append(Prediction(title, time, means, spreads))
     with whole_file(path) as stream:
-        stream.write(draw_predictions(tests, _bars(proposal)))
+        stream.write(draw_predictions(tests, _bars(proposal), LABELS))
 
 
 def _shown(rivals: list[Rival], pairs: Pairs) -> list[Rival]:

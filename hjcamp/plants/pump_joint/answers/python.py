@@ -34,7 +34,7 @@ def comparison_sentences(found: Any) -> list[str]:
 def comparison_drawn(found: Any) -> tuple[Any, ...]:
     """Return what draws measurement and models where the error is largest, and what it draws."""
     from hjcamp.plants.pump_joint.answers.compare_page import worst_overlay
-    from hjcamp.report.discrepancy_figures import draw_overlay
+    from hjcamp.plants.pump_joint.figures.discrepancy import draw_overlay
 
     return draw_overlay, worst_overlay(found.models)
 
@@ -64,7 +64,7 @@ def diagnosis_sentences(words: Any) -> list[str]:
 def diagnosis_drawn(words: Any) -> tuple[Any, ...]:
     """Return what draws the errors before and after, and what it draws."""
     from hjcamp.plants.pump_joint.answers.error_words import over
-    from hjcamp.report.discrepancy_figures import draw_errors
+    from hjcamp.report.drawing import draw_errors
 
     scale = words.judging.scale
     return draw_errors, words.scores(), over(scale), scale.repeated

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.discrepancy_figures import dress
+from hjcamp.report.drawing import dress
 from hjcamp.report.figures import BLUE, INK, RED, SETTINGS
 from hjcamp.storage import whole_file
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.discrepancy_figures import draw, dress
+from hjcamp.report.drawing import draw, dress
 from hjcamp.report.figures import BLUE, INK, RED, tidy
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hjcamp.plants.pump_joint.figures.sizing import Figures
 from hjcamp.plants.pump_joint.sizing.tubing import weight_at_sliders
-from hjcamp.report.discrepancy_figures import dress
+from hjcamp.report.drawing import dress
 from hjcamp.report.figures import BLUE, INK, RED
 
 Array = NDArray[np.float64]

@@ -125,7 +125,7 @@ class Bench:
 
 
 def _names(config: Mapping[str, Any]) -> dict[str, str]:
-    return {group: str(config[group]["name"]) for group in PumpJoint.setups}
+    return {group: str(config[group]["name"]) for group in (*PumpJoint.rig, *PumpJoint.setups)}
 
 
 def _hardware(config: Mapping[str, Any]) -> Hardware:

@@ -58,7 +58,7 @@ def _pump_filter(gain: float, a2: float, a1: float, a0: float) -> tuple[Array, A
 
 def hardware_of(log: TestLog) -> Hardware:
     """Return the hardware that the log's metadata name; a choice that is absent is that of the reference setup."""
-    names = tuple((group, log.metadata[group]) for group in PumpJoint.setups if log.metadata.get(group))
+    names = tuple((group, log.metadata[group]) for group in (*PumpJoint.rig, *PumpJoint.setups) if log.metadata.get(group))
     return _hardware(names)
 
 

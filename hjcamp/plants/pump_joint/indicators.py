@@ -1,4 +1,4 @@
-"""What the lines and the command of a test tell: pressures against their bounds, and the share of the feedforward."""
+"""The four numbers that judge a test (thesis 5.2.5), and what its lines and its command tell."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
 
+INDICATORS = ("rmse1_deg", "rmse2_deg", "e_max_deg", "sse_deg")
 #: Lowest and highest of both lines, time of either line beyond a bound, share of the feedforward (0 to 1).
 FURTHER = (
     "pressure_low_mpa", "pressure_high_mpa", "below_0p1_s", "above_0p58_s", "above_range_s", "feedforward_share"
@@ -18,6 +19,37 @@ FURTHER = (
 AIR_MPA = 0.1  # thesis 5.2.5: below, air bubbles make the lines soft
 LEAK_MPA = 0.58  # thesis 4.4.4: above, the fittings leak
 SENSOR_RANGE_MPA = 0.689  # thesis 3.9, where the log does not say
+START_LEFT_OUT = 0.25
+SETTLING_TIME = 0.2
+
+
+def error_indicators(log: TestLog, trajectory: str) -> dict[str, float | None]:
+    r"""Return `INDICATORS` of the error e = desired - measured arm angle (deg) of the n samples of the command phase (5.2.5.1, 2).
+
+    .. math:: RMSE1 = \sqrt{\tfrac{1}{n} \sum e_i^2}, \quad e_{max} = \max |e_i|
+
+    RMSE2 leaves out the first 0.25 s. The steady state error is the mean of e from 0.2 s after the reference last
+    changed to the end, for cycloids only; it is negative where the arm is beyond a positive reference, as in Table
+    5.4.2 (5.2.5: error = desired - output). What a log cannot give is None.
+    """
+    values: dict[str, float | None] = dict.fromkeys(INDICATORS)
+    command = log.command_phase
+    if not {"reference_deg", "arm_deg"} <= set(command) or not len(command["time_s"]):
+        return values
+    time, reference = command["time_s"], command["reference_deg"]
+    error = reference - command["arm_deg"]
+    values["rmse1_deg"] = _root_mean_square(error)
+    values["rmse2_deg"] = _root_mean_square(error[time >= START_LEFT_OUT - 1e-9])
+    values["e_max_deg"] = float(np.max(np.abs(error)))
+    changes = np.flatnonzero(np.diff(reference))
+    if trajectory.startswith("cycloid") and changes.size:
+        settled = error[time >= time[changes[-1] + 1] + SETTLING_TIME - 1e-9]
+        values["sse_deg"] = float(np.mean(settled)) if settled.size else None
+    return values
+
+
+def _root_mean_square(error: NDArray[np.float64]) -> float | None:
+    return float(np.sqrt(np.mean(error**2))) if error.size else None
 
 
 def line_indicators(log: TestLog, configuration: Mapping[str, Any]) -> dict[str, float | None]:

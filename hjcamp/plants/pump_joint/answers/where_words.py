@@ -5,13 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-NEAR = 1.3
-NO_FLOOR = (
-    "No test was repeated, so there is no floor, and nothing tells how much of the error is the model's; "
-    "repetitions of the same tests give one (3 of each condition are usual: hjcamp run ... repetitions=3)."
-)
+from hjcamp.report.floor_words import NEAR, NO_FLOOR
+
 TELLING = 0.05
-WORSE = 1.02
 UNEVEN = 1.5
 HOW = {
     "joint": "its force balance fails even with pressures and motion as measured",
@@ -88,16 +84,6 @@ def where_sentences(places: Sequence[Place], over: float | None = None) -> list[
         again = " (the same error, divided another way)" if number else ""
         said.append(f"{text}, in {place.shown} of {place.conditions} conditions{again}.")
     return said
-
-
-def worse_calibrated(name: str, before: float, after: float, why: str) -> list[str]:
-    """Return in words that a model is further off with its base parameters calibrated than as it stands; nothing where it is not.
-
-    ``before`` and ``after`` are its errors over the floor (or spread), ``why`` says what the fit looks at.
-    """
-    if not after > WORSE * before:
-        return []
-    return [f"Calibrated, {name} is further off than as it stands ({after:.2f} against {before:.2f}): {why}."]
 
 
 def strongest_cuts(places: Sequence[Place]) -> list[Place]:
