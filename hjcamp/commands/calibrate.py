@@ -20,7 +20,7 @@ def calibrate(
     paths: Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")],
     name: Annotated[str, typer.Option("--as", help="Name of the model and rig to write: conf/model/NAME.yaml.")],
     only: Annotated[
-        list[str] | None, typer.Option(help="Only logs with this in their metadata: pump=pump2. May be repeated.")
+        list[str] | None, typer.Option(help="Only logs with this in their metadata, KEY=VALUE. May be repeated.")
     ] = None,
     conf: Annotated[Path, typer.Option(help="Configuration folder to write into.")] = Path("conf"),
     replace: Annotated[bool, typer.Option("--replace", help="Replace files of that name.")] = False,

@@ -10,6 +10,7 @@ import typer
 
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError, counted
+from hjcamp.known_plants import DEFAULT
 
 if TYPE_CHECKING:
     from hjcamp.model.effect import Effect
@@ -42,7 +43,7 @@ def effects(
     ] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="No picture.")] = False,
     plant: Annotated[
-        str, typer.Option(help="Which plant's effects; pump_joint if not given.", show_default=False)
+        str, typer.Option(help=f"Which plant's effects; {DEFAULT} if not given.", show_default=False)
     ] = "",
     on: Annotated[
         str, typer.Option(help="With new: write it for this kind of place, on any plant.", show_default=False)
@@ -85,7 +86,7 @@ def effects(
             raise UsageError(f"give one name: {USAGE}")
         case [name, *overrides]:
             from hjcamp.commands._session import check_picture
-            from hjcamp.known_plants import DEFAULT, plant_called
+            from hjcamp.known_plants import plant_called
 
             own = plant_called(plant or DEFAULT).room("effects")
             pictured = not no_figure and is_pictured(name, plant or DEFAULT)
@@ -115,7 +116,6 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._answers import effect_row
     from hjcamp.effects import effect_files, imposed_files, library_of
-    from hjcamp.known_plants import DEFAULT
     from hjcamp.model.port import KINDS
 
     library = library_of(plant or DEFAULT)
@@ -161,7 +161,6 @@ def is_pictured(name: str, plant: str) -> bool:
 def shown_effect(name: str, plant: str) -> type[Effect]:
     """Return the effect as the plant has it; where no plant is asked for and it has none, as its file holds it."""
     from hjcamp.effects import effect_files, library_of
-    from hjcamp.known_plants import DEFAULT
 
     library = library_of(plant or DEFAULT, imposed=True)
     files = {} if plant else effect_files()
@@ -218,7 +217,6 @@ def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = Non
     if begun is not None:
         from hjcamp.commands._effect_from import write_from_diagnosis
         from hjcamp.effects import effect_files, imposed_files, load_effects
-        from hjcamp.known_plants import DEFAULT
 
         taken = {*effect_files([]), *imposed_files(), *load_effects([])}
         path, plant = write_from_diagnosis(name, begun, sorted(taken))
@@ -237,7 +235,7 @@ def new_effect_file(name: str, plant: str, on: str) -> Path:
     from hjcamp.effects import effect_files, imposed_files, load_effects
     from hjcamp.effects._generic_template import write_generic
     from hjcamp.effects._template import write_template
-    from hjcamp.known_plants import DEFAULT, find_plant
+    from hjcamp.known_plants import find_plant
 
     folder, taken = Path("effects"), {*effect_files([]), *imposed_files(), *load_effects([])}
     if on or plant not in ("", DEFAULT):
@@ -249,7 +247,6 @@ def test_effect(name: str, plant: str = "") -> dict[str, Any]:
     """Run the checks that every effect of the library passes on one effect, at each of its places."""
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import library_of
-    from hjcamp.known_plants import DEFAULT
     from hjcamp.model.effect_units import check_units
 
     library = library_of(plant or DEFAULT)

@@ -19,7 +19,7 @@ FILE is CSV, MATLAB (.mat up to version 7), Parquet or MCAP (JSON or protobuf me
 with all fields of a plant. An example of MAP.yaml:
 
 \b
-  plant: axis              # pump_joint where it is absent
+  plant: axis              # the reference's joint where it is absent
   period_s: 0.001          # or sampling_hz; not needed where time_s is mapped
   topic: /motor/state      # MCAP alone
   skip_lines: 2            # CSV alone: also comment; separator and decimal_comma are read off the file

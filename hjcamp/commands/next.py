@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import DEFAULT
 
 MOST_TESTS = 12
 
@@ -33,7 +34,7 @@ def next_(
     effort: Annotated[str, typer.Option(help="Effort of the diagnosis: quick, standard or thorough.")] = "standard",
     seed: Annotated[int, typer.Option(help="Seed of everything that is simulated.")] = 1,
     model: Annotated[
-        str, typer.Option(help="The model to start from, for logs of another plant than pump_joint.")
+        str, typer.Option(help=f"The model to start from, for logs of another plant than {DEFAULT}.")
     ] = "published",
 ) -> None:
     """Propose the tests that best separate the explanations that remain, as a campaign that runs as it is."""

@@ -234,7 +234,7 @@ class Composer:
         return {str(key): value for key, value in found.items()}
 
     def is_group(self, key: str) -> bool:
-        """Return whether ``key`` names a group (``pump``, ``controller/gains``) rather than a parameter."""
+        """Return whether ``key`` names a group (``trajectory``, ``controller/gains``) rather than a parameter."""
         return bool(key) and self._loader.repository.group_exists(key.split("@")[0])
 
     def options(self, group: str) -> list[str]:

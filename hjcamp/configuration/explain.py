@@ -75,7 +75,7 @@ def _wrong_key(parsed: Sequence[Override], groups: Sequence[Override], composer:
 
 
 def _missing_source(error: BaseException, parsed: Sequence[Override]) -> UsageError | None:
-    """Return what to say of a value that follows another one, such as the scale of the pump, which is not there."""
+    """Return what to say of a value that follows another one, such as a scale, which is not there."""
     from omegaconf.errors import InterpolationKeyError
 
     found = re.search(r"Interpolation key '(\w+)\.([^']+)' not found", str(error))

@@ -43,7 +43,7 @@ def paths_of(name: str, folder: Path) -> tuple[Path, Path]:
 def write_model(
     path: Path, candidate: Candidate, comment: Sequence[str], provenance: Mapping[str, Any], plant: type[Plant] | None = None
 ) -> None:
-    """Write a model: parameters and effects in SI, then its provenance; a ``plant`` as the logs sample it, but the pump joint."""
+    """Write a model: parameters and effects in SI, then its provenance; a ``plant`` as the logs sample it, but the usual one."""
     content = {
         **({"plant": plant.name, "period_s": plant.period} if plant else {}),
         "parameters": candidate.base,

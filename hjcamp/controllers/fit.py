@@ -22,7 +22,7 @@ def measured_fields(plant: type[Plant]) -> list[str]:
 
 
 def quantity(field: str) -> str:
-    """Return the name of a field without its unit: ``arm`` for ``arm_deg``."""
+    """Return the name of a field without its unit: ``position`` for ``position_mm``."""
     return field[: -len(unit_of_field(field, field).suffix) - 1]
 
 

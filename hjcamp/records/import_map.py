@@ -21,7 +21,7 @@ from hjcamp.records.of_plant import LONGEST_PERIOD_S, PERIOD_KEY, PLANT_KEY
 from hjcamp.records.units import conversion_to_field
 from hjcamp.yaml_file import read_yaml
 
-LOWEST_SAMPLING_HZ = 200.0  # of the pump joint: its logs have one sample each ms
+LOWEST_SAMPLING_HZ = 200.0  # of the usual plant: its logs have one sample each ms
 HIGHEST_SAMPLING_HZ = 100e3
 KEYS = (
     "plant", "separator", "decimal_comma", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "fields",

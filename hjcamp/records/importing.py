@@ -47,7 +47,7 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
     is: ``.mat`` (a column is a variable: ``q``, ``data.q``, ``q(:,2)``), ``.parquet``, ``.mcap`` (a column is a name in
     the messages on ``topic``: ``q``, ``pose.x``; JSON or protobuf), anything else is a table of text::
 
-        plant: axis             # pump_joint where it is absent; its fields: hjcamp plants axis
+        plant: axis             # the usual one where it is absent; its fields: hjcamp plants axis
         skip_lines: 2           # before the header; also: comment, and separator, decimal_comma where the file misleads
         period_s: 0.001         # or sampling_hz; neither is needed where time_s is mapped
         fields:
@@ -60,7 +60,7 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
           pulses.csv: {condition: pulses, mass_kg: 120}
 
     A log has one sample each period: that of the map, else the mean one of the rows; rows that jitter are interpolated
-    (an input that holds its value, and the phase, keep the value before). Logs of ``pump_joint`` have one each 1 ms.
+    (an input that holds its value, and the phase, keep the value before). Logs of the usual plant have one each 1 ms.
     Time 0 is the first row of phase 3, or the first of all. Nothing is written where one of the files cannot be.
 
     Raises UsageError for a file or a mapping that is unusable, for values that the fields cannot have, and where one of

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]
 LONGEST_DURATION = 3600.0
 LARGEST = 1e9
-# Half a hundred turns of an arm or of a pump motor; no motion is faster than half the sampling rate.
+# Half a hundred turns of an axis or of its motor; no motion is faster than half the sampling rate.
 RANGES = {"deg": (-18000.0, 18000.0), "hz": (1e-4, 500.0), "s": (1e-3, LONGEST_DURATION)}
 UNITS = {"deg": "deg", "hz": "hz", "time": "s"}
 

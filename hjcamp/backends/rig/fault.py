@@ -9,7 +9,7 @@ from hjcamp.errors import RigStopped
 
 @dataclass(frozen=True)
 class LeftAt:
-    """Where a stopped test left pump motor and arm, rad: a task opened later starts its counters there."""
+    """Where a stopped test left its counters, rad: a task opened later starts its counters there."""
 
     motor: float
     arm: float

@@ -47,7 +47,7 @@ def measured_indicators() -> pl.DataFrame:
         for repetition in range(1, 8):
             key = (*condition.values(), str(repetition))
             row = tests.setdefault(key, {"condition": "__".join(condition.values()), "repetition": repetition})
-            row |= condition | MEASURED_WITH | {"pump": "pump2", "amplifier": "high_gain"}
+            row |= condition | MEASURED_WITH | constants()["hardware"]
             row["campaign"] = CAMPAIGN_OF_TABLE.get(printed["table"], f"robustness_{printed['orientation']}")
             row[f"{printed['indicator']}_deg"] = printed[f"test{repetition}"]
             own = {"table": printed["table"], "cell": " ".join(cell_key(row)), "differs": ""}
@@ -64,7 +64,7 @@ def cell_key(choices: Mapping[str, Any]) -> tuple[str, ...]:
 def published_cells() -> pl.DataFrame:
     """Return every published cell: table, condition, indicator, mean, std, decimals, simulated.
 
-    ``std`` is the printed deviation, which divides by n (see `hjcamp.plants.pump_joint.published.consistency`). Where none is
+    ``std`` is the printed deviation, which divides by n (see `docs/published_inconsistencies.md`). Where none is
     printed (the steady state errors) it is that of the printed repetitions, formed alike; where the thesis gives one
     value alone (simulations, previous work) it is null.
     """

@@ -48,7 +48,7 @@ def standing(config: Mapping[str, Any], cell: tuple[str, ...]) -> list[dict[str,
 def difference(config: Mapping[str, Any], published: Mapping[str, Any]) -> list[str]:
     """Return where a resolved configuration differs from a published one, in words; nothing where the physics is equal.
 
-    A group with another name counts once: ``pump is pump1 instead of pump2``.
+    A group with another name counts once: ``tubing is hdpe_300mm instead of ldpe_300mm``.
     """
     found = []
     for group in dict.fromkeys((*published, *config)):
