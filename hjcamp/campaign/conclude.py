@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
 from hjcamp.errors import HjcampError, RigStopped, counted
-from hjcamp.known_plants import plant_of
+from hjcamp.known_plants import DEFAULT, plant_called, plant_of
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -77,11 +77,11 @@ def _report(folder: RunFolder, console: Console) -> Report:
 
 def next_commands(folder: RunFolder, report: Report) -> list[str]:
     """Return what helps now, each command whole and fit to be run; nothing where no plant of the run says so."""
-    room = _rooms(folder)
+    room = _room_of(folder)
     return list(room.next_commands(folder, report)) if room else []
 
 
-def _rooms(folder: RunFolder) -> ModuleType | None:
+def _room_of(folder: RunFolder) -> ModuleType | None:
     """Return the module of the plant that all conditions of a run are of, where it has one for runs."""
-    plants = {plant_of(one.config) for one in folder.plan.conditions}
+    plants = {plant_called(one.choices.get("plant") or DEFAULT) for one in folder.plan.conditions}
     return plants.pop().room("run") if len(plants) == 1 else None
