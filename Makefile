@@ -89,9 +89,9 @@ docs: $(DOCUMENTED) catalogue
 	$(BIN)/python docs/site/make_site.py site/catalogue
 
 bench: $(WARM)
-	$(BIN)/python benchmarks/bench.py
-	$(BIN)/python benchmarks/loop_timing.py
-	$(BIN)/python benchmarks/live_timing.py
+	$(BIN)/python benchmarks/speed/bench.py
+	$(BIN)/python benchmarks/speed/loop_timing.py
+	$(BIN)/python benchmarks/speed/live_timing.py
 
 benchmark: $(WARM)
 	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 100000 --page docs/benchmark.md
@@ -121,16 +121,16 @@ tour_data: $(WARM)
 	$(BIN)/python tests/cli/write_tour_page.py
 
 convergence: $(INSTALLED)
-	$(BIN)/python benchmarks/convergence.py
+	$(BIN)/python benchmarks/published/convergence.py
 
 fidelity: $(WARM)
-	$(BIN)/python benchmarks/fidelity.py
+	$(BIN)/python benchmarks/published/fidelity.py
 
 pump_cost: $(WARM)
-	$(BIN)/python benchmarks/pump_cost.py
+	$(BIN)/python benchmarks/published/pump_cost.py
 
 validation: $(WARM)
-	$(BIN)/python benchmarks/validation.py
+	$(BIN)/python benchmarks/published/validation.py
 
 faults: $(WARM) $(TESTABLE)
 	$(BIN)/python tests/rig/write_fault_table.py

@@ -1,4 +1,4 @@
-"""How much of the 1 ms budget a cycle of the rig's loop needs for itself: python benchmarks/loop_timing.py [seconds]
+"""How much of the 1 ms budget a cycle of the rig's loop needs for itself: python benchmarks/speed/loop_timing.py [seconds]
 
 Own work is everything between two calls of the vendor's API: scaling, limits, procedure and control law, the row of the
 log; the thread that writes the log to the disk runs beside it. ``with client`` adds the vendor's client code and the

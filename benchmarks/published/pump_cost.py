@@ -18,7 +18,7 @@ CHAPTER_5 = (
 CHAPTER_4 = ("pump_step", "compliance", "leakage", "friction", "open_loop_validation")
 PUMPS = {"pump2": ["pump=pump2", "amplifier=high_gain"], "pump1": ["pump=pump1", "amplifier=low_gain"]}
 SHOWN = ("rmse1_deg", "e_max_deg")
-PAGE = Path(__file__).parents[1] / "docs" / "pump_cost.md"
+PAGE = Path(__file__).parents[2] / "docs" / "pump_cost.md"
 HEADING = """# What the weaker pump costs
 
 Made by `make pump_cost`: every campaign of chapters 4 and 5 with `pump=pump1 amplifier=low_gain` beside `pump=pump2

@@ -1,6 +1,6 @@
 """Write docs/further_plants.md and its figures from runs of the campaigns previous_joint, valve_timing and two_pumps.
 
-python -m benchmarks.further_plants previous_joint three_mode valve_timing two_pumps    (four run folders)
+python -m benchmarks.published.further_plants previous_joint three_mode valve_timing two_pumps    (four run folders)
 
 ``three_mode`` is a run of `campaign=previous_joint controller=three_mode`.
 """

@@ -20,7 +20,7 @@ from hjcamp.records.log import TestLog
 from hjcamp.records.read import read_log
 from hjcamp.records.write import write_log
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 from quiet_loop import DEGREE, columns, sine
 
 SEVEN = (
@@ -104,7 +104,7 @@ def against_real_time() -> Iterator[Row]:
 
 def of_the_command_line(folder: Path) -> Iterator[Row]:
     """The first answer, and a whole campaign."""
-    root = str(Path(__file__).parents[1])
+    root = str(Path(__file__).parents[2])
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))}
 
     def call(*arguments: str) -> Callable[[], Any]:

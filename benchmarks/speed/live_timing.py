@@ -1,8 +1,8 @@
-"""What the live page costs the rig's loop: python benchmarks/live_timing.py [pairs] [seconds]
+"""What the live page costs the rig's loop: python benchmarks/speed/live_timing.py [pairs] [seconds]
 
 The same test on the virtual rig with a hidden effect (a leak of both lines that the client's model does not know), paced to 1 kHz
 by the wall clock, in pairs: once without the page, once with it and with two browsers that read all events. The order
-within a pair changes. What is measured is what benchmarks/loop_timing.py measures; "late" are cycles over 1 ms.
+within a pair changes. What is measured is what benchmarks/speed/loop_timing.py measures; "late" are cycles over 1 ms.
 """
 
 from __future__ import annotations

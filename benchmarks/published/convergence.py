@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hjcamp.campaign.plan import Plan
 from numpy.typing import NDArray
 
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.plants.pump_joint.simulation import log_columns, prepare
+from hjcamp.records.plan import Plan
 
 CAMPAIGNS = (
     "controllers",
@@ -31,7 +31,7 @@ TOLERANCES = (1.0, 0.1, 0.01)
 FIRST = 1000
 HEADING = """# Convergence: the tables at a tenth and a hundredth of the tolerance of a step
 
-Made by `python benchmarks/convergence.py`: {repetitions} repetitions of each test, seed {seed}, model `published`. RMSE1 in degrees,
+Made by `make convergence`: {repetitions} repetitions of each test, seed {seed}, model `published`. RMSE1 in degrees,
 mean ± standard deviation of the repetitions. `z` is the larger of the two differences from the first mean, over the standard
 error of a difference of two means. `to one count` is how many tests agree with those at a hundredth to one count of the encoder
 in the first second of the command; `steps` are the steps that one sample takes at each tolerance.
@@ -108,7 +108,7 @@ def main() -> None:
     parser.add_argument("--campaigns", nargs="+", default=CAMPAIGNS, metavar="NAME")
     parser.add_argument("--repetitions", type=int, default=7)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--out", type=Path, default=Path(__file__).parents[1] / "docs" / "convergence.md")
+    parser.add_argument("--out", type=Path, default=Path(__file__).parents[2] / "docs" / "convergence.md")
     given = parser.parse_args()
     found: list[Row] = []
     for campaign in given.campaigns:

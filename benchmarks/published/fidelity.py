@@ -25,7 +25,7 @@ GROUPS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = (
 )
 HEADING = """# Fidelity: the published cells beside the simulated means
 
-Made by `python benchmarks/fidelity.py`: 7 repetitions of each test, seed {seed}, model `published`. Nothing here is tuned;
+Made by `python benchmarks/published/fidelity.py`: 7 repetitions of each test, seed {seed}, model `published`. Nothing here is tuned;
 a cell that is off stays off. Angles in degrees; the deviation is that of the 7 repetitions. `in std` is the difference in
 units of the published deviation (empty where none is printed). The measured cells come from a real joint, those of 5.3.2
 and 5.6.1 from the author's own simulation program. Table 5.5.3 repeats means of 5.4.1 to 5.5.2 in another arrangement.
@@ -92,7 +92,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--folder", type=Path, help="folder of the runs; finished ones are not run again")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--out", type=Path, default=Path(__file__).parents[1] / "docs" / "fidelity.md")
+    parser.add_argument("--out", type=Path, default=Path(__file__).parents[2] / "docs" / "fidelity.md")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         cells = compared(given.folder or Path(temporary), given.seed)

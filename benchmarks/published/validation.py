@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 from quiet_loop import DEGREE, RADIUS, columns, cycloid, sine
 from thesis_solution import LAG, Arm, Gains, Physics, Y, closed_loop, open_loop
 
