@@ -114,7 +114,7 @@ thesis_gap: $(WARM)
 	sed 's|(cells.png)|(images/thesis_gap.png)|' runs/tables_5.4.1_5.4.2_$(EFFORT)_1/page.md > docs/thesis_gap.md
 	rm -f conf/model/refit.yaml
 	$(BIN)/hjcamp add docs/thesis_gap.json --as refit
-	cp docs/thesis_gap.json hjcamp/report/published/refit.json
+	cp docs/thesis_gap.json hjcamp/plants/pump_joint/published/refit.json
 
 tour_data: $(WARM)
 	$(BIN)/python tests/cli/make_tour_data.py

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import polars as pl
 
+from hjcamp.plants.pump_joint.published.values import constants
 from hjcamp.records.read import read_log
-from hjcamp.report.published import constants
 
 PAGE = Path("docs/further_plants.md")
 IMAGES = Path("docs/images")

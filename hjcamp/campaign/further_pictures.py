@@ -11,7 +11,7 @@ from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
 from hjcamp.report.indicators import configuration, indicators_of
 from hjcamp.report.map_figure import draw_map
-from hjcamp.report.published.configurations import leaves
+from hjcamp.report.settings import leaves
 
 #: What a map shows, with its unit.
 MAPPED = {"rmse1_deg": "RMSE1 (deg)", "pressure_low_mpa": "lowest line pressure (MPa gauge)"}

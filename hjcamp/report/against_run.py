@@ -13,7 +13,7 @@ import polars as pl
 from hjcamp.errors import UsageError, counted, nearest
 from hjcamp.report.indicators import INDICATORS, configuration, frame_with_varied, row_of
 from hjcamp.report.origin import read_origin
-from hjcamp.report.published.configurations import difference
+from hjcamp.report.settings import difference
 from hjcamp.report.tables import by_condition
 from hjcamp.report.welch import SIGNIFICANT, Sample, holm, welch
 

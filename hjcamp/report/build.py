@@ -24,7 +24,7 @@ from hjcamp.report.formats import to_latex, to_markdown
 from hjcamp.report.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, frame_with_varied, row_of, varied_columns
 from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
 from hjcamp.report.page import Picture, build_page
-from hjcamp.report.refitted import beside_refit
+from hjcamp.report.published import beside_refit
 from hjcamp.report.sheet import Sheet, arrange, arrange_conditions, arrange_lines
 from hjcamp.report.spread import Condition, Gathering
 from hjcamp.report.store import replace_file, write_frame

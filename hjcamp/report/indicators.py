@@ -58,7 +58,7 @@ def _named(group: object) -> str | None:
 
 @lru_cache(maxsize=1024)
 def _standing(attachment: bytes, *cell: str) -> list[dict[str, str]]:
-    from hjcamp.report.published.configurations import standing
+    from hjcamp.report.published import standing
 
     return standing(configuration(attachment), cell)
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hjcamp.report.indicators import CHOICES, COLUMNS, IDENTITY, configuration
-from hjcamp.report.published.configurations import leaves
+from hjcamp.report.settings import leaves
 
 #: What belongs to the run, or follows from a parameter of another name.
 LEFT_OUT = ("repetitions", "seed", "controller_model")

@@ -50,6 +50,7 @@ ASKED: Mapping[str, tuple[str, ...]] = {
     "watches": ("rig_watches",),
     "indicators": ("INDICATORS", "FURTHER", "error_indicators", "line_indicators"),
     "panels": ("PANELS", "SIGNALS"),
+    "published": ("CONDITION", "MEASURED_WITH", "CAMPAIGNS", "cell_key", "published_cells", "standing", "beside_refit"),
     "run": ("pictures", "note", "next_commands"),
 }
 NAMES = re.compile(r"pump|pressure1|arm_deg|arm_angle", re.IGNORECASE)

@@ -15,6 +15,15 @@ from report_samples import make_plan as make_sample_plan
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.published.configurations import (
+    CAMPAIGNS,
+    UNKNOWN,
+    choices_of,
+    conditions_of,
+    difference,
+    standing,
+)
+from hjcamp.plants.pump_joint.published.values import cell_key, published_cells
 from hjcamp.records.log import TestLog
 from hjcamp.records.read import read_log
 from hjcamp.records.write import write_log
@@ -23,15 +32,6 @@ from hjcamp.report.check import check
 from hjcamp.report.declared import declared_tables
 from hjcamp.report.formats import to_latex
 from hjcamp.report.indicators import COLUMNS, FURTHER, indicators_frame
-from hjcamp.report.published import cell_key, published_cells
-from hjcamp.report.published.configurations import (
-    CAMPAIGNS,
-    UNKNOWN,
-    choices_of,
-    conditions_of,
-    difference,
-    standing,
-)
 from hjcamp.report.sheet import arrange_conditions
 from hjcamp.report.tables import against_published, by_condition
 from hjcamp.report.varied import labels_of

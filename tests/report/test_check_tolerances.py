@@ -8,10 +8,10 @@ import pytest
 from report_samples import make_log, make_logs
 
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.published.values import measured_indicators
 from hjcamp.report.check import check, read_tolerances
 from hjcamp.report.declared import declared_tables
 from hjcamp.report.indicators import indicators_frame
-from hjcamp.report.published import measured_indicators
 from hjcamp.report.tables import against_published
 
 

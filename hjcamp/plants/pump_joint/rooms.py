@@ -20,6 +20,7 @@ ROOMS = {
     "watches": f"{HERE}.rig.margins",
     "indicators": f"{HERE}.indicators",
     "panels": f"{HERE}.figures.panels",
+    "published": f"{HERE}.published.values",
     "run": f"{HERE}.studies.of_run",
     "kernels": f"{HERE}.studies.warm",
 }

@@ -1,1 +1,1 @@
-"""What the print says of the joint beside itself: sums that do not agree, and slips of the text."""
+"""What is printed of the joint: values, where a test differs from theirs, the refit, sums that do not agree, slips of the text."""

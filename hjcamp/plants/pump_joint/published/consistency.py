@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hjcamp.plants.pump_joint.published.slips import slips
-from hjcamp.report.published import constants, printed_rows
+from hjcamp.plants.pump_joint.published.values import constants, printed_rows
 
 HALF_STEP = 0.05
 HALF_STEP_OF_STD = 0.005

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from hjcamp.plants.pump_joint.published.values import constants
 from hjcamp.plants.pump_joint.sizing import dynamics, pulley
-from hjcamp.report.published import constants
 
 STEEL_GPA = 160.0
 OIL_GPA = 1.6

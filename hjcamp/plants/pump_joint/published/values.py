@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import polars as pl
 import yaml
+
+if TYPE_CHECKING:
+    from hjcamp.report.sheet import Sheet
 
 FOLDER = Path(__file__).parent
 #: What identifies a published cell beside its indicator.
@@ -20,6 +23,16 @@ CASES_OF_TABLE_5_6_1 = {
     "unidirectional_friction": {"friction": "unidirectional", "tubing": "ldpe_300mm"},
     "reduced_friction": {"friction": "reduced", "tubing": "ldpe_300mm"},
     "reduced_compliance": {"friction": "reduced", "tubing": "hdpe_300mm"},
+}
+#: The campaigns whose conditions are the tests of a published table.
+CAMPAIGNS = {
+    "5.4.1": ("controllers",),
+    "5.4.2": ("controllers",),
+    "5.5.1": ("robustness_horizontal", "robustness_vertical"),
+    "5.5.2": ("robustness_horizontal", "robustness_vertical"),
+    "5.6.1": ("friction_compliance",),
+    "5.3.2": ("feedforward_simulation",),
+    "6.3.1": ("previous_joint",),
 }
 
 
@@ -116,3 +129,17 @@ def _previous_work() -> list[dict[str, Any]]:
         for controller, mean in columns.items()
         if controller not in ("pid", "ffwd_pid") and mean is not None
     ]
+
+
+def standing(config: Mapping[str, Any], cell: tuple[str, ...]) -> list[dict[str, str]]:
+    """Return the tables that have a cell, and where a configuration differs from its test."""
+    from hjcamp.plants.pump_joint.published import configurations
+
+    return configurations.standing(config, cell)
+
+
+def beside_refit(conditions: pl.DataFrame) -> Sheet | None:
+    """Return conditions beside the refitted means; None where nothing compares."""
+    from hjcamp.plants.pump_joint.published import refitted
+
+    return refitted.beside_refit(conditions)
