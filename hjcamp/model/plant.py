@@ -130,6 +130,11 @@ class Plant:
         return {}
 
     @classmethod
+    def blocked(cls, config: Mapping[str, Any]) -> bool:
+        """Return whether a configuration of its ``settings`` holds fast what is ``geared``; most plants cannot."""
+        return False
+
+    @classmethod
     def courses(cls) -> Mapping[str, Course]:
         """Return the tests on which an effect is tried out; without any its places are looked at one by one."""
         return {}

@@ -23,7 +23,7 @@ UNITS = {"deg": "deg", "hz": "hz", "time": "s"}
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(field,))
 @dataclass(frozen=True, kw_only=True)
 class Trajectory:
-    """A desired motion of the arm that starts at 0 rad at time 0.
+    """A desired motion that starts at 0 rad at time 0.
 
     A kind is a subclass in a file of its own: its annotated attributes are the parameters of the configuration (unit in
     the name, seconds where there is none), and ``motion`` is the law. Parameters that are named ``duration`` or end in
@@ -65,7 +65,7 @@ class Trajectory:
         return self.duration
 
     def reference(self, time: ArrayLike) -> Motion:
-        """Return the desired angle (rad), velocity (rad/s) and acceleration (rad/s^2) of the arm.
+        """Return the desired angle (rad), velocity (rad/s) and acceleration (rad/s^2).
 
         ``time`` is in s, of any shape; the three answers have its shape. Before 0 s the reference is 0, after the
         duration it holds its last angle. At a corner the velocity is the one after the corner.

@@ -205,6 +205,12 @@ class PumpJoint(Plant):
         return plant_parameters(config)
 
     @classmethod
+    def blocked(cls, config: Mapping[str, Any]) -> bool:
+        """Return whether the configured joint is the blocked one of 4.4."""
+        joint = config.get("joint")
+        return isinstance(joint, Mapping) and joint.get("name") == "blocked"
+
+    @classmethod
     def courses(cls) -> Mapping[str, Course]:
         """Return the motions of the pump on which an effect is tried out."""
         from hjcamp.plants.pump_joint.menu import pump_courses

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from nidaqmx.errors import Error
 
-from hjcamp.backends.rig.fault import LeftAt
 from hjcamp.errors import RigStopped, UsageError
+from hjcamp.plants.pump_joint.rig.left import LeftAt
 from hjcamp.plants.pump_joint.rig.limits import COMMAND_PHASE, LimitCheck
 from hjcamp.plants.pump_joint.rig.tasks import AT_START, RigTasks, device_facts, first_line, last_words, not_written
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from math import copysign
 from typing import Any
 
-from hjcamp.backends.rig.fault import LeftAt
 from hjcamp.errors import RigStopped
 from hjcamp.plants.pump_joint.rig.check import BACK, FORWARD, Finding, RigCheck, open_check
+from hjcamp.plants.pump_joint.rig.left import LeftAt
 from hjcamp.plants.pump_joint.rig.limits import COMMAND_PHASE
 from hjcamp.plants.pump_joint.rig.silence import RELEASE_PHASE
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.backends.recording import current_recording
-from hjcamp.backends.rig.fault import LeftAt, RigFault
+from hjcamp.backends.rig.fault import RigFault
 from hjcamp.backends.rig.guard import guard_facts, interlock_of, notices, require_guard
 from hjcamp.backends.rig.stop import while_moving
 from hjcamp.backends.rig.timing import LoopTiming, undisturbed
@@ -23,6 +23,7 @@ from hjcamp.plants.pump_joint.rig.check_stamp import require_check
 from hjcamp.plants.pump_joint.rig.connection import connect
 from hjcamp.plants.pump_joint.rig.control import RigControl
 from hjcamp.plants.pump_joint.rig.journal import Journal
+from hjcamp.plants.pump_joint.rig.left import LeftAt
 from hjcamp.plants.pump_joint.rig.limits import LimitCheck, read_limits
 from hjcamp.plants.pump_joint.rig.lock import take_lock
 from hjcamp.plants.pump_joint.rig.loop import RigLoop, Stopped, StoppedForGood
