@@ -26,8 +26,8 @@ def add(
     json: AnswerFile = None,
 ) -> None:
     """Add effects to a model: fit them, save the model, and show the error fall on tests that were not used."""
-    from hjcamp.commands import _any_plant
     from hjcamp.commands._session import check_answer_file
+    from hjcamp.commands.any_plant import calls
     from hjcamp.known_plants import usual_plant
     from hjcamp.storage import named_file
 
@@ -39,4 +39,4 @@ def add(
         return
     there = [Path(word) for word in effects_and_paths if Path(word).exists()]
     plant = Data(there).plant if there else usual_plant()
-    (plant.room("add") or _any_plant).add(there, effects_and_paths, name, model, json)
+    (plant.room("add") or calls).add(there, effects_and_paths, name, model, json)

@@ -27,11 +27,11 @@ def calibrate(
     json: AnswerFile = None,
 ) -> None:
     """Identify a rig's constants from its own logs and save them as configuration."""
-    from hjcamp.commands import _any_plant
     from hjcamp.commands._session import check_answer_file
+    from hjcamp.commands.any_plant import calls
     from hjcamp.configuration.saved_model import check_name
 
     check_answer_file(json)
     check_name(name, conf, replace)
     data = Data(paths)
-    (data.plant.room("calibrate") or _any_plant).calibrate(data, name, only or [], conf, replace, json)
+    (data.plant.room("calibrate") or calls).calibrate(data, name, only or [], conf, replace, json)

@@ -34,8 +34,8 @@ def compare(
     ] = None,
 ) -> None:
     """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
-    from hjcamp.commands import _any_plant
     from hjcamp.commands._session import check_answer_file, no_logs
+    from hjcamp.commands.any_plant import calls
     from hjcamp.known_plants import usual_plant
 
     names = model or ["published"]
@@ -51,4 +51,4 @@ def compare(
     if mcap is not None:
         check_place(mcap, "--mcap", folder=True)
     data = Data(paths)
-    (data.plant.room("compare") or _any_plant).compare(data, names, json, into, mcap)
+    (data.plant.room("compare") or calls).compare(data, names, json, into, mcap)

@@ -42,8 +42,8 @@ def diagnose(
     ] = None,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
-    from hjcamp.commands import _any_plant
     from hjcamp.commands._session import check_answer_file, no_logs
+    from hjcamp.commands.any_plant import calls
     from hjcamp.known_plants import usual_plant
 
     if workers is not None and workers < 1:
@@ -62,4 +62,4 @@ def diagnose(
     asked = Asked(model, effort, seed, only, without, workers, cluster, ask)
     asked.check()
     data = Data(paths)
-    (data.plant.room("diagnose") or _any_plant).diagnose(data, asked, json)
+    (data.plant.room("diagnose") or calls).diagnose(data, asked, json)

@@ -41,8 +41,8 @@ def next_(
     from hjcamp.analyses.data import Data
     from hjcamp.analyses.diagnosing import Asked, check_seed
     from hjcamp.campaign.new_file import new_campaign
-    from hjcamp.commands import _any_plant
     from hjcamp.commands._session import check_answer_file
+    from hjcamp.commands.any_plant import calls
     from hjcamp.known_plants import usual_plant
 
     check_answer_file(json)
@@ -53,4 +53,4 @@ def next_(
     logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
     plant = Data(logs).plant if logs else usual_plant()
     asked = Asked(model, effort, seed)
-    (plant.room("next") or _any_plant).propose(logs, words or [], rivals or [], tests, asked, name, json)
+    (plant.room("next") or calls).propose(logs, words or [], rivals or [], tests, asked, name, json)

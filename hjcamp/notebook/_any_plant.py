@@ -34,14 +34,14 @@ def compared(data: Data, names: Sequence[str], report: Report) -> tuple[Any, dic
 
 def comparison_sentences(found: Any) -> list[str]:
     """Return where the error of the last model is, in words."""
-    from hjcamp.commands._plant_words import FLOORS, notes_on
+    from hjcamp.commands.any_plant.words import FLOORS, notes_on
 
     return [f"{FLOORS[found.analysis.floor.source]}.", *notes_on(found)]
 
 
 def comparison_drawn(found: Any) -> tuple[Any, ...]:
     """Return what draws measurement and models where the error is largest, and what it draws."""
-    from hjcamp.commands._plant_pages import _stretch
+    from hjcamp.commands.any_plant.pages import _stretch
     from hjcamp.report.prediction_figures import draw_windows
 
     errors = {one.name: one.errors for one in (*found.models, found.calibrated)}
@@ -50,7 +50,7 @@ def comparison_drawn(found: Any) -> tuple[Any, ...]:
 
 def comparison_page(found: Any, folder: Path) -> Path:
     """Write the pictures and the page; return the path of the page."""
-    from hjcamp.commands._plant_pages import write_comparison
+    from hjcamp.commands.any_plant.pages import write_comparison
 
     return write_comparison(found, folder)[-1]
 
@@ -58,7 +58,7 @@ def comparison_page(found: Any, folder: Path) -> Path:
 def diagnosed(data: Data, asked: Asked, report: Report) -> tuple[Any, dict[str, Any]]:
     """Return the words of a diagnosis, and the answer for programs."""
     from hjcamp.analyses.diagnosing import diagnose_plant
-    from hjcamp.commands._plant_verdict_words import Words
+    from hjcamp.commands.any_plant.verdict_words import Words
 
     done = diagnose_plant(data, asked, report)
     return Words(done.analysis, done.verdict, done.content), done.content
@@ -71,7 +71,7 @@ def diagnosis_sentences(words: Any) -> list[str]:
 
 def diagnosis_drawn(words: Any) -> tuple[Any, ...]:
     """Return what draws the first step of the search, and what it draws."""
-    from hjcamp.commands._plant_evidence import missing_of
+    from hjcamp.commands.any_plant.evidence import missing_of
     from hjcamp.report.evidence_figures import draw_gains, draw_missing
 
     steps = words.analysis.search.steps
@@ -85,7 +85,7 @@ def diagnosis_drawn(words: Any) -> tuple[Any, ...]:
 
 def diagnosis_page(words: Any, folder: Path) -> Path:
     """Write the pictures and the page; return the path of the page."""
-    from hjcamp.commands._plant_pages import write_diagnosis
+    from hjcamp.commands.any_plant.pages import write_diagnosis
 
     return write_diagnosis(words, folder)[-1]
 

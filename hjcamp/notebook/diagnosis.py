@@ -96,7 +96,7 @@ class Diagnosis(Result):
         if self.data.plant.room("next"):
             raise UsageError(f"tests of {self.data.plant_name} are proposed by hjcamp.command('next', PATH)")
         from hjcamp.analyses.proposing import propose_after
-        from hjcamp.commands._next_plant import answer
+        from hjcamp.commands.any_plant.next_answer import answer
 
         diagnosed = PlantDiagnosed(self.words.analysis, self.words.verdict, self.answer)
         done = propose_after(diagnosed, rivals, tests, seed, progress_to(progress))

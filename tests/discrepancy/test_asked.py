@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from hjcamp.analyses.diagnosing import asked_names, own_and_asked, with_asked
-from hjcamp.commands._plant_evidence import amplitude_band
+from hjcamp.commands.any_plant.evidence import amplitude_band
 from hjcamp.effects import effect_files
 from hjcamp.errors import UsageError
 

@@ -15,7 +15,8 @@ import pytest
 import hjcamp
 from hjcamp import backends
 from hjcamp.backends import plant_simulation
-from hjcamp.commands import _any_plant, command_files
+from hjcamp.commands import command_files
+from hjcamp.commands.any_plant import calls
 from hjcamp.controllers import load_controllers
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import folders_in_plants, load_plants, plant_called, plant_of, usual_plant
@@ -23,11 +24,11 @@ from hjcamp.notebook import _any_plant as in_python
 
 # What is called -> the room that may do it, and the module that does it for any plant.
 CALLS: tuple[tuple[str, ModuleType, tuple[str, ...]], ...] = (
-    ("compare", _any_plant, ("compare",)),
-    ("diagnose", _any_plant, ("diagnose",)),
-    ("add", _any_plant, ("add",)),
-    ("calibrate", _any_plant, ("calibrate",)),
-    ("next", _any_plant, ("propose",)),
+    ("compare", calls, ("compare",)),
+    ("diagnose", calls, ("diagnose",)),
+    ("add", calls, ("add",)),
+    ("calibrate", calls, ("calibrate",)),
+    ("next", calls, ("propose",)),
     (
         "python",
         in_python,

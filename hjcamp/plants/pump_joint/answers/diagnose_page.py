@@ -49,7 +49,7 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
 
 def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) -> str:
     from hjcamp.commands._effect_links import equations_of, links
-    from hjcamp.commands._plant_pages import BAND, CORRELATIONS
+    from hjcamp.commands.any_plant.pages import BAND, CORRELATIONS
     from hjcamp.plants.pump_joint.answers.diagnose_words import CALIBRATED, CANDIDATES, LEFT
     from hjcamp.plants.pump_joint.answers.error_words import error_table, over
     from hjcamp.report import discrepancy_page as page

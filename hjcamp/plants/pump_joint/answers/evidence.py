@@ -54,7 +54,7 @@ def missing_of(
 
     Where effects were named, the driver is that of their law. A law of the lines may depend on the very pressures.
     """
-    from hjcamp.commands._plant_evidence import amplitude_band
+    from hjcamp.commands.any_plant.evidence import amplitude_band
     from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import TAUTOLOGIES, rank_drivers
     from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import IN_SI, SI, driver_of, unexplained
     from hjcamp.report.evidence_figures import Missing

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.commands._plant_words import (
+from hjcamp.commands.any_plant.words import (
     CALIBRATED,
     CHANNELS,
     FLOORS,

@@ -8,7 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from hjcamp.commands._corner import Estimate
-    from hjcamp.commands._plant_verdict_words import Words
+    from hjcamp.commands.any_plant.verdict_words import Words
 
 
 def fitted_parameters(words: Words) -> tuple[list[Estimate], Any]:

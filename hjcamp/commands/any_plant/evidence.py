@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from hjcamp.commands._plant_verdict_words import Words
+    from hjcamp.commands.any_plant.verdict_words import Words
     from hjcamp.prediction.selection import Scored
     from hjcamp.prediction.unknowns import Unknown
     from hjcamp.report.evidence_figures import Branch, Missing

@@ -21,8 +21,8 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.analyses.diagnosing import diagnose_plant
-        from hjcamp.commands._plant_pages import write_diagnosis
-        from hjcamp.commands._plant_verdict_words import Words, print_diagnosis
+        from hjcamp.commands.any_plant.pages import write_diagnosis
+        from hjcamp.commands.any_plant.verdict_words import Words, print_diagnosis
 
         done = diagnose_plant(data, asked, report)
         write_answer(json, done.content)
@@ -45,9 +45,9 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.analyses.comparing import compare_plant
-        from hjcamp.commands._plant_explorer import modelled_tests
-        from hjcamp.commands._plant_pages import write_comparison
-        from hjcamp.commands._plant_words import print_comparison
+        from hjcamp.commands.any_plant.explorer import modelled_tests
+        from hjcamp.commands.any_plant.pages import write_comparison
+        from hjcamp.commands.any_plant.words import print_comparison
         from hjcamp.prediction.comparison import answer
         from hjcamp.records.model_log import write_modelled
 
@@ -74,7 +74,7 @@ def add(there: list[Path], names_and_paths: list[str], name: str, model: str, js
         from hjcamp.analyses.adding import add as add_effects
         from hjcamp.analyses.adding import library_of_data
         from hjcamp.commands._effects_and_paths import split
-        from hjcamp.commands._plant_words import print_addition
+        from hjcamp.commands.any_plant.words import print_addition
 
         names, paths = split(names_and_paths, library_of_data(data), data.plant)
         done = add_effects(data, names, name, model, report)
@@ -96,7 +96,7 @@ def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool,
     with progress_of(console) as report:
         from hjcamp.analyses.calibrating import fit_plant
         from hjcamp.analyses.untold import untold
-        from hjcamp.commands._plant_words import end_words, print_calibration
+        from hjcamp.commands.any_plant.words import end_words, print_calibration
         from hjcamp.prediction.answer import end_rows
 
         done = fit_plant(data, name, report)
@@ -124,9 +124,9 @@ def propose(
 
     from hjcamp.analyses.proposing import propose_for_plant
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands import _next_plant as said
-    from hjcamp.commands._next_plant_campaign import written_campaign
     from hjcamp.commands._session import folder_for, progress_of, write_answer
+    from hjcamp.commands.any_plant import next_answer as said
+    from hjcamp.commands.any_plant.next_campaign import written_campaign
     from hjcamp.report.next_figure import draw_predictions
     from hjcamp.storage import whole_file
 

@@ -9,7 +9,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from hjcamp.analyses.plant_comparison import PlantComparison
-    from hjcamp.commands._plant_verdict_words import Words
+    from hjcamp.commands.any_plant.verdict_words import Words
     from hjcamp.prediction.analysis import Analysis
 
 WINDOWS = 3
@@ -28,12 +28,12 @@ BAND = (
 
 def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     """Write the pictures and the page of a diagnosis; return their paths, the page last."""
-    from hjcamp.commands import _plant_words as said
     from hjcamp.commands._corner import how_well_known
     from hjcamp.commands._effect_links import equations_of, links, write_effect_pages
-    from hjcamp.commands._plant_corner import fitted_parameters
-    from hjcamp.commands._plant_evidence import evidence_pictures
-    from hjcamp.commands._plant_verdict_words import CANDIDATES
+    from hjcamp.commands.any_plant import words as said
+    from hjcamp.commands.any_plant.corner import fitted_parameters
+    from hjcamp.commands.any_plant.evidence import evidence_pictures
+    from hjcamp.commands.any_plant.verdict_words import CANDIDATES
     from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.exploration import channel_label
@@ -83,8 +83,8 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
 
 def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     """Write the pictures and the page of a comparison; return their paths, the page last."""
-    from hjcamp.commands import _plant_words as said
-    from hjcamp.commands._plant_explorer import exploration_of
+    from hjcamp.commands.any_plant import words as said
+    from hjcamp.commands.any_plant.explorer import exploration_of
     from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.exploration import channel_label, names_of

@@ -86,7 +86,7 @@ def _pairs(pairs: Pairs, proposal: Proposal) -> list[dict[str, Any]]:
 
 def telling(done: PlantProposed) -> list[str]:
     """Return in words which kinds of test tell the rivals apart."""
-    from hjcamp.commands._plant_verdict_words import telling_tests
+    from hjcamp.commands.any_plant.verdict_words import telling_tests
 
     names = [name for one in done.proposal.question.rivals for name in one.names]
     return telling_tests(names, done.diagnosis["unknowns"], done.analysis.search.library)
@@ -168,8 +168,8 @@ def _beyond(one: Beyond) -> str:
 
 def tell(console: Console, done: PlantProposed, picture: Path | None, campaign: Path | None, lines: list[str]) -> None:
     """Print the sentence, the table, and what to do next."""
-    from hjcamp.commands._plant_words import table
     from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.any_plant.words import table
 
     proposal = done.proposal
     if done.reused:
