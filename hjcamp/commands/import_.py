@@ -52,8 +52,8 @@ def import_table(
     from hjcamp.analyses.data import joined
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.model.plant_checks import other_period
-    from hjcamp.records.import_map import read_import_map
-    from hjcamp.records.importing import import_files
+    from hjcamp.records.elsewhere.import_map import read_import_map
+    from hjcamp.records.elsewhere.importing import import_files
     from hjcamp.records.of_plant import PERIOD_KEY
 
     check_answer_file(json)

@@ -172,7 +172,7 @@ def _effects(console: Console, plant: type[Plant]) -> None:
 
 
 def _import_map(console: Console, plant: type[Plant]) -> None:
-    from hjcamp.records.import_map import example_map
+    from hjcamp.records.elsewhere.import_map import example_map
 
     console.print(
         "\n  [bold]map for hjcamp import[/bold]: name your columns and their units, leave out what you have not\n"

@@ -132,7 +132,7 @@ def import_logs(files: str | Path | Sequence[str | Path], map: str | Path, into:
     '1 tests, 1 conditions, plant stage'
     """
     from hjcamp.commands.import_ import targets_of
-    from hjcamp.records.importing import import_files
+    from hjcamp.records.elsewhere.importing import import_files
 
     sources = [Path(one) for one in ([files] if isinstance(files, str | Path) else files)]
     targets = targets_of(sources, None if into is None else Path(into), None)

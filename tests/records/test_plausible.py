@@ -15,7 +15,7 @@ from hjcamp import cli
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.analyses.evidence import evidence_of
-from hjcamp.records.importing import import_file
+from hjcamp.records.elsewhere.importing import import_file
 from hjcamp.records.log import TestLog
 from hjcamp.records.plausible import findings, refuse_implausible
 from hjcamp.records.recover import verify_log

@@ -49,7 +49,7 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
         from hjcamp.commands.any_plant.pages import write_comparison
         from hjcamp.commands.any_plant.words import print_comparison
         from hjcamp.prediction.comparison import answer
-        from hjcamp.records.model_log import write_modelled
+        from hjcamp.records.views.model_log import write_modelled
 
         found = compare_plant(data, names, report)
         write_answer(json, answer(found))

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from hjcamp.prediction.comparison import Shown
     from hjcamp.prediction.windows import Layout
     from hjcamp.records.log import TestLog
-    from hjcamp.records.model_log import ModelledTest
+    from hjcamp.records.views.model_log import ModelledTest
     from hjcamp.report.exploration import Exploration
 
 
@@ -41,7 +41,7 @@ def modelled_tests(found: PlantComparison) -> Iterator[ModelledTest]:
 
     Predictions are NaN where a test belongs to no window that is looked at.
     """
-    from hjcamp.records.model_log import ModelledTest
+    from hjcamp.records.views.model_log import ModelledTest
     from hjcamp.report.exploration import names_of
 
     layout = found.analysis.windows.layout

@@ -28,7 +28,7 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
         from hjcamp.plants.pump_joint.answers.compare_explorer import tests_of
         from hjcamp.plants.pump_joint.answers.compare_page import write_pictures
         from hjcamp.plants.pump_joint.diagnosis.compare import answer
-        from hjcamp.records.model_log import write_modelled
+        from hjcamp.records.views.model_log import write_modelled
 
         found = compare_joint(data, names, report)
         write_answer(json, answer(found.models, len(evidence_in(data).tests)))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.compare import Comparison
     from hjcamp.plants.pump_joint.diagnosis.residuals.replay import Replay
-    from hjcamp.records.model_log import ModelledTest
+    from hjcamp.records.views.model_log import ModelledTest
     from hjcamp.report.exploration import Exploration
 
 
@@ -36,7 +36,7 @@ def tests_of(found: Comparison) -> Iterator[ModelledTest]:
     """Yield every test with what was measured and what each model says, in the units of the fields."""
     from hjcamp.plants.pump_joint.diagnosis.measured.signals import STRIDE
     from hjcamp.plants.pump_joint.diagnosis.residuals.replay import CHANNELS
-    from hjcamp.records.model_log import ModelledTest
+    from hjcamp.records.views.model_log import ModelledTest
     from hjcamp.report.exploration import NOT_CHANNELS, names_of
 
     replays = _replays(found)

@@ -12,13 +12,13 @@ from hjcamp.errors import UsageError, counted
 from hjcamp.known_plants import DEFAULT
 from hjcamp.model.field_unit import field_of
 from hjcamp.records.check import check_finite, check_phase
-from hjcamp.records.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, usual_step
-from hjcamp.records.import_map import ImportMap, read_import_map
+from hjcamp.records.elsewhere.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, usual_step
+from hjcamp.records.elsewhere.import_map import ImportMap, read_import_map
+from hjcamp.records.elsewhere.tables import read_table
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, USUAL_PERIOD_S
 from hjcamp.records.plausible import Finding, refuse_implausible
 from hjcamp.records.read import read_log
-from hjcamp.records.tables import read_table
 from hjcamp.records.write import write_log
 
 

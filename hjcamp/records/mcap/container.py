@@ -18,7 +18,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
 
-from hjcamp.records.schema import SCHEMA_ENCODING, SCHEMA_NAME
+from hjcamp.records.mcap.schema import SCHEMA_ENCODING, SCHEMA_NAME
 
 LIBRARY = "hjcamp"
 COMPRESSION = "zstd"

@@ -8,13 +8,13 @@ import numpy as np
 from mcap.opcode import Opcode
 
 from hjcamp.errors import UsageError, nearest
-from hjcamp.records import layout
-from hjcamp.records.chunks import Damaged
-from hjcamp.records.json_samples import JsonDecoder
 from hjcamp.records.log import COMMAND_PHASE, TOPIC
+from hjcamp.records.mcap import layout
+from hjcamp.records.mcap.chunks import Damaged
+from hjcamp.records.mcap.json_samples import JsonDecoder
+from hjcamp.records.mcap.protobuf_samples import ProtobufDecoder
+from hjcamp.records.mcap.scan import Scan, metadata_of, take, walk
 from hjcamp.records.of_plant import table_of
-from hjcamp.records.protobuf_samples import ProtobufDecoder
-from hjcamp.records.scan import Scan, metadata_of, take, walk
 
 MOST_SAMPLES = 3_600_000  # an hour at 1 ms
 MOST_MESSAGE_BYTES = 64 * 1024

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from hjcamp.errors import UsageError
-from hjcamp.records.import_map import HIGHEST_SAMPLING_HZ, LOWEST_SAMPLING_HZ
+from hjcamp.records.elsewhere.import_map import HIGHEST_SAMPLING_HZ, LOWEST_SAMPLING_HZ
 from hjcamp.records.log import COMMAND_PHASE
 from hjcamp.records.of_plant import LONGEST_PERIOD_S, span
 

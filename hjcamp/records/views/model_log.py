@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError
 from hjcamp.model.field_unit import unit_of_field
-from hjcamp.records.viewer_layouts import Panels, write_layouts
+from hjcamp.records.views.viewer_layouts import Panels, write_layouts
 from hjcamp.records.write import start_time_ns
 from hjcamp.storage import whole_file
 

@@ -11,9 +11,9 @@ from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
 
 from hjcamp.errors import UsageError
-from hjcamp.records.chunks import MOST_CHUNK_BYTES, Damaged, decompress, expand
-from hjcamp.records.samples import SampleDecoder, TooManySamples
-from hjcamp.records.scan import MOST_RECORDS, RECORD_PREFIX, Scan, parse, take, walk
+from hjcamp.records.mcap.chunks import MOST_CHUNK_BYTES, Damaged, decompress, expand
+from hjcamp.records.mcap.samples import SampleDecoder, TooManySamples
+from hjcamp.records.mcap.scan import MOST_RECORDS, RECORD_PREFIX, Scan, parse, take, walk
 
 NAME_OFFSET = RECORD_PREFIX + 28  # of the compression's name within a chunk record
 CHUNK_HEADER_BYTES = 40  # without the name

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.records.import_map import ImportMap
-from hjcamp.records.text_table import dialect_of
+from hjcamp.records.elsewhere.import_map import ImportMap
+from hjcamp.records.elsewhere.text_table import dialect_of
 
 if TYPE_CHECKING:
     import polars
@@ -188,7 +188,7 @@ def _size(value: np.ndarray) -> str:
 
 
 def _read_mcap(source: Path, names: list[str], rules: ImportMap) -> Table:
-    from hjcamp.records.foreign_mcap import read_messages
+    from hjcamp.records.elsewhere.foreign_mcap import read_messages
 
     columns, times = read_messages(source, names, rules.topic, rules.where)
     return Table(columns, times)

@@ -21,7 +21,7 @@ from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
 
 from hjcamp.errors import UsageError
-from hjcamp.records.chunks import Damaged, decompress
+from hjcamp.records.mcap.chunks import Damaged, decompress
 
 METADATA_NAME = "hjcamp.test"
 MOST_FILE_BYTES = 256 * 2**20

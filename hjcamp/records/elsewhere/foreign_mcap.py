@@ -12,11 +12,11 @@ from mcap.opcode import Opcode
 from mcap.records import Channel
 
 from hjcamp.errors import UsageError, counted, unknown
-from hjcamp.records.chunks import Damaged
-from hjcamp.records.layout import MESSAGE_PREFIX
-from hjcamp.records.protobuf_samples import message_type
-from hjcamp.records.samples import MOST_MESSAGE_BYTES, MOST_SAMPLES
-from hjcamp.records.scan import Scan, load, scan, take, walk
+from hjcamp.records.mcap.chunks import Damaged
+from hjcamp.records.mcap.layout import MESSAGE_PREFIX
+from hjcamp.records.mcap.protobuf_samples import message_type
+from hjcamp.records.mcap.samples import MOST_MESSAGE_BYTES, MOST_SAMPLES
+from hjcamp.records.mcap.scan import Scan, load, scan, take, walk
 
 MISSING = object()
 Getter = Callable[[Any, str], Any]
