@@ -10,7 +10,7 @@ import numpy as np
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
 from hjcamp.report.indicators import configuration, indicators_of
-from hjcamp.report.map_figure import draw_map
+from hjcamp.report.pictures.map import draw_map
 from hjcamp.report.settings import leaves
 
 #: What a map shows, with its unit.

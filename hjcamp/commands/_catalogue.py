@@ -99,7 +99,7 @@ def picture_of(effect: type[Effect], plant: type[Plant]) -> str:
 
     from hjcamp.model.place_checks import PlaceBench
     from hjcamp.model.vocabulary import read_vocabulary
-    from hjcamp.report.catalogue_figure import draw_change
+    from hjcamp.report.pictures.catalogue import draw_change
 
     bench = PlaceBench(effect, plant)
     vocabulary = read_vocabulary(plant)

@@ -101,7 +101,7 @@ def show_plant(name: str, figure: Path | None) -> dict[str, Any]:
     _effects(console, plant)
     _import_map(console, plant)
     if figure is not None:
-        from hjcamp.report.plant_figure import draw_plant
+        from hjcamp.report.pictures.plant import draw_plant
 
         draw_plant(figure, plant)
         console.print(f"\n  picture  {figure}", markup=False, soft_wrap=True)

@@ -42,7 +42,7 @@ def comparison_sentences(found: Any) -> list[str]:
 def comparison_drawn(found: Any) -> tuple[Any, ...]:
     """Return what draws measurement and models where the error is largest, and what it draws."""
     from hjcamp.commands.any_plant.pages import _stretch
-    from hjcamp.report.prediction_figures import draw_windows
+    from hjcamp.report.pictures.prediction import draw_windows
 
     errors = {one.name: one.errors for one in (*found.models, found.calibrated)}
     return draw_windows, *_stretch(found.analysis, errors, found.models[-1].errors)
@@ -72,7 +72,7 @@ def diagnosis_sentences(words: Any) -> list[str]:
 def diagnosis_drawn(words: Any) -> tuple[Any, ...]:
     """Return what draws the first step of the search, and what it draws."""
     from hjcamp.commands.any_plant.evidence import missing_of
-    from hjcamp.report.evidence_figures import draw_gains, draw_missing
+    from hjcamp.report.pictures.evidence import draw_gains, draw_missing
 
     steps = words.analysis.search.steps
     if steps and steps[0].unknown:

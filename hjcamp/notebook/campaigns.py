@@ -89,8 +89,8 @@ class Run(Result):
     def plot(self, indicator: str = "rmse1_deg") -> Picture:
         """Return an indicator of every test by condition."""
         from hjcamp.errors import unknown
-        from hjcamp.report.drawing import dress
-        from hjcamp.report.figures import BLUE
+        from hjcamp.report.pictures.conditions import BLUE
+        from hjcamp.report.pictures.drawing import dress
 
         numbers = [name for name, kind in self.frame.schema.items() if kind.is_float()]
         if indicator not in numbers:

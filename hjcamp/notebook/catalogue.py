@@ -125,7 +125,7 @@ class OnePlant(Result):
 
     def plot(self) -> Picture:
         """Return the block diagram of its places."""
-        from hjcamp.report.plant_figure import paint_plant
+        from hjcamp.report.pictures.plant import paint_plant
 
         figure = Picture()
         paint_plant(figure, self.plant)

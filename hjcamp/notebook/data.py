@@ -62,8 +62,8 @@ class Data(Read, Result):
 
     def plot(self, test: str | int = 0) -> Picture:
         """Return one test over time, a panel for each unit."""
-        from hjcamp.report.drawing import dress
-        from hjcamp.report.figures import panels_by_unit
+        from hjcamp.report.pictures.conditions import panels_by_unit
+        from hjcamp.report.pictures.drawing import dress
 
         name, log = self._log(test)
         time = log.columns["time_s"]

@@ -78,7 +78,7 @@ class Added(Model):
 
     def plot(self) -> Picture:
         """Return the errors before and after as bars, and the floor."""
-        from hjcamp.report.drawing import draw_errors
+        from hjcamp.report.pictures.drawing import draw_errors
 
         return figure_of(draw_errors, list(self.errors.items()), self.over, "floor" in self.errors)
 
@@ -101,8 +101,8 @@ class Calibrated(Model):
 
     def plot(self) -> Picture:
         """Return each parameter over its published value, with its interval."""
-        from hjcamp.report.drawing import dress
-        from hjcamp.report.figures import BLUE, INK
+        from hjcamp.report.pictures.conditions import BLUE, INK
+        from hjcamp.report.pictures.drawing import dress
 
         rows = [row for row in self.frame.to_dicts() if row["published"]][::-1]
         figure = Picture(figsize=(7.4, 1.0 + 0.28 * len(rows)), layout="constrained")

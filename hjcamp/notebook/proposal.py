@@ -50,7 +50,7 @@ class Proposal(Result):
         """Return what the rivals predict for the best tests; ``UsageError`` where there is no test."""
         from hjcamp.commands.any_plant.next_answer import drawn
         from hjcamp.errors import UsageError
-        from hjcamp.report.next_figure import predictions_figure
+        from hjcamp.report.pictures.next import predictions_figure
 
         if not self.done.proposal.tests:
             raise UsageError(f"{self.title}: no test was simulated, so there is nothing to draw")

@@ -108,7 +108,7 @@ def _cell(value: object) -> str:
 
 def figure_of(draw: Callable[..., str], *given: Any) -> Picture:
     """Return the figure that a function of `hjcamp.report` draws as SVG."""
-    from hjcamp.report.drawing import kept_figure
+    from hjcamp.report.pictures.drawing import kept_figure
 
     return kept_figure(draw, *given, kind=Picture)
 

@@ -17,8 +17,8 @@ from hjcamp.plants.pump_joint.figures.discrepancy import (
 )
 from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
 from hjcamp.report.discrepancy_page import bullets, discrepancy_page, picture, place_table
-from hjcamp.report.drawing import draw_errors
-from hjcamp.report.figures import PAPER, tidy
+from hjcamp.report.pictures.conditions import PAPER, tidy
+from hjcamp.report.pictures.drawing import draw_errors
 
 TIME = np.arange(500) * 0.004
 

@@ -127,7 +127,7 @@ def propose(
     from hjcamp.commands._session import folder_for, progress_of, write_answer
     from hjcamp.commands.any_plant import next_answer as said
     from hjcamp.commands.any_plant.next_campaign import written_campaign
-    from hjcamp.report.next_figure import draw_predictions
+    from hjcamp.report.pictures.next import draw_predictions
     from hjcamp.storage import whole_file
 
     began, data = time.perf_counter(), Data(logs)

@@ -15,7 +15,7 @@ def fitted_parameters(words: Words) -> tuple[list[Estimate], Any]:
     """Return every fitted parameter of the model found, and how the curvature of the fit correlates them (k, k)."""
     from hjcamp.commands._corner import Estimate
     from hjcamp.prediction.intervals import covariance_of, intervals
-    from hjcamp.report.corner_figure import correlation_of
+    from hjcamp.report.pictures.corner import correlation_of
 
     analysis = words.analysis
     fitted, chapters = words.verdict.model.fitted, analysis.search.chapters

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from hjcamp.commands.any_plant.verdict_words import Words
     from hjcamp.prediction.selection import Scored
     from hjcamp.prediction.unknowns import Unknown
-    from hjcamp.report.evidence_figures import Branch, Missing
+    from hjcamp.report.pictures.evidence import Branch, Missing
 
 POINTS = 1500
 
@@ -18,7 +18,7 @@ POINTS = 1500
 def evidence_pictures(words: Words) -> dict[str, str]:
     """Return the pictures of the evidence by name, in order."""
     from hjcamp.records.log import observed
-    from hjcamp.report.evidence_figures import draw_correlations, draw_gains, draw_missing, draw_worst_test
+    from hjcamp.report.pictures.evidence import draw_correlations, draw_gains, draw_missing, draw_worst_test
 
     analysis, verdict = words.analysis, words.verdict
     found: dict[str, str] = {}
@@ -55,7 +55,7 @@ def missing_of(words: Words) -> Missing:
     """Return what the calibrated model misses over the driver of the freest law, the named law there, and what is left."""
     from hjcamp.prediction.answer import curve_of
     from hjcamp.prediction.law_curve import law_curves
-    from hjcamp.report.evidence_figures import BOTH, Missing
+    from hjcamp.report.pictures.evidence import BOTH, Missing
 
     analysis, verdict = words.analysis, words.verdict
     first = analysis.search.steps[0].unknown[0]
@@ -78,14 +78,14 @@ def missing_of(words: Words) -> Missing:
 
 
 def _branch(curve: dict[str, Any], way: str = "both ways") -> Branch:
-    from hjcamp.report.evidence_figures import Branch
+    from hjcamp.report.pictures.evidence import Branch
 
     return Branch(way, *(np.array(curve[key]) for key in ("x", "y", "low", "high")))
 
 
 def _law_branch(words: Words, curve: Any) -> Branch:
     """Return a law with the band of its amplitude: an interval of that scales the whole curve."""
-    from hjcamp.report.evidence_figures import BACKWARD, BOTH, FORWARD, Branch
+    from hjcamp.report.pictures.evidence import BACKWARD, BOTH, FORWARD, Branch
 
     added = words.verdict.model.beyond(words.analysis.base)
     low, high = amplitude_band(words.content["candidates"], added, words.analysis.search.library)

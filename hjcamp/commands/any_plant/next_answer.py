@@ -192,8 +192,8 @@ def tell(console: Console, done: PlantProposed, picture: Path | None, campaign: 
 
 def drawn(done: PlantProposed) -> tuple[Any, Any, Any]:
     """Return what is drawn of the best tests: predictions of the rivals, bars of separations, labels."""
-    from hjcamp.report.next_figure import Bar, Labels
-    from hjcamp.report.prediction_figures import readable
+    from hjcamp.report.pictures.next import Bar, Labels
+    from hjcamp.report.pictures.prediction import readable
 
     proposal, sensors = done.proposal, done.analysis.measured.sensors
     names = [one.name for one in proposal.question.rivals]
@@ -220,7 +220,7 @@ def drawn(done: PlantProposed) -> tuple[Any, Any, Any]:
 
 
 def _prediction(done: PlantProposed, one: Proposed) -> Any:
-    from hjcamp.report.next_figure import Prediction
+    from hjcamp.report.pictures.next import Prediction
 
     proposal, scales = done.proposal, np.array([each.scale for each in done.analysis.measured.sensors])
     means, spreads, time = {}, {}, np.zeros(0)

@@ -38,7 +38,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.exploration import channel_label
     from hjcamp.report.names import readable
-    from hjcamp.report.prediction_figures import draw_windows
+    from hjcamp.report.pictures.prediction import draw_windows
 
     analysis, verdict = words.analysis, words.verdict
     library = analysis.search.library
@@ -90,7 +90,7 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     from hjcamp.report.exploration import channel_label, names_of
     from hjcamp.report.explorer import explorer_html
     from hjcamp.report.names import readable
-    from hjcamp.report.prediction_figures import draw_model_bars, draw_windows
+    from hjcamp.report.pictures.prediction import draw_model_bars, draw_windows
     from hjcamp.report.units import told
 
     analysis = found.analysis

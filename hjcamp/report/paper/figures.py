@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.report.dot_plot import Dots
-from hjcamp.report.figures import BLUE, GRID, INK, RED
 from hjcamp.report.followed import ERROR, FOLLOWED, UNIT, WANTED
 from hjcamp.report.names import readable
+from hjcamp.report.pictures.conditions import BLUE, GRID, INK, RED
+from hjcamp.report.pictures.dot_plot import Dots
 from hjcamp.report.spread import Condition
 from hjcamp.report.units import label
 from hjcamp.storage import whole_file

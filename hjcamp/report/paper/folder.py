@@ -11,7 +11,6 @@ from hjcamp.errors import UsageError
 from hjcamp.known_plants import DEFAULT
 from hjcamp.report.against_run import Tests, tests_of
 from hjcamp.report.declared import declared_tables
-from hjcamp.report.dot_plot import dots_of
 from hjcamp.report.indicators import INDICATORS, frame_with_varied, row_of
 from hjcamp.report.origin import read_origin
 from hjcamp.report.paper.answers import quantities_of, read_answer, sheet_of
@@ -20,6 +19,7 @@ from hjcamp.report.paper.figures import Style, course_painter, drawable, means_p
 from hjcamp.report.paper.names import MACROS, distinct, macro
 from hjcamp.report.paper.numbers import Quantity, macros, of_mean
 from hjcamp.report.paper.tables import paper_table
+from hjcamp.report.pictures.dot_plot import dots_of
 from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
 from hjcamp.report.spread import Condition, Gathering
 from hjcamp.report.store import replace_file

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 def fitted_parameters(local: Local) -> tuple[list[Estimate], Any]:
     """Return every fitted parameter of a fit, and how the curvature of its loss correlates them (k, k)."""
     from hjcamp.commands._corner import Estimate
-    from hjcamp.report.corner_figure import correlation_of
+    from hjcamp.report.pictures.corner import correlation_of
     from hjcamp.report.units import label
 
     intervals = local.intervals()

@@ -25,7 +25,7 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
     from hjcamp.plants.pump_joint.answers.error_words import over
     from hjcamp.plants.pump_joint.answers.evidence import evidence_pictures
     from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
-    from hjcamp.report.drawing import draw_errors
+    from hjcamp.report.pictures.drawing import draw_errors
     from hjcamp.storage import whole_file
 
     pictures = evidence_pictures(told.found, told.shown)

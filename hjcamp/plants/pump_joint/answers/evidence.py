@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
     from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import Unexplained
     from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
-    from hjcamp.report.evidence_figures import Branch, Missing
+    from hjcamp.report.pictures.evidence import Branch, Missing
 
 POINTS = 1500
 PERIOD = 4e-3
@@ -57,7 +57,7 @@ def missing_of(
     from hjcamp.commands.any_plant.evidence import amplitude_band
     from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import TAUTOLOGIES, rank_drivers
     from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import IN_SI, SI, driver_of, unexplained
-    from hjcamp.report.evidence_figures import Missing
+    from hjcamp.report.pictures.evidence import Missing
 
     features, floor = found.features, found.floor
     lost = found.baseline
@@ -88,7 +88,7 @@ def missing_of(
 
 
 def _branches(curve: Unexplained, factors: Mapping[str, float]) -> tuple[Branch, ...]:
-    from hjcamp.report.evidence_figures import BACKWARD, FORWARD, Branch
+    from hjcamp.report.pictures.evidence import BACKWARD, FORWARD, Branch
 
     wide, tall = factors[curve.driver_unit], factors[curve.unit]
     return tuple(
@@ -106,7 +106,7 @@ def _ends(one: Branch, low: float, high: float) -> dict[str, Any]:
 def evidence_pictures(found: Diagnosis, shown: Shown) -> dict[str, str]:
     """Return the pictures of the evidence by name, in order."""
     from hjcamp.records.log import observed
-    from hjcamp.report.evidence_figures import draw_correlations, draw_gains, draw_missing, draw_worst_test
+    from hjcamp.report.pictures.evidence import draw_correlations, draw_gains, draw_missing, draw_worst_test
 
     pictures = (
         {f"missing_{name}": svg for name, svg in draw_missing(shown.missing).items()} if shown.missing.before else {}

@@ -12,7 +12,7 @@ from hjcamp.errors import counted
 from hjcamp.plants.pump_joint.answers.next_work import Words, Work
 from hjcamp.plants.pump_joint.diagnosis.design.propose import ALL_PAIRS, REPETITIONS, Proposal, Proposed, weighted
 from hjcamp.plants.pump_joint.diagnosis.design.rivals import NOTHING, Rival
-from hjcamp.report.next_figure import Bar, Labels, Prediction, draw_predictions
+from hjcamp.report.pictures.next import Bar, Labels, Prediction, draw_predictions
 from hjcamp.storage import whole_file
 
 if TYPE_CHECKING:

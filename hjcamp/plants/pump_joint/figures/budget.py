@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.drawing import dress
-from hjcamp.report.figures import BLUE, INK, RED, SETTINGS
+from hjcamp.report.pictures.conditions import BLUE, INK, RED, SETTINGS
+from hjcamp.report.pictures.drawing import dress
 from hjcamp.storage import whole_file
 
 

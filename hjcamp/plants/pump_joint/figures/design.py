@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.drawing import draw, dress
-from hjcamp.report.figures import BLUE, INK, RED, tidy
+from hjcamp.report.pictures.conditions import BLUE, INK, RED, tidy
+from hjcamp.report.pictures.drawing import draw, dress
 
 Array = NDArray[np.float64]
 DASHED = (0, (4, 2.5))

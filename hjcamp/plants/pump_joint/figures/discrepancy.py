@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.drawing import draw, dress
-from hjcamp.report.figures import BLUE, GREEN, GRID, INK, RED
 from hjcamp.report.names import readable
+from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, RED
+from hjcamp.report.pictures.drawing import draw, dress
 
 Array = NDArray[np.float64]
 COLOURS = (RED, BLUE, GREEN)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.figures import BLUE, GRID, INK, RED
+from hjcamp.report.pictures.conditions import BLUE, GRID, INK, RED
 from hjcamp.storage import whole_file
 
 Columns = Mapping[str, NDArray[np.float64]]

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, Protocol
 
-from hjcamp.report.figures import BLUE, GREEN, GRID, INK, RED, SETTINGS, tidy
 from hjcamp.report.page import SHADES, STYLE
+from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, RED, SETTINGS, tidy
 
 COLOURS = (BLUE, RED, GREEN, INK)
 SIZE = (7.4, 3.4)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from hjcamp.plants.pump_joint.figures.sizing import Figures
 from hjcamp.plants.pump_joint.sizing.tubing import weight_at_sliders
-from hjcamp.report.drawing import dress
-from hjcamp.report.figures import BLUE, INK, RED
+from hjcamp.report.pictures.conditions import BLUE, INK, RED
+from hjcamp.report.pictures.drawing import dress
 
 Array = NDArray[np.float64]
 DASHED = (0, (4, 2.5))

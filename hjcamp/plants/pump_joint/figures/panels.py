@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hjcamp.report.figures import BLUE, GREEN, INK, OBSERVED, RED, Curve, Panel
+from hjcamp.report.pictures.conditions import BLUE, GREEN, INK, OBSERVED, RED, Curve, Panel
 
 SIGNALS = (
     "reference_deg",

@@ -14,8 +14,8 @@ from hjcamp.plants.pump_joint.sizing import actuators, pulley, tubing
 from hjcamp.plants.pump_joint.sizing.compliance import pressure_against_volume
 from hjcamp.plants.pump_joint.sizing.linkage import SixBar
 from hjcamp.plants.pump_joint.sizing.muscle import muscle_with_crossing
-from hjcamp.report.drawing import dress
-from hjcamp.report.figures import BLUE, GREEN, INK, RED, SETTINGS
+from hjcamp.report.pictures.conditions import BLUE, GREEN, INK, RED, SETTINGS
+from hjcamp.report.pictures.drawing import dress
 from hjcamp.storage import whole_file
 
 Array = NDArray[np.float64]

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from hjcamp.report.dot_plot import TITLES
-from hjcamp.report.drawing import dress
-from hjcamp.report.figures import BLUE, INK, RED, SETTINGS
+from hjcamp.report.pictures.conditions import BLUE, INK, RED, SETTINGS
+from hjcamp.report.pictures.dot_plot import TITLES
+from hjcamp.report.pictures.drawing import dress
 from hjcamp.storage import whole_file
 
 MOST_LABELS = 24

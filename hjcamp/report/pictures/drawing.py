@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from typing import Any
 
-from hjcamp.report.figures import GREEN, GRID, INK, RED, SETTINGS
+from hjcamp.report.pictures.conditions import GREEN, GRID, INK, RED, SETTINGS
 
 # Who wants figures instead of their SVG: the class of the figure, and where it goes.
 _ASKED: ContextVar[tuple[type[Any], list[Any]] | None] = ContextVar("asked", default=None)

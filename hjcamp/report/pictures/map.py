@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.drawing import draw
-from hjcamp.report.figures import INK, tidy
+from hjcamp.report.pictures.conditions import INK, tidy
+from hjcamp.report.pictures.drawing import draw
 
 Array = NDArray[np.float64]
 

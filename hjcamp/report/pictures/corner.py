@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.drawing import draw, dress
-from hjcamp.report.figures import BLUE, INK
+from hjcamp.report.pictures.conditions import BLUE, INK
+from hjcamp.report.pictures.drawing import draw, dress
 
 Array = NDArray[np.float64]
 #: More parameters than these make panels that nobody reads.

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.report.correlations import Correlation
-from hjcamp.report.drawing import draw, dress
-from hjcamp.report.figures import BLUE, GREEN, GRID, INK, RED
-from hjcamp.report.prediction_figures import readable
+from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, RED
+from hjcamp.report.pictures.drawing import draw, dress
+from hjcamp.report.pictures.prediction import readable
 
 Array = NDArray[np.float64]
 SIZE = (4.8, 3.3)

@@ -6,9 +6,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from hjcamp.report.drawing import draw, dress
-from hjcamp.report.figures import BLUE, INK
-from hjcamp.report.prediction_figures import readable
+from hjcamp.report.pictures.conditions import BLUE, INK
+from hjcamp.report.pictures.drawing import draw, dress
+from hjcamp.report.pictures.prediction import readable
 
 
 def draw_change(

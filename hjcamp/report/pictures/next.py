@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.drawing import dress
-from hjcamp.report.figures import BLUE, GREEN, INK, RED, SETTINGS
+from hjcamp.report.pictures.conditions import BLUE, GREEN, INK, RED, SETTINGS
+from hjcamp.report.pictures.drawing import dress
 
 Array = NDArray[np.float64]
 COLOURS = (BLUE, RED, GREEN, "#cc79a7")
