@@ -135,7 +135,7 @@ def test_the_test_of_an_effect_says_what_is_compiled(
     cold: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(
-        "hjcamp.model.effect_checks.CHECKS", {"a check": lambda bench: "fine", "another": lambda bench: ""}
+        "hjcamp.plants.pump_joint.effect_checks.CHECKS", {"a check": lambda bench: "fine", "another": lambda bench: ""}
     )
     assert cli.run(["effects", "test", "leakage"]) == 0
     out = capfd.readouterr().out

@@ -7,9 +7,9 @@ import pytest
 from hjcamp.effects import load_effects
 from hjcamp.effects._template import write_template
 from hjcamp.model.effect import Effect
-from hjcamp.model.effect_checks import EffectBench, bench_simulator
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.effect_checks import EffectBench, bench_simulator
 from hjcamp.plants.pump_joint.menu import pump_courses
 
 THEIRS = "arm_spring"

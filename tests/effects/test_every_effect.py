@@ -9,10 +9,10 @@ from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
-from hjcamp.model.effect_checks import CHECKS, EffectBench
 from hjcamp.model.parameter import Parameter
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.effect_checks import CHECKS, EffectBench
 from hjcamp.plants.pump_joint.menu import pump_courses
 
 CONTRACT = {

@@ -20,9 +20,9 @@ from hjcamp.errors import UsageError
 from hjcamp.model import term_checks, user_file
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.effect import Effect
-from hjcamp.model.effect_checks import EffectBench
 from hjcamp.model.term_checks import check_calls, check_compiles
 from hjcamp.model.time_limit import RunLimit, time_limit
+from hjcamp.plants.pump_joint.effect_checks import EffectBench
 from hjcamp.plants.pump_joint.menu import pump_courses
 
 KINDS = {"effects": ["effects"], "controllers": ["plan"], "trajectories": ["plan"]}

@@ -57,8 +57,8 @@ ASKED: Mapping[str, tuple[str, ...]] = {
 NAMES = re.compile(r"pump|pressure1|arm_deg|arm_angle", re.IGNORECASE)
 # The usual plant's name, which logs and models that name none stand for.
 NAMED_BY = {"known_plants.py", "prediction/model_file.py"}
-# Still to be moved: what tries an effect out on the joint, and what judges it by tables.
-LEFT = ("model/effect_checks.py", "tabulated/")
+# Still to be moved: what judges the joint by tables.
+LEFT = "tabulated/"
 
 
 def parameters_of(function: object) -> list[str]:

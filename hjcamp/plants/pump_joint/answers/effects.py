@@ -86,9 +86,9 @@ def paint(figure: Any, name: str, overrides: list[str], console: Console) -> Non
 def checks(effect: type[Effect], longest_s: float, console: Console) -> Iterator[tuple[str, str]]:
     """Run the checks on simulated tests of the joint."""
     from hjcamp.campaign.compiling import Kernels, status
-    from hjcamp.model.effect_checks import CHECKS, EffectBench, bench_simulator
     from hjcamp.model.time_limit import RunLimit
     from hjcamp.plants.pump_joint import PumpJoint
+    from hjcamp.plants.pump_joint.effect_checks import CHECKS, EffectBench, bench_simulator
 
     watch = RunLimit(longest_s, f"effect {effect.name}: one test of its checks")
     bench = EffectBench(effect, bench_simulator(PumpJoint, (effect,)), PumpJoint.courses(), watch)
