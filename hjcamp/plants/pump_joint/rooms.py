@@ -20,7 +20,7 @@ ROOMS = {
     "watches": f"{HERE}.rig.margins",
     "indicators": f"{HERE}.indicators",
     "panels": f"{HERE}.figures.panels",
-    "published": f"{HERE}.published.values",
+    "published": f"{HERE}.published.beside",
     "run": f"{HERE}.studies.of_run",
     "kernels": f"{HERE}.studies.warm",
 }

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import polars as pl
 import yaml
-
-if TYPE_CHECKING:
-    from hjcamp.report.sheet import Sheet
 
 FOLDER = Path(__file__).parent
 #: What identifies a published cell beside its indicator.
@@ -129,17 +126,3 @@ def _previous_work() -> list[dict[str, Any]]:
         for controller, mean in columns.items()
         if controller not in ("pid", "ffwd_pid") and mean is not None
     ]
-
-
-def standing(config: Mapping[str, Any], cell: tuple[str, ...]) -> list[dict[str, str]]:
-    """Return the tables that have a cell, and where a configuration differs from its test."""
-    from hjcamp.plants.pump_joint.published import configurations
-
-    return configurations.standing(config, cell)
-
-
-def beside_refit(conditions: pl.DataFrame) -> Sheet | None:
-    """Return conditions beside the refitted means; None where nothing compares."""
-    from hjcamp.plants.pump_joint.published import refitted
-
-    return refitted.beside_refit(conditions)
