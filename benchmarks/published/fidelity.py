@@ -14,8 +14,8 @@ from fidelity_remarks import COMMON_CAUSE, remark
 from hjcamp.records.find import find_logs
 from hjcamp.records.read import read_log
 from hjcamp.report.declared import declared_tables
-from hjcamp.report.indicators import indicators_frame
 from hjcamp.report.tables import against_published
+from hjcamp.report.varied import indicators_frame
 
 MEASURED = ("controllers", "robustness_horizontal", "robustness_vertical")
 GROUPS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = (

@@ -30,6 +30,8 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from hjcamp.configuration import hydra_plugins
+from hjcamp.configuration.explain import explain
+from hjcamp.configuration.overrides import parse_overrides
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.configuration.shared_parts import parts_of
 from hjcamp.configuration.trust import check_overrides
@@ -131,8 +133,6 @@ class Composer:
 
         Raises ``UsageError`` for an unknown group, choice or parameter, with the nearest match.
         """
-        from hjcamp.configuration.explain import explain
-
         check_overrides(overrides, parse_overrides)
         self.refuse_bundles(overrides)
         self._refuse_unfit(overrides)
@@ -223,8 +223,6 @@ class Composer:
 
     def sweeper(self, overrides: Sequence[str]) -> dict[str, Any]:
         """Return the settings of Hydra's sweeper in a sweep with these overrides."""
-        from hjcamp.configuration.explain import explain
-
         try:
             composed = self._loader.load_configuration(MAIN, list(overrides), RunMode.MULTIRUN)
             found = OmegaConf.to_container(composed.hydra.sweeper, resolve=True, enum_to_str=True)
@@ -287,23 +285,6 @@ def _circle(error: RecursionError) -> list[str]:
     frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
     paths = [frame.f_locals.get("path") for frame in frames if frame.f_code.co_name == "_create_defaults_tree_impl"]
     return sorted({path for path in paths if isinstance(path, str) and paths.count(path) > 2})
-
-
-def parse_overrides(lines: Sequence[str]) -> list[Override]:
-    """Return the parsed overrides; raises ``UsageError`` where a line does not follow Hydra's grammar."""
-    parsed = []
-    parser = OverridesParser.create()
-    for line in lines:
-        try:
-            parsed.append(parser.parse_override(line))
-        except (HydraException, ValueError, RecursionError) as error:
-            detail = (
-                str(error).splitlines()[0].split(". See ")[0].split("; use ")[0] if str(error) else "not understood"
-            )
-            raise UsageError(
-                f"cannot read the override {shown(line)}: {detail[:200]}. Expected GROUP=CHOICE or PARAMETER=VALUE"
-            ) from error
-    return parsed
 
 
 def key_of(override: Override) -> str:

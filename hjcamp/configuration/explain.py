@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def explain(error: Exception, overrides: Sequence[str], composer: Composer) -> UsageError:
     """Return what is wrong with the overrides, found by looking at each, else Hydra's own first words."""
-    from hjcamp.configuration.composer import parse_overrides
+    from hjcamp.configuration.overrides import parse_overrides
 
     try:
         parsed = [item for item in parse_overrides(overrides) if not item.is_hydra_override()]

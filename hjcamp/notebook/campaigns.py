@@ -227,7 +227,8 @@ def _lines(overrides: Sequence[str], keys: Mapping[str, Any]) -> list[str]:
 
 def _planned(lines: Sequence[str]) -> tuple[Planned, dict[str, Any]]:
     from hjcamp.campaign.planning import composed_plan
-    from hjcamp.configuration.composer import Composer, parse_overrides
+    from hjcamp.configuration.composer import Composer
+    from hjcamp.configuration.overrides import parse_overrides
 
     for one in parse_overrides(lines):
         if one.is_sweep_override():

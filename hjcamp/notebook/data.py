@@ -50,7 +50,8 @@ class Data(Read, Result):
     @cached_property
     def indicators(self) -> pl.DataFrame:
         """One row for each test that follows a reference: RMSE1, RMSE2, largest and steady state error (deg), lines, what varied."""
-        from hjcamp.report.indicators import STANDING, indicators_frame
+        from hjcamp.report.indicators import STANDING
+        from hjcamp.report.varied import indicators_frame
 
         return indicators_frame(self.logs).drop(STANDING)
 

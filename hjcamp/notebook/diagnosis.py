@@ -11,7 +11,7 @@ from hjcamp.analyses.diagnosing import Asked, PlantDiagnosed
 from hjcamp.errors import UsageError
 from hjcamp.notebook._any_plant import said_of
 from hjcamp.notebook.data import Data, Tests, data_of, progress_to
-from hjcamp.notebook.result import Picture, Result, figure_of, frame_of, interval_row
+from hjcamp.notebook.result import CALIBRATED, Picture, Result, figure_of, frame_of, interval_row
 
 if TYPE_CHECKING:
     import polars as pl
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from hjcamp.notebook.proposal import Proposal
 
 CANDIDATES = ("effect", "posterior", "heldout_error_ratio", "parameter", "value", "unit", "low", "high")
-CALIBRATED = ("parameter", "published", "value", "unit", "low", "high")
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.errors import UsageError
 from hjcamp.notebook._any_plant import said_of
 from hjcamp.notebook.data import Data, Tests, data_of, progress_to
-from hjcamp.notebook.diagnosis import CALIBRATED, Diagnosis
-from hjcamp.notebook.result import Picture, Result, figure_of, frame_of, interval_row
+from hjcamp.notebook.result import CALIBRATED, Picture, Result, figure_of, frame_of, interval_row
 
 if TYPE_CHECKING:
     import polars as pl
+
+    from hjcamp.notebook.diagnosis import Diagnosis
 
 PARAMETERS = ("effect", "parameter", "value", "unit", "low", "high")
 ERRORS = ("start", "before", "after", "floor")
@@ -140,7 +141,7 @@ def add(
     >>> [row["parameter"] for row in mine.frame.to_dicts()]
     ['stiffness', 'rest_position']
     """
-    if isinstance(effects, Diagnosis):
+    if not isinstance(effects, str | Sequence):
         if tests is None:
             return effects.add(as_)  # type: ignore[return-value]
         effects = effects.effects

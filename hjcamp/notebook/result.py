@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 MOST_ROWS = 60
+#: The columns of base parameters, as published or declared and as tests have them.
+CALIBRATED = ("parameter", "published", "value", "unit", "low", "high")
 
 
 class Picture(Figure):

@@ -19,7 +19,7 @@ from hjcamp.report.declared import TableDefinition, declared_tables
 from hjcamp.report.exploration import REFERENCE, Exploration, names_of
 from hjcamp.report.explorer import explorer_html
 from hjcamp.report.formats import to_latex, to_markdown
-from hjcamp.report.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, frame_with_varied, row_of, varied_columns
+from hjcamp.report.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, row_of, varied_columns
 from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
 from hjcamp.report.page import Picture, build_page
 from hjcamp.report.pictures.conditions import draw_condition
@@ -29,6 +29,7 @@ from hjcamp.report.sheet import Sheet, arrange, arrange_conditions, arrange_line
 from hjcamp.report.spread import Condition, Gathering
 from hjcamp.report.store import replace_file, write_frame
 from hjcamp.report.tables import FAR_OFF, against_published, build_table, by_condition, differences, lines_by_condition
+from hjcamp.report.varied import frame_with_varied
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -80,36 +80,9 @@ def _whole_number(text: str | None) -> int | None:
         return None
 
 
-def indicators_frame(
-    logs: Iterable[TestLog], axes: Mapping[str, Sequence[str]] | None = None, folder: Path | None = None
-) -> pl.DataFrame:
-    """Return one row per log, in the order of the logs.
-
-    Columns: ``condition``, the contract's, ``seed``, ``log`` (its path inside ``folder``), and each parameter and axis
-    that varies from condition to condition under its full name; ``axes`` are those of the plan, with their labels.
-    """
-    rows, attached = [], []
-    for log in logs:
-        rows.append(row_of(log, folder))
-        attached.append(log.attachments.get("config.yaml", b""))
-    return frame_with_varied(rows, attached, axes or {})
-
-
 def row_of(log: TestLog, folder: Path | None) -> dict[str, Any]:
     """Return the row of `indicators_of` with the place of the log inside ``folder``."""
     return indicators_of(log) | {"log": _place(log.path, folder)}
-
-
-def frame_with_varied(
-    rows: list[dict[str, Any]], attached: Sequence[bytes], axes: Mapping[str, Sequence[str]]
-) -> pl.DataFrame:
-    """Return rows as a frame, with what varies; ``attached`` is the configuration in the log of each."""
-    from hjcamp.report.varied import varied
-
-    for name, values in varied(attached, rows, axes).items():
-        for row, value in zip(rows, values, strict=True):
-            row[name] = value
-    return frame_of(rows)
 
 
 def _place(path: Path | None, folder: Path | None) -> str | None:

@@ -10,7 +10,6 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.effect_checks import EffectBench, bench_simulator
-from hjcamp.plants.pump_joint.menu import pump_courses
 
 THEIRS = "arm_spring"
 
@@ -32,5 +31,5 @@ def simulator(library: dict[str, type[Effect]]) -> Simulator:
 @pytest.fixture(scope="session")
 def benches(library: dict[str, type[Effect]], simulator: Simulator) -> dict[str, EffectBench]:
     """One bench for each effect."""
-    courses = pump_courses()
+    courses = PumpJoint.courses()
     return {name: EffectBench(effect, simulator, courses) for name, effect in library.items()}

@@ -31,10 +31,10 @@ from hjcamp.report.build import Report, build_report, verdict
 from hjcamp.report.check import check
 from hjcamp.report.declared import declared_tables
 from hjcamp.report.formats import to_latex
-from hjcamp.report.indicators import COLUMNS, FURTHER, indicators_frame
+from hjcamp.report.indicators import COLUMNS, FURTHER
 from hjcamp.report.sheet import arrange_conditions
 from hjcamp.report.tables import against_published, by_condition
-from hjcamp.report.varied import labels_of
+from hjcamp.report.varied import indicators_frame, labels_of
 
 SOFT = "controller.positive.kp=0.7"
 SOFTER = "controller.positive.kp is 0.7 instead of 1.05"

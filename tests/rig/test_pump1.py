@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hjcamp import backends
-from hjcamp.plants.pump_joint.rig.nidaqmx import check_test
+from hjcamp.plants.pump_joint.rig.reach import check_test
 from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 
 PUMP1 = ("pump=pump1", "amplifier=low_gain")

@@ -11,8 +11,7 @@ import pytest
 from hjcamp import cli
 from hjcamp.campaign.planning import make_plan
 from hjcamp.errors import UsageError
-from hjcamp.plants.pump_joint.rig.nidaqmx import check_test
-from hjcamp.plants.pump_joint.rig.reach import need_of
+from hjcamp.plants.pump_joint.rig.reach import check_test, need_of
 
 PUMP1 = ("pump=pump1", "amplifier=low_gain")
 OPEN = ("controller=open_loop", "procedure.adjustment.enabled=false")

@@ -50,9 +50,9 @@ def check_test(config: Mapping[str, Any]) -> None:
     if "repetitions" in config:
         read_run_keys(config)
     if backend.name == "nidaqmx":
-        from hjcamp.plants.pump_joint.rig import nidaqmx
+        from hjcamp.plants.pump_joint.rig import reach
 
-        nidaqmx.check_test(config)
+        reach.check_test(config)
 
 
 def check_controller(given: Mapping[str, Any]) -> None:

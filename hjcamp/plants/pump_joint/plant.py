@@ -215,7 +215,7 @@ class PumpJoint(Plant):
         """Return the motions of the pump on which an effect is tried out."""
         from hjcamp.plants.pump_joint.menu import pump_courses
 
-        return pump_courses()
+        return pump_courses(cls)
 
     @staticmethod
     def equations(state, parameter, drive, rate):  # type: ignore[no-untyped-def]

@@ -11,7 +11,7 @@ from hjcamp.errors import UsageError
 from hjcamp.known_plants import DEFAULT
 from hjcamp.report.against_run import Tests, tests_of
 from hjcamp.report.declared import declared_tables
-from hjcamp.report.indicators import INDICATORS, frame_with_varied, row_of
+from hjcamp.report.indicators import INDICATORS, row_of
 from hjcamp.report.origin import read_origin
 from hjcamp.report.paper.answers import quantities_of, read_answer, sheet_of
 from hjcamp.report.paper.cite import bibliography
@@ -24,6 +24,7 @@ from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
 from hjcamp.report.spread import Condition, Gathering
 from hjcamp.report.store import replace_file
 from hjcamp.report.tables import build_table, by_condition
+from hjcamp.report.varied import frame_with_varied
 
 #: From names of effects, and of a plant, to what has their docstrings.
 Documented = Callable[[str, set[str]], Sequence[object]]

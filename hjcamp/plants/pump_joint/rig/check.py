@@ -213,8 +213,7 @@ def open_check(
     from hjcamp.backends.rig.guard import require_guard
     from hjcamp.backends.rig.stop import while_moving
     from hjcamp.plants.pump_joint.rig.connection import connect
-    from hjcamp.plants.pump_joint.rig.limits import read_limits
-    from hjcamp.plants.pump_joint.rig.nidaqmx import limit_check
+    from hjcamp.plants.pump_joint.rig.limits import limit_check, read_limits
     from hjcamp.plants.pump_joint.rig.park import note_parked
     from hjcamp.plants.pump_joint.rig.wiring import read_wiring
 
@@ -249,7 +248,7 @@ def check_rig(
     """
     from hjcamp.plants.pump_joint.rig.check_stamp import stamp_path, write_stamp
     from hjcamp.plants.pump_joint.rig.lock import take_lock
-    from hjcamp.plants.pump_joint.rig.nidaqmx import check_test
+    from hjcamp.plants.pump_joint.rig.reach import check_test
     from hjcamp.storage import check_place
 
     if config["backend"]["name"] != "nidaqmx":

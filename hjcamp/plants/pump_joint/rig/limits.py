@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from math import inf, pi
 from typing import Any
 
+from hjcamp.controllers import find_controller
 from hjcamp.errors import counted
 from hjcamp.plants.pump_joint.rig.schema import LimitSettings
-from hjcamp.plants.pump_joint.rig.silence import RELEASE_PHASE, Coupling, Silence
-from hjcamp.plants.pump_joint.rig.wiring import Output
+from hjcamp.plants.pump_joint.rig.silence import RELEASE_PHASE, Coupling, Silence, coupling_of
+from hjcamp.plants.pump_joint.rig.wiring import Output, Wiring
 from hjcamp.schema import checked
 
 DEGREE = pi / 180
@@ -143,3 +144,12 @@ class LimitCheck:
                 return f"pump speed {speed:.1f} mm/s, limit {limits.pump_speed_mm_per_s:g} mm/s"
         self._past.append((self._sample, angle, travel))
         return None
+
+
+def limit_check(config: Mapping[str, Any], wiring: Wiring) -> LimitCheck:
+    """Return the limits of one test."""
+    one, two = wiring.pressures["pressure1"], wiring.pressures["pressure2"]
+    voltages = ((one.lowest_v, one.highest_v), (two.lowest_v, two.highest_v))
+    tracked = find_controller(config["controller"]["name"]).uses_arm
+    lead = config["pump"]["lead_mm_per_rev"] * 1e-3
+    return LimitCheck(read_limits(config), lead, voltages, coupling_of(config), tracked)

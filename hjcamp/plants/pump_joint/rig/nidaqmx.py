@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hjcamp.backends.recording import current_recording
 from hjcamp.backends.rig.fault import RigFault
-from hjcamp.backends.rig.guard import guard_facts, interlock_of, notices, require_guard
+from hjcamp.backends.rig.guard import guard_facts, notices, require_guard
 from hjcamp.backends.rig.stop import while_moving
 from hjcamp.backends.rig.timing import LoopTiming, undisturbed
 from hjcamp.controllers import find_controller
@@ -24,14 +24,13 @@ from hjcamp.plants.pump_joint.rig.connection import connect
 from hjcamp.plants.pump_joint.rig.control import RigControl
 from hjcamp.plants.pump_joint.rig.journal import Journal
 from hjcamp.plants.pump_joint.rig.left import LeftAt
-from hjcamp.plants.pump_joint.rig.limits import LimitCheck, read_limits
+from hjcamp.plants.pump_joint.rig.limits import limit_check, read_limits
 from hjcamp.plants.pump_joint.rig.lock import take_lock
+from hjcamp.plants.pump_joint.rig.look_again import look_again as look_at
 from hjcamp.plants.pump_joint.rig.loop import RigLoop, Stopped, StoppedForGood
 from hjcamp.plants.pump_joint.rig.park import note_parked, parked_at
-from hjcamp.plants.pump_joint.rig.reach import check_reach
-from hjcamp.plants.pump_joint.rig.silence import coupling_of
 from hjcamp.plants.pump_joint.rig.tasks import RigTasks, device_facts, last_words, not_written
-from hjcamp.plants.pump_joint.rig.wiring import Wiring, read_wiring
+from hjcamp.plants.pump_joint.rig.wiring import read_wiring
 from hjcamp.plants.pump_joint.simulation import (
     control_values,
     dither_of,
@@ -44,12 +43,6 @@ from hjcamp.plants.pump_joint.simulation import (
 Array = NDArray[np.float64]
 SPARE_SAMPLES = 100
 SLOWEST_RETURN = 2 * np.pi  # rad/s: 1 mm/s of the pump
-
-
-def check_test(config: Mapping[str, Any]) -> None:
-    """Raise ``UsageError`` where wiring or limits are incomplete or out of reach of the test; nothing is touched."""
-    interlock_of(config)
-    check_reach(config, read_wiring(config), read_limits(config))
 
 
 def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], dict[str, str]]:
@@ -101,9 +94,7 @@ def before_moving(config: Mapping[str, Any]) -> list[str]:
 
 def look_again(config: Mapping[str, Any], left: LeftAt) -> str:
     """Look at the rig after a fault and bring it to where a test begins; raises ``HjcampError`` where it is not fit."""
-    from hjcamp.plants.pump_joint.rig.look_again import look_again as look
-
-    return look(config, left)
+    return look_at(config, left)
 
 
 def drive(loop: RigLoop, config: Mapping[str, Any]) -> None:
@@ -162,15 +153,6 @@ def rig_control(config: Mapping[str, Any]) -> tuple[RigControl, dict[str, float]
 def samples_at_most(config: Mapping[str, Any], procedure: Mapping[str, float]) -> int:
     """Return how many samples a test may have: its own, and the longest of every other phase."""
     return round((procedure["control"] + procedure["rest"] + 3 * procedure["limit"]) / PERIOD) + SPARE_SAMPLES
-
-
-def limit_check(config: Mapping[str, Any], wiring: Wiring) -> LimitCheck:
-    """Return the limits of one test."""
-    one, two = wiring.pressures["pressure1"], wiring.pressures["pressure2"]
-    voltages = ((one.lowest_v, one.highest_v), (two.lowest_v, two.highest_v))
-    tracked = find_controller(config["controller"]["name"]).uses_arm
-    lead = config["pump"]["lead_mm_per_rev"] * 1e-3
-    return LimitCheck(read_limits(config), lead, voltages, coupling_of(config), tracked)
 
 
 def _close_log(loop: RigLoop) -> str:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
+from hjcamp.backends.rig.guard import interlock_of
 from hjcamp.controllers import find_controller
 from hjcamp.errors import UsageError
-from hjcamp.plants.pump_joint.rig.limits import Limits
+from hjcamp.plants.pump_joint.rig.limits import Limits, read_limits
 from hjcamp.plants.pump_joint.rig.silence import coupling_of
-from hjcamp.plants.pump_joint.rig.wiring import Wiring
+from hjcamp.plants.pump_joint.rig.wiring import Wiring, read_wiring
 from hjcamp.plants.pump_joint.simulation import reference_of
 
 DEGREE = pi / 180
@@ -134,3 +135,9 @@ def _check_drives(config: Mapping[str, Any], wiring: Wiring, limits: Limits, whe
             f"{where}: return_speed_mm_per_s is {back:g}, "
             f"limits.pump_speed_mm_per_s stops it at {limits.pump_speed_mm_per_s:g} mm/s"
         )
+
+
+def check_test(config: Mapping[str, Any]) -> None:
+    """Raise ``UsageError`` where wiring or limits are incomplete or out of reach of the test; nothing is touched."""
+    interlock_of(config)
+    check_reach(config, read_wiring(config), read_limits(config))
