@@ -22,6 +22,7 @@ CHOICES = ("trajectory", "controller", *_USUAL.setups, *_USUAL.rig, "friction")
 _ROOM = _USUAL.own_room("indicators")
 INDICATORS: tuple[str, ...] = _ROOM.INDICATORS
 FURTHER: tuple[str, ...] = _ROOM.FURTHER
+error_indicators, line_indicators = _ROOM.error_indicators, _ROOM.line_indicators
 COLUMNS = ("campaign", *CHOICES, "repetition", *INDICATORS)
 #: What tells one test from another, behind the columns that other programs read by place.
 IDENTITY = ("condition", "seed", "log")
@@ -35,8 +36,8 @@ def indicators_of(log: TestLog) -> dict[str, Any]:
     row |= choices_of(log)
     row["repetition"] = _whole_number(log.metadata.get("repetition"))
     row["seed"] = _whole_number(log.metadata.get("seed"))
-    row |= _ROOM.error_indicators(log, row["trajectory"] or "")
-    row |= _ROOM.line_indicators(log, configuration(log.attachments.get("config.yaml", b"")))
+    row |= error_indicators(log.command_phase, row["trajectory"] or "")
+    row |= line_indicators(log, configuration(log.attachments.get("config.yaml", b"")))
     from hjcamp.report.published import cell_key
 
     # another plant has no such groups: its printed cells are those of a bare, horizontal joint

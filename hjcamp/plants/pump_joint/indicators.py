@@ -23,8 +23,8 @@ START_LEFT_OUT = 0.25
 SETTLING_TIME = 0.2
 
 
-def error_indicators(log: TestLog, trajectory: str) -> dict[str, float | None]:
-    r"""Return `INDICATORS` of the error e = desired - measured arm angle (deg) of the n samples of the command phase (5.2.5.1, 2).
+def error_indicators(command: Mapping[str, Any], trajectory: str) -> dict[str, float | None]:
+    r"""Return `INDICATORS` of the error e = desired - measured arm angle (deg) of the n samples of a command phase (5.2.5.1, 2).
 
     .. math:: RMSE1 = \sqrt{\tfrac{1}{n} \sum e_i^2}, \quad e_{max} = \max |e_i|
 
@@ -33,7 +33,6 @@ def error_indicators(log: TestLog, trajectory: str) -> dict[str, float | None]:
     5.4.2 (5.2.5: error = desired - output). What a log cannot give is None.
     """
     values: dict[str, float | None] = dict.fromkeys(INDICATORS)
-    command = log.command_phase
     if not {"reference_deg", "arm_deg"} <= set(command) or not len(command["time_s"]):
         return values
     time, reference = command["time_s"], command["reference_deg"]
