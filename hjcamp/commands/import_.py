@@ -11,6 +11,7 @@ import typer
 
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError, counted
+from hjcamp.known_plants import DEFAULT
 from hjcamp.storage import check_place
 
 HELP = """Turn measurements from elsewhere into test logs.
@@ -19,7 +20,7 @@ FILE is CSV, MATLAB (.mat up to version 7), Parquet or MCAP (JSON or protobuf me
 with all fields of a plant. An example of MAP.yaml:
 
 \b
-  plant: axis              # the reference's joint where it is absent
+  plant: axis              # USUAL where it is absent
   period_s: 0.001          # or sampling_hz; not needed where time_s is mapped
   topic: /motor/state      # MCAP alone
   skip_lines: 2            # CSV alone: also comment; separator and decimal_comma are read off the file
@@ -33,7 +34,7 @@ with all fields of a plant. An example of MAP.yaml:
     pulses.csv: {condition: pulses, mass_kg: 120}
 
 A column is a CSV or Parquet column, a MATLAB variable (q, data.q, q(:,2)), or a name in a message (q, pose.x).
-"""
+""".replace("USUAL", DEFAULT)
 
 
 def register(app: typer.Typer) -> None:
