@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
+import inspect
 from collections.abc import Mapping
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -15,6 +16,7 @@ from hjcamp.model.instance import Instance
 from hjcamp.model.law import Law
 from hjcamp.model.parameter import Channel, Cut, Input, Measured, Parameter, State, declared, finite_number
 from hjcamp.model.port import Port
+from hjcamp.model.rooms import ROOMS, open_room
 from hjcamp.model.scatter import FrictionScatter
 
 if TYPE_CHECKING:
@@ -46,7 +48,8 @@ class Plant:
     friction by ``friction_varies``, starts by the ``scatter`` of a state, the ``drawn`` parameters.
     Lines that occur twice are written once, as a function: ``NAME = part(FUNCTION, ...)`` (see `hjcamp.model.marks.part`).
     ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
-    ``rooms`` are modules that do for this plant alone what the program does for any: what is done -> the module's name.
+    ``rooms`` are modules that do for this plant alone what the program does for any (`hjcamp.model.rooms`): what is done ->
+    the module's name, or a file beside the plant's.
     """
 
     name: ClassVar[str] = ""
@@ -91,6 +94,9 @@ class Plant:
             )
         if cls.loop not in LOOPS:
             raise unknown("loop", str(cls.loop), LOOPS, cls.__name__)
+        for name in cls.rooms:
+            if name not in ROOMS:
+                raise unknown("room", str(name), ROOMS, f"{cls.__name__}, rooms")
         cls.states = declared(cls, State)
         cls.parameters = declared(cls, Parameter)
         cls.inputs = declared(cls, Input)
@@ -142,7 +148,7 @@ class Plant:
     @classmethod
     def room(cls, name: str) -> ModuleType | None:
         """Return the plant's own module for what is called ``name``, None where that of any plant does it."""
-        return importlib.import_module(cls.rooms[name]) if name in cls.rooms else None
+        return open_room(name, cls.rooms[name], Path(inspect.getfile(cls)), cls.name) if name in cls.rooms else None
 
     @classmethod
     def own_room(cls, name: str) -> ModuleType:

@@ -6,54 +6,28 @@ import inspect
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 import hjcamp
-from hjcamp import backends
+from hjcamp import backends, cli
 from hjcamp.backends import plant_simulation
 from hjcamp.commands import command_files
 from hjcamp.commands.any_plant import calls
 from hjcamp.controllers import load_controllers
 from hjcamp.errors import UsageError
-from hjcamp.known_plants import folders_in_plants, load_plants, plant_called, plant_of, usual_plant
+from hjcamp.known_plants import folders_in_plants, plant_called, plant_of, usual_plant
+from hjcamp.model.rooms import ROOMS
 from hjcamp.notebook import _any_plant as in_python
 
-# What is called -> the room that may do it, and the module that does it for any plant.
-CALLS: tuple[tuple[str, ModuleType, tuple[str, ...]], ...] = (
-    ("compare", calls, ("compare",)),
-    ("diagnose", calls, ("diagnose",)),
-    ("add", calls, ("add",)),
-    ("calibrate", calls, ("calibrate",)),
-    ("next", calls, ("propose",)),
-    (
-        "python",
-        in_python,
-        (
-            "compared", "comparison_sentences", "comparison_drawn", "comparison_page", "diagnosed", "diagnosis_sentences",
-            "diagnosis_drawn", "diagnosis_page", "added", "calibrated",
-        ),
-    ),
-    ("simulation", plant_simulation, ("run_test", "kernel_texts")),
-)  # fmt: skip
-# What only the usual plant has: what the program asks of it by these names.
-ASKED: Mapping[str, tuple[str, ...]] = {
-    "tables": ("diagnose_tables", "compare_tables", "add_table", "is_answer"),
-    "effects": ("configured", "draw", "paint", "checks"),
-    "curve": ("begun",),
-    "tune": ("stability_method", "tune_campaign"),
-    "kernels": ("warm",),
-    "configuration": ("check_test", "check_model"),
-    "nidaqmx": ("run_test", "notices", "before_moving", "look_again"),
-    "watches": ("rig_watches",),
-    "indicators": ("INDICATORS", "FURTHER", "error_indicators", "line_indicators"),
-    "panels": ("PANELS", "SIGNALS"),
-    "published": ("CONDITION", "MEASURED_WITH", "CAMPAIGNS", "cell_key", "published_cells", "standing", "beside_refit"),
-    "run": ("pictures", "note", "next_commands"),
-}
+# What does for any plant what a room may do for one.
+FOR_ANY: tuple[tuple[str, ModuleType], ...] = (
+    *((room, calls) for room in ("compare", "diagnose", "add", "calibrate", "next")),
+    ("python", in_python),
+    ("simulation", plant_simulation),
+)
 NAMES = re.compile(r"pump|pressure1|arm_deg|arm_angle", re.IGNORECASE)
 # The usual plant's name, which logs and models that name none stand for.
 NAMED_BY = {"known_plants.py", "prediction/model_file.py"}
@@ -66,22 +40,48 @@ def parameters_of(function: object) -> list[str]:
     return [one.kind.name for one in inspect.signature(function).parameters.values()]  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(("room", "anybody", "names"), CALLS, ids=[one[0] for one in CALLS])
-def test_a_room_answers_the_calls_of_any_plant(room: str, anybody: ModuleType, names: tuple[str, ...]) -> None:
-    own = usual_plant().room(room)
-    assert own is not None and own is not anybody
-    for name in names:
-        assert parameters_of(getattr(own, name)) == parameters_of(getattr(anybody, name)), name
+@pytest.mark.parametrize(("room", "anybody"), FOR_ANY, ids=[one[0] for one in FOR_ANY])
+def test_a_room_answers_the_calls_of_any_plant(room: str, anybody: ModuleType) -> None:
+    own = usual_plant().own_room(room)
+    assert own is not anybody
+    for name in ROOMS[room]:
+        ours, anyones = getattr(own, name), getattr(anybody, name)
+        assert callable(ours) == callable(anyones), name
+        assert not callable(ours) or parameters_of(ours) == parameters_of(anyones), name
 
 
-def test_every_room_of_a_plant_that_comes_along_is_asked_for_by_what_it_has() -> None:
-    known = {room: names for room, _, names in CALLS} | dict(ASKED)
-    for plant in load_plants([]).values():
-        assert set(plant.rooms) <= set(known), plant.name
-        for room in plant.rooms:
-            missing = [name for name in known[room] if not hasattr(plant.own_room(room), name)]
-            assert not missing, (plant.name, room, missing)
-    assert set(usual_plant().rooms) == set(known)
+@pytest.mark.parametrize("room", ROOMS)
+def test_the_usual_plant_has_every_room_with_what_it_must_hold(room: str) -> None:
+    assert usual_plant().room(room) is not None
+
+
+OWN = """from rich.console import Console
+
+def calibrate(data, name, only, conf, replace, json):
+    Console().print(f"{len(data.logs)} test of {data.plant_name}, by a module of its own, as {name}", markup=False)
+"""
+
+
+def test_a_users_plant_has_a_room_in_its_folder(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plants = folder / "plants"
+    (plants / "vessel").mkdir()
+    text = (plants / "tanks.py").read_text().replace("class Tanks", "class Vessel")
+    rooms = '    rooms = {"calibrate": "own_calibration.py"}\n    upper = State'
+    (plants / "vessel" / "plant.py").write_text(text.replace("    upper = State", rooms, 1))
+    (plants / "vessel" / "own_calibration.py").write_text(OWN)
+    steps = "trajectory.segments=[{to_v: 4, in: 0.1, law: linear}, {rest: 0.1}]"
+    assert cli.run(["run", "plant=vessel", "trajectory=segments", steps, "repetitions=1", "run_dir=out"]) == 0
+    capsys.readouterr()
+    assert cli.run(["calibrate", "out", "--as", "mine"]) == 0
+    assert capsys.readouterr().out == "1 test of vessel, by a module of its own, as mine\n"
+    (plants / "vessel" / "own_calibration.py").write_text("def calibrated(): pass\n")
+    assert cli.run(["calibrate", "out", "--as", "mine"]) == 2
+    assert "plant vessel, room 'calibrate': own_calibration.py has no 'calibrate'" in capsys.readouterr().err
+    (plants / "vessel" / "plant.py").write_text(
+        text.replace("    upper = State", rooms.replace("calibrate", "calibrat", 1), 1)
+    )
+    assert cli.run(["calibrate", "out", "--as", "mine"]) == 2
+    assert "unknown room 'calibrat' in Vessel, rooms; did you mean 'calibrate'" in capsys.readouterr().err
 
 
 def test_a_plant_without_rooms_is_done_by_what_does_any() -> None:
