@@ -89,9 +89,9 @@ docs: $(DOCUMENTED) catalogue
 	$(BIN)/python docs/site/make_site.py site/catalogue
 
 bench: $(WARM)
-	$(BIN)/python benchmarks/bench.py
-	$(BIN)/python benchmarks/loop_timing.py
-	$(BIN)/python benchmarks/live_timing.py
+	$(BIN)/python benchmarks/speed/bench.py
+	$(BIN)/python benchmarks/speed/loop_timing.py
+	$(BIN)/python benchmarks/speed/live_timing.py
 
 benchmark: $(WARM)
 	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 100000 --page docs/benchmark.md
@@ -114,23 +114,23 @@ thesis_gap: $(WARM)
 	sed 's|(cells.png)|(images/thesis_gap.png)|' runs/tables_5.4.1_5.4.2_$(EFFORT)_1/page.md > docs/thesis_gap.md
 	rm -f conf/model/refit.yaml
 	$(BIN)/hjcamp add docs/thesis_gap.json --as refit
-	cp docs/thesis_gap.json hjcamp/report/published/refit.json
+	cp docs/thesis_gap.json hjcamp/plants/pump_joint/published/refit.json
 
 tour_data: $(WARM)
 	$(BIN)/python tests/cli/make_tour_data.py
 	$(BIN)/python tests/cli/write_tour_page.py
 
 convergence: $(INSTALLED)
-	$(BIN)/python benchmarks/convergence.py
+	$(BIN)/python benchmarks/published/convergence.py
 
 fidelity: $(WARM)
-	$(BIN)/python benchmarks/fidelity.py
+	$(BIN)/python benchmarks/published/fidelity.py
 
 pump_cost: $(WARM)
-	$(BIN)/python benchmarks/pump_cost.py
+	$(BIN)/python benchmarks/published/pump_cost.py
 
 validation: $(WARM)
-	$(BIN)/python benchmarks/validation.py
+	$(BIN)/python benchmarks/published/validation.py
 
 faults: $(WARM) $(TESTABLE)
 	$(BIN)/python tests/rig/write_fault_table.py

@@ -52,11 +52,11 @@ def run_case(case: HiddenCase, effort: str, tag: str, seen: dict[str, Any] | Non
 
 def diagnosed(folder: Path, without: tuple[str, ...], effort: str) -> dict[str, Any]:
     """Return the answer of a diagnosis of the logs in ``folder``, its seconds, and what stands behind it."""
-    from hjcamp.analyses.data import evidence_of
-    from hjcamp.discrepancy.answer import answer
-    from hjcamp.discrepancy.diagnose import diagnose
-    from hjcamp.discrepancy.workers.pool import Crew
     from hjcamp.effects import load_effects
+    from hjcamp.plants.pump_joint.analyses.evidence import evidence_of
+    from hjcamp.plants.pump_joint.diagnosis.answer import answer
+    from hjcamp.plants.pump_joint.diagnosis.diagnose import diagnose
+    from hjcamp.workers.pool import Crew
 
     effects = tuple(effect for name, effect in load_effects([]).items() if name not in without)
     began, used = time.perf_counter(), time.process_time()

@@ -32,9 +32,9 @@ from on_cluster import there
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from hjcamp.discrepancy.design.menu import menu
 from hjcamp.effects import load_effects
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.diagnosis.design.menu import menu
 from hjcamp.storage import write_whole
 
 PAIRS = (

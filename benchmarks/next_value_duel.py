@@ -13,18 +13,18 @@ from truth.case import build_case, simulate_test
 from truth.menu import Condition, asked, sine
 from truth.simulate import COLUMNS
 
-from hjcamp.discrepancy.design.menu import Choice
-from hjcamp.discrepancy.design.propose import REPETITIONS, propose
-from hjcamp.discrepancy.design.rivals import Rival
-from hjcamp.discrepancy.design.trials import Bench
-from hjcamp.discrepancy.fitting.calibrate import calibrate
-from hjcamp.discrepancy.fitting.gauss_newton import Fitter
-from hjcamp.discrepancy.measured.evidence import Evidence, prepare
-from hjcamp.discrepancy.measured.repetition import scatter_of
-from hjcamp.discrepancy.residuals.features import Features
-from hjcamp.discrepancy.residuals.views import Views
-from hjcamp.discrepancy.screening.screening import fit_effect, rival_weights, screen, unknowns_of
 from hjcamp.model.candidate import Candidate
+from hjcamp.plants.pump_joint.diagnosis.design.menu import Choice
+from hjcamp.plants.pump_joint.diagnosis.design.propose import REPETITIONS, propose
+from hjcamp.plants.pump_joint.diagnosis.design.rivals import Rival
+from hjcamp.plants.pump_joint.diagnosis.design.trials import Bench
+from hjcamp.plants.pump_joint.diagnosis.fitting.calibrate import calibrate
+from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fitter
+from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence, prepare
+from hjcamp.plants.pump_joint.diagnosis.measured.repetition import scatter_of
+from hjcamp.plants.pump_joint.diagnosis.residuals.features import Features
+from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
+from hjcamp.plants.pump_joint.diagnosis.screening.screening import fit_effect, rival_weights, screen, unknowns_of
 from hjcamp.records.log import TestLog
 
 MOST = 16

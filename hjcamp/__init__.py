@@ -18,7 +18,7 @@ _FUNCTIONS = (
 
 
 #: Those of them that are packages as well: the package is called.
-_PACKAGES = ("calibrate", "effects", "plants", "report")
+_PACKAGES = ("effects", "plants", "report")
 
 
 def __getattr__(name: str) -> object:

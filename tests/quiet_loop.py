@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.controllers.open_loop import OpenLoop
 from hjcamp.effects import find_effect
 from hjcamp.model.compose import Composition
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.controllers.open_loop import OpenLoop
 from hjcamp.plants.pump_joint.loop import ClosedLoop, JointSimulator
 from hjcamp.plants.pump_joint.procedure import Procedure
 

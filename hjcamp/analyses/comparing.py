@@ -10,27 +10,12 @@ from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from hjcamp.analyses.plant_comparison import PlantComparison
-    from hjcamp.discrepancy.compare import Comparison as PumpComparison
-    from hjcamp.discrepancy.measured.evidence import Evidence
 
 
 def check_models(names: Sequence[str]) -> None:
     """Refuse a model that is named twice."""
     if len(set(names)) < len(names):
         raise UsageError(f"--model {' --model '.join(names)}: each model once")
-
-
-def compare_pump_joint(data: Data, names: Sequence[str], report: Report = silent) -> PumpComparison:
-    """Return saved models of the pump joint on its tests (`hjcamp.discrepancy.compare`)."""
-    from hjcamp.discrepancy.compare import compare
-    from hjcamp.discrepancy.models.saved import saved_model
-    from hjcamp.effects import load_effects
-
-    check_models(names)
-    models = {name: saved_model(name) for name in names}
-    report("reading the tests", 0.02)
-    calibrated = calibrated_on(names[-1], data.evidence)
-    return compare(data.evidence, tuple(load_effects().values()), models, calibrated, report)
 
 
 def compare_plant(data: Data, names: Sequence[str], report: Report = silent) -> PlantComparison:
@@ -45,13 +30,3 @@ def compare_plant(data: Data, names: Sequence[str], report: Report = silent) -> 
     models = {name: load_model(name, data.measured.plant, library) for name in names}
     report("compiling, once for these models", 0.05)
     return with_lesser(compared(data.measured, library, models, report), models)
-
-
-def calibrated_on(model: str, evidence: Evidence) -> bool:
-    """Return whether the base parameters of a saved model were fitted on any of these very logs."""
-    from hjcamp.configuration.composer import Composer
-    from hjcamp.configuration.saved_model import log_hashes
-
-    origin = Composer().model(model).get("provenance") or {}
-    fitted = origin.get("logs_sha256") if isinstance(origin, dict) else None
-    return isinstance(fitted, dict) and bool(set(fitted.values()) & set(log_hashes(test.log.path for test in evidence.tests).values()))

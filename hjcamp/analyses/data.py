@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.measured.evidence import Evidence
     from hjcamp.model.plant import Plant
     from hjcamp.prediction.measured import Measured
     from hjcamp.records.log import TestLog
@@ -30,14 +29,13 @@ class Data:
     """
 
     def __init__(self, paths: Sequence[str | Path]) -> None:
-        from hjcamp.plants import DEFAULT
+        from hjcamp.known_plants import DEFAULT
         from hjcamp.records.find import find_logs
         from hjcamp.records.of_plant import PLANT_KEY
         from hjcamp.records.read import read_metadata
 
         self.paths = [Path(path) for path in paths]
         self.plant_name = read_metadata(find_logs(self.paths)[0]).get(PLANT_KEY) or DEFAULT
-        self.of_pump_joint = self.plant_name == DEFAULT
 
     @cached_property
     def logs(self) -> list[TestLog]:
@@ -49,23 +47,18 @@ class Data:
     @property
     def plant(self) -> type[Plant]:
         """The plant of these tests."""
-        from hjcamp.plants import find_plant
+        from hjcamp.known_plants import plant_called
 
-        return find_plant(self.plant_name, str(self.paths[0]))
-
-    @cached_property
-    def evidence(self) -> Evidence:
-        """The tests of the pump joint on their coarser clock."""
-        return evidence_of(self.paths, self.logs)
+        return plant_called(self.plant_name, str(self.paths[0]))
 
     @cached_property
     def measured(self) -> Measured:
-        """The tests of another plant; what is doubtful is said on stderr."""
+        """The tests as the analyses of any plant take them; what is doubtful is said on stderr."""
         from hjcamp.model.plant_checks import check_users_plant, other_period
         from hjcamp.prediction.measured import measured_tests
 
         check_users_plant(self.plant)
-        doubtful = _doubtful(self.logs)
+        doubtful = doubtful_lines(self.logs)
         found = measured_tests(self.logs)
         print(doubtful, end="", file=sys.stderr)
         if note := other_period(self.plant, found.period):
@@ -73,20 +66,7 @@ class Data:
         return found
 
 
-def evidence_of(paths: Sequence[Path], logs: Sequence[TestLog] | None = None) -> Evidence:
-    """Return the evidence of the logs at ``paths``; refuse what cannot be, and say on stderr what is doubtful."""
-    from hjcamp.discrepancy.measured.evidence import prepare
-    from hjcamp.records.find import read_logs, refuse_unanalysed
-
-    logs = read_logs(list(paths)) if logs is None else logs
-    refuse_unanalysed(logs, "the diagnosis")
-    doubtful = _doubtful(logs)
-    evidence = prepare(logs)
-    print(doubtful, end="", file=sys.stderr)
-    return evidence
-
-
-def _doubtful(logs: Sequence[TestLog]) -> str:
+def doubtful_lines(logs: Sequence[TestLog]) -> str:
     """Return a line for each field that is doubtful in some log; refuse what cannot be."""
     from hjcamp.records.plausible import refuse_implausible
 

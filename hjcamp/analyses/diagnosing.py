@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, Report, silent
 from hjcamp.errors import UsageError, shown, unknown
-from hjcamp.report.where_words import NEAR
 
 if TYPE_CHECKING:
-    from hjcamp.discrepancy.answer import Judging
-    from hjcamp.discrepancy.diagnose import Diagnosis
-    from hjcamp.discrepancy.localisation.unexplained import Unexplained
-    from hjcamp.discrepancy.measured.evidence import Evidence
-    from hjcamp.discrepancy.scale import Judged
     from hjcamp.model.candidate import Candidate
     from hjcamp.model.effect import Effect
     from hjcamp.prediction.analysis import Analysis
@@ -41,29 +35,13 @@ class Asked:
 
     def check(self) -> None:
         """Refuse an unknown effort, a seed that ``seed=`` of a run would not take, and less than one process."""
-        from hjcamp.discrepancy.selection.effort import EFFORTS
+        from hjcamp.analyses.effort import EFFORTS
 
         check_seed(self.seed)
         if self.effort not in EFFORTS:
             raise unknown("effort", self.effort, EFFORTS)
         if self.workers is not None and self.workers < 1:
             raise UsageError(f"--workers {self.workers}: give a whole number, 1 or more")
-
-
-@dataclass(frozen=True)
-class Diagnosed:
-    """A diagnosis of the pump joint with all that its words need: the answer for programs, the library, what was started
-    from.
-    """
-
-    found: Diagnosis
-    content: dict[str, Any]
-    library: Mapping[str, type[Effect]]
-    model: str
-    start: Judged | None
-    judging: Judging
-    unexplained: Unexplained | None
-    shown: Any = None
 
 
 @dataclass(frozen=True)
@@ -81,80 +59,13 @@ def check_seed(seed: int) -> None:
         raise UsageError(f"--seed {shown(seed)}: give a whole number, 0 or more and below 2^63")
 
 
-def diagnose_pump_joint(
-    data: Data,
-    asked: Asked,
-    report: Report = silent,
-    compiling: Callable[[int, int], None] = lambda done, count: None,
-    lacking: Callable[[Evidence], None] = lambda evidence: None,
-    gather: Callable[[Diagnosis, dict[str, Any], Mapping[str, type[Effect]]], Any] = lambda found, content, library: None,
-) -> Diagnosed:
-    """Return what the model of the pump joint misses (`hjcamp.discrepancy.diagnose`).
-
-    ``compiling`` hears how many kernels of how many are there, ``lacking`` the evidence before anything is computed; what
-    ``gather`` makes of the diagnosis, while its processes are there, is kept as ``shown``.
-    """
-    from hjcamp.campaign.warm import missing, ready_to_diagnose, side_by_side
-    from hjcamp.discrepancy.answer import Judging, answer, asked_candidates
-    from hjcamp.discrepancy.diagnose import diagnose
-    from hjcamp.discrepancy.models.saved import saved_model
-    from hjcamp.discrepancy.workers.pool import Crew, available
-    from hjcamp.effects import load_effects
-
-    began = time.perf_counter()
-    asked.check()
-    start = saved_model(asked.model)
-    library = considered(load_effects(), asked.only, asked.without, start.effects)
-    check_asked(asked.ask, library)
-    effects = tuple(library.values())
-    number = asked.workers or min(available(), MOST_WORKERS)
-    lacking(data.evidence)  # before anything is compiled: who gave the wrong logs hears it at once
-    if work := missing(effects):
-        compiling(0, len(work))
-        for count, _ in enumerate(side_by_side(work, number), start=1):
-            compiling(count, len(work))
-    crew = Crew(number, asked.cluster, partial(ready_to_diagnose, tuple(library)))
-    try:
-        begin = start if start.base or start.effects else None
-        found = diagnose(
-            data.evidence, effects, effort=asked.effort, seed=asked.seed, start=begin, crew=crew, report=report
-        )
-        judging = Judging(found, effects, asked.effort)
-        content = answer(found, effects, asked.effort, 0.0, report, judging)
-        wanted, rows = own_and_asked(library, asked.ask), content["candidates"]
-        more = asked_candidates(judging, wanted, [row["effect"] for row in rows])
-        content["candidates"] = with_asked(rows, more, wanted)
-        before = judging.of_start(start)
-        shown = gather(found, content, library)
-    finally:
-        crew.close()
-    curve = _curve(found, content)
-    content["unknowns"] = [curve.row()] if curve else []
-    content["seconds"] = round(time.perf_counter() - began, 3)
-    return Diagnosed(found, content, library, asked.model, before, judging, curve, shown)
-
-
-def _curve(found: Diagnosis, content: Mapping[str, Any]) -> Unexplained | None:
-    from hjcamp.discrepancy.localisation.unexplained import unexplained
-
-    if not content["drivers"]:
-        return None
-    fit = found.final if looks_at_final(found, content["error"]["augmented"]) else found.baseline
-    return unexplained(found.features, fit, found.floor, content["drivers"][0])
-
-
-def looks_at_final(found: Diagnosis, error: float | None) -> bool:
-    """Return whether the best model leaves enough to be looked at; else an effect fits whose law does not hold."""
-    return found.final is not found.baseline and (error is None or error > NEAR)
-
-
 def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDiagnosed:
     """Return what the model of any plant misses (`hjcamp.prediction.verdict`)."""
-    from hjcamp.discrepancy.workers.pool import available
     from hjcamp.prediction.analysis import Known, calibrated
     from hjcamp.prediction.answer import answer, asked_candidates
     from hjcamp.prediction.floor import not_above
     from hjcamp.prediction.verdict import agreed
+    from hjcamp.workers.pool import available
 
     began = time.perf_counter()
     asked.check()

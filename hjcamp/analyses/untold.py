@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 def untold(analysis: Analysis) -> list[str]:
     """Return a sentence for each base parameter that moves together with others in the fit to these tests."""
-    from hjcamp.report.corner_figure import ALIKE, correlation_of
+    from hjcamp.report.pictures.corner import ALIKE, correlation_of
 
     fitted = analysis.base.fitted
     covariance = np.asarray(np.linalg.pinv(fitted.information), dtype=np.float64)

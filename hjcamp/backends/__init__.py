@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import unknown
+from hjcamp.known_plants import plant_of
 from hjcamp.model.watch import Watch, plausible_watches
 
 BACKENDS = ("simulation", "nidaqmx")
@@ -35,13 +35,16 @@ def before_moving(config: Mapping[str, Any]) -> list[str]:
 
 def watches(config: Mapping[str, Any]) -> list[Watch]:
     """Return the limits that a test stays within, as quantities of its log: those of its rig, else what its plant finds plausible."""
-    if not config.get("plant") and config["rig"].get("limits"):
-        from hjcamp.backends.rig.margins import rig_watches
+    plant = plant_of(config)
+    own = plant.room("watches")
+    if own is not None and config["rig"].get("limits"):
+        return list(own.rig_watches(config))
+    return plausible_watches(plant)
 
-        return rig_watches(config)
-    from hjcamp.plants import DEFAULT, find_plant
 
-    return plausible_watches(find_plant(str((config.get("plant") or {}).get("name") or DEFAULT), "plant"))
+def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Return what a simulated test compiles: in words -> its text and its last function; nothing on another backend."""
+    return dict(_backend(config).kernel_texts(config)) if config["backend"].get("name") == "simulation" else {}
 
 
 def look_again(config: Mapping[str, Any], left: Any) -> str:
@@ -56,4 +59,9 @@ def _backend(config: Mapping[str, Any]) -> Any:
     name = config["backend"]["name"]
     if name not in BACKENDS:
         raise unknown("backend", name, BACKENDS)
-    return importlib.import_module(f"hjcamp.backends.{name}")
+    plant = plant_of(config)
+    if name == "simulation" and name not in plant.rooms:
+        from hjcamp.backends import plant_simulation
+
+        return plant_simulation
+    return plant.own_room(name)

@@ -50,12 +50,12 @@ class Kernels:
 
 def kernels_of(configs: Iterable[Mapping[str, Any]]) -> Kernels:
     """Return the kernels that the tests of some resolved configurations need; none for a backend that has its own."""
-    from hjcamp.backends.simulation import kernel_texts
+    from hjcamp.backends import kernel_texts
 
     needed: dict[str, tuple[str, str]] = {}
     for config in configs:
         try:
-            found = kernel_texts(config) if config["backend"].get("name") == "simulation" else {}
+            found = kernel_texts(config)
         except Exception:
             # What is wrong with a configuration is said by its test, not by a line about waiting.
             continue

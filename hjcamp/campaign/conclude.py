@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import re
-import shlex
 from collections.abc import Mapping
-from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
-from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
-from hjcamp.errors import HjcampError, RigStopped, UsageError, counted
-from hjcamp.plants import DEFAULT
+from hjcamp.errors import HjcampError, RigStopped, counted
+from hjcamp.known_plants import DEFAULT, plant_called, plant_of
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -20,8 +18,6 @@ if TYPE_CHECKING:
     from hjcamp.report.build import Report
 
 SHOWN = 5
-#: The campaigns whose logs `hjcamp calibrate` reads.
-IDENTIFIED = ("pump_step", "compliance", "leakage", "friction")
 NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -35,10 +31,10 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> Report |
     console.print(f"[bold]{folder.path}[/bold]   {counted(total, 'test')}, {len(result.failures)} failed{kept}")
     for text, count in grouped(result.warnings)[:SHOWN]:
         console.print(f"  note    {text} ({count} test{'s' * (count != 1)})", style="yellow", markup=False)
-    joints = [one.config for one in folder.plan.conditions if not one.config.get("plant")]
-    for slip in dict.fromkeys(map(string_warning, joints)):
-        if slip:
-            console.print(f"  note    {slip}", style="yellow", markup=False)
+    configs = [(plant_of(one.config).room("run"), one.config) for one in folder.plan.conditions]
+    for note in dict.fromkeys(room.note(config) for room, config in configs if room):
+        if note:
+            console.print(f"  note    {note}", style="yellow", markup=False)
     report = _report(folder, console) if result.done + result.kept else None
     if result.failures:
         lines = [f"{test}: {message}" for test, message in result.failures[:SHOWN]]
@@ -64,11 +60,11 @@ def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:
 
 
 def _report(folder: RunFolder, console: Console) -> Report:
-    from hjcamp.campaign.study_pictures import study_pictures
+    from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.report.build import build_report, verdict
     from hjcamp.report.terminal import summary_table
 
-    report = build_report(folder.path, against="published", further=study_pictures)
+    report = build_report(folder.path, against="published", further=further_pictures)
     console.print(summary_table(report.indicators))
     sentence = verdict(report.comparison, report.differs)
     if sentence:
@@ -80,33 +76,12 @@ def _report(folder: RunFolder, console: Console) -> Report:
 
 
 def next_commands(folder: RunFolder, report: Report) -> list[str]:
-    """Return what helps now, each command whole and fit to be run: the tests of one rig, and no check that must fail."""
-    from hjcamp.records.find import ANALYSED, HARDWARE
-    from hjcamp.report.check import check
-
-    run = shlex.quote(str(folder.path))
-    conditions = folder.plan.conditions
-    if any((one.choices.get("plant") or DEFAULT) not in ANALYSED for one in conditions):
-        return []
-    rigs = {tuple((group, one.choices.get(group)) for group in HARDWARE): None for one in conditions}
-    first = next(iter(rigs))
-    if folder.plan.campaign in IDENTIFIED:
-        only = [f" --only {group}={name}" for group, name in first if len({dict(rig)[group] for rig in rigs}) > 1]
-        return [f"hjcamp calibrate {run} --as {_free_model()}{''.join(only)}"]
-    paths = [run]
-    if len(rigs) > 1:
-        own = [one.name for one in conditions if tuple((group, one.choices.get(group)) for group in HARDWARE) == first]
-        there = [folder.path / "logs" / name for name in own]
-        paths = [shlex.quote(str(path)) for path in there if path.is_dir()]
-    commands = [f"hjcamp compare {' '.join(paths)}"] if paths else []
-    try:
-        passes = not check(report.comparison)
-    except UsageError:
-        return commands
-    return [*commands, f"hjcamp report {run} --check default"] if passes else commands
+    """Return what helps now, each command whole and fit to be run; nothing where no plant of the run says so."""
+    room = _room_of(folder)
+    return list(room.next_commands(folder, report)) if room else []
 
 
-def _free_model() -> str:
-    names = (f"my_rig{number}" for number in ("", *range(2, 1000)))
-    places = [Path("conf") / group for group in ("model", "rig")]
-    return next(name for name in names if not any((place / f"{name}.yaml").exists() for place in places))
+def _room_of(folder: RunFolder) -> ModuleType | None:
+    """Return the module of the plant that all conditions of a run are of, where it has one for runs."""
+    plants = {plant_called(one.choices.get("plant") or DEFAULT) for one in folder.plan.conditions}
+    return plants.pop().room("run") if len(plants) == 1 else None

@@ -24,10 +24,10 @@ COMMAND_PHASE = 3.0
 def followed_error(columns: Mapping[str, NDArray[np.float64]], config: Mapping[str, Any]) -> tuple[str, float] | None:
     """Return what the plant controls and its RMS error over the command phase, in the field's unit; None without a reference."""
     from hjcamp.controllers.fit import controlled_field
-    from hjcamp.plants import DEFAULT, find_plant
+    from hjcamp.known_plants import plant_of
     from hjcamp.report.exploration import references
 
-    followed = controlled_field(find_plant(str((config.get("plant") or {}).get("name") or DEFAULT), "plant"))
+    followed = controlled_field(plant_of(config))
     known = {name: values for name, values in columns.items() if name == followed or name.startswith("reference_")}
     reference = references(known).get(followed)
     if reference is None:

@@ -17,14 +17,13 @@ import yaml
 
 from hjcamp.campaign.provenance import log_provenance
 from hjcamp.errors import HjcampError, Interrupted, RigStopped
+from hjcamp.known_plants import usual_plant
 from hjcamp.records.plan import Condition, Plan, PlannedTest
 from hjcamp.storage import FULL, put_in_place
 
 PRIVATE_NAME = re.compile(r"\.mcap\.\d+(\.part)?$")
-CHOICES = (
-    "trajectory", "controller", "payload", "orientation", "friction",
-    "pump", "amplifier", "tubing", "backend", "rig", "model",
-)  # fmt: skip
+_USUAL = usual_plant()
+CHOICES = ("trajectory", "controller", *_USUAL.setups, "friction", *_USUAL.rig, "backend", "rig", "model")
 
 
 @dataclass(frozen=True)
@@ -102,7 +101,7 @@ def metadata_of(plan: Plan, condition: Condition, test: PlannedTest, program: Ma
 
 
 def _of_plant(config: Mapping[str, Any]) -> dict[str, str]:
-    """Return what the metadata say of the plant: its name, period and given parameters; of the pump joint its preload."""
+    """Return what the metadata say of the plant: its name, period and given parameters; of the usual plant its preload."""
     if not config.get("plant"):
         return {"preload_mpa": str(config["procedure"].get("preload_mpa"))}
     from hjcamp.backends.plant_simulation import model_of, plant_in

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.errors import HjcampError, UsageError, counted, shown, unknown
-from hjcamp.report.indicators import INDICATORS
-from hjcamp.report.line_indicators import FURTHER
+from hjcamp.report.indicators import FURTHER, INDICATORS
 
 if TYPE_CHECKING:
     import polars as pl

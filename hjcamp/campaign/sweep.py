@@ -86,7 +86,7 @@ def _product(lines: Sequence[Override]) -> list[list[str]]:
 
 
 def _of_settings(settings: Mapping[str, Any]) -> list[Override]:
-    from hjcamp.configuration.composer import parse_overrides
+    from hjcamp.configuration.overrides import parse_overrides
 
     return parse_overrides([f"{key}={value}" for key, value in (settings.get("params") or {}).items()])
 

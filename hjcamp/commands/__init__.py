@@ -1,4 +1,5 @@
-"""The commands: one file each. A file ``NAME.py`` here with ``register(app)`` is the command ``hjcamp NAME``.
+"""The commands: one file each. A file ``NAME.py`` with ``register(app)``, here or in the folder ``commands`` of a plant that
+comes along, is the command ``hjcamp NAME``.
 
 The first line of its docstring is its line in ``hjcamp --help``; the file itself is imported only when it is called.
 A trailing underscore is not part of the name (``import_.py``).
@@ -20,7 +21,8 @@ from typer.core import TyperCommand, TyperGroup
 
 from hjcamp.errors import unknown
 
-FOLDER = Path(__file__).parent
+PACKAGE = Path(__file__).parents[1]
+FOLDERS = (PACKAGE / "commands", *sorted(PACKAGE.glob("plants/*/commands")))
 #: A shell that asks for completions sets it.
 COMPLETING = "_HJCAMP_COMPLETE"
 
@@ -28,8 +30,8 @@ COMPLETING = "_HJCAMP_COMPLETE"
 @cache
 def command_files() -> dict[str, Path]:
     """Return the name and file of every command."""
-    files = sorted(path for path in FOLDER.glob("*.py") if not path.name.startswith("_"))
-    return {path.stem.rstrip("_"): path for path in files}
+    files = [path for folder in FOLDERS for path in folder.glob("*.py") if not path.name.startswith("_")]
+    return {path.stem.rstrip("_"): path for path in sorted(files, key=lambda path: path.name)}
 
 
 def one_line(path: Path) -> str:
@@ -69,7 +71,8 @@ class Commands(TyperGroup):
 
 def load(path: Path) -> Any:
     """Import a command's file and return its command."""
-    module = importlib.import_module(f"{__name__}.{path.stem}")
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    module = importlib.import_module(".".join((PACKAGE.name, *parts)))
     app = typer.Typer(pretty_exceptions_enable=False)
     module.register(app)
     if COMPLETING in os.environ:

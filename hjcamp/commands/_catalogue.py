@@ -22,7 +22,7 @@ def write_pages(folder: Path, tell: Callable[[str], None] = lambda text: None) -
     Pages of effects that are no more are left as they are: the folder may hold other files.
     """
     from hjcamp.effects import library_of
-    from hjcamp.plants import load_plants
+    from hjcamp.known_plants import load_plants
     from hjcamp.report.catalogue_page import effect_page, index_page, plant_page
     from hjcamp.storage import check_place, whole_file
 
@@ -99,7 +99,7 @@ def picture_of(effect: type[Effect], plant: type[Plant]) -> str:
 
     from hjcamp.model.place_checks import PlaceBench
     from hjcamp.model.vocabulary import read_vocabulary
-    from hjcamp.report.catalogue_figure import draw_change
+    from hjcamp.report.pictures.catalogue import draw_change
 
     bench = PlaceBench(effect, plant)
     vocabulary = read_vocabulary(plant)

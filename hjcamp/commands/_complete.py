@@ -117,7 +117,7 @@ def complete_plant(incomplete: str) -> list[str]:
     """Return the names of plants."""
 
     def found() -> list[str]:
-        from hjcamp.plants import load_plants
+        from hjcamp.known_plants import load_plants
 
         return starting(incomplete, load_plants())
 
@@ -174,7 +174,7 @@ def complete_effort(incomplete: str) -> list[str]:
     """Return the efforts of a diagnosis."""
 
     def found() -> list[str]:
-        from hjcamp.discrepancy.selection.effort import EFFORTS
+        from hjcamp.analyses.effort import EFFORTS
 
         return starting(incomplete, EFFORTS)
 

@@ -36,7 +36,7 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
     Nothing for no parameter, no picture for one alone. More than the picture has room for: those of effects, then those most alike.
     """
     from hjcamp.report import discrepancy_page as page
-    from hjcamp.report.corner_figure import MOST, draw_corner
+    from hjcamp.report.pictures.corner import MOST, draw_corner
 
     if not found:
         return [], {}
@@ -55,7 +55,7 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
 
 def known_rows(found: Sequence[Estimate], correlation: Array) -> list[list[str]]:
     """Return the rows of the table: parameter, value, interval, which other is most like it, how much, what to mind."""
-    from hjcamp.report.corner_figure import ALIKE, told_correlation
+    from hjcamp.report.pictures.corner import ALIKE, told_correlation
     from hjcamp.report.units import told, told_interval
 
     rows, beside = [], _beside(correlation)

@@ -10,28 +10,10 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
-    from hjcamp.effects._curve_template import Begun, Table
+    from hjcamp.effects._curve_template import Begun
 
 ANSWER = "answer.json"
 KNOTS = 24
-# What the pump joint's drivers are in its own names: expression, arguments, unit, the velocity by which a rest is known.
-DRIVERS = {
-    "arm_angle": ("slider_position / pulley_radius", ("slider_position", "pulley_radius"), "rad", ""),
-    "arm_velocity": ("abs(slider_velocity)", ("slider_velocity",), "m/s", ""),
-    "direction": ("direction", ("direction",), "1", ""),
-    "pressure_sum": ("(pressure1 + pressure2)", ("pressure1", "pressure2"), "Pa", ""),
-    "pressure_difference": ("(pressure1 - pressure2)", ("pressure1", "pressure2"), "Pa", ""),
-    "pump_position": ("pump_position", ("pump_position",), "m", ""),
-    "pump_velocity": ("pump_velocity", ("pump_velocity",), "m/s", ""),
-    "time": ("time", ("time",), "s", ""),
-    "time_at_rest": ("max(time - rest_began, 0.0)", ("time", "rest_began"), "s", "slider_velocity"),
-}
-# Its quantities: subsystem, slots of what is alike in both directions, share of it, slots of what turns with the motion.
-QUANTITIES = {
-    "sliding": ("joint", ("load_force",), 1.0, ("friction_static", "friction_coulomb")),
-    "line_sum": ("lines", ("leak1", "leak2"), 0.5, ()),
-    "line_difference": ("lines", ("cross_flow",), 0.5, ()),
-}
 TO_DO = {
     "effect": "it names {names}: hjcamp add {names} RUN --as NAME",
     "one_of": "it leaves {names}: tests that tell them apart are named in it; then hjcamp add",
@@ -87,7 +69,7 @@ def read_answer(file: Path) -> Mapping[str, Any]:
 
 def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
     """Return what a file begins with from the answer of a diagnosis."""
-    from hjcamp.plants import DEFAULT
+    from hjcamp.known_plants import DEFAULT, plant_called
 
     rows = content.get("unknowns") or []
     known = next((row for row in rows if isinstance(row, dict) and row.get("curve")), None)
@@ -97,9 +79,9 @@ def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
         advice = TO_DO.get(verdict, "diagnose again").format(names=names)
         raise UsageError(f"{file}: this diagnosis says {verdict.upper()} and holds no curve of an unknown; {advice}")
     try:
-        if content.get("plant", DEFAULT) == DEFAULT:
-            return _of_pump_joint(known, file)
-        return _of_any_plant(str(content["plant"]), known, file)
+        plant = str(content.get("plant", DEFAULT))
+        own = plant_called(plant).room("curve")
+        return own.begun(known, file) if own else _of_any_plant(plant, known, file)
     except (KeyError, TypeError, ValueError, IndexError) as problem:
         raise UsageError(
             f"{file}: the curve of its unknown is not whole ({type(problem).__name__}: {problem})"
@@ -108,8 +90,8 @@ def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
 
 def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.effects._curve_template import Begun, Table, even_steps
+    from hjcamp.known_plants import find_plant
     from hjcamp.model.vocabulary import read_vocabulary
-    from hjcamp.plants import find_plant
 
     ports = read_vocabulary(find_plant(plant)).ports
     if row["port"] not in ports:
@@ -123,51 +105,3 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
         plant, port.subsystem or port.kind, signal.replace("_", " "), signal, (signal,), curve["x_unit"], first, last,
         (table,), f"the diagnosis {file}",
     )  # fmt: skip
-
-
-def _of_pump_joint(row: Mapping[str, Any], file: Path) -> Begun:
-    from hjcamp.effects._curve_template import Begun, Table, even_steps
-    from hjcamp.plants import DEFAULT
-
-    driver, curve = str(row["driver"]), row["curve"]
-    if driver not in DRIVERS:
-        raise UsageError(
-            f"{file}: what is missing differs from {driver.replace('_', ' ')} to {driver.replace('_', ' ')}, which no law of the "
-            "joint knows; look at what changed between the tests"
-        )
-    expression, arguments, unit, rests = DRIVERS[driver]
-    subsystem, slots, share, turning = QUANTITIES[row["port"]]
-    forward, backward = curve["forward"], curve["backward"]
-    both = [
-        None
-        if a is None and b is None
-        else share * (_mean(a, b, 1.0) if a is not None and b is not None else _one(a, b))
-        for a, b in zip(forward, backward, strict=True)
-    ]
-    values, first, last = even_steps(curve["x"], both, KNOTS)
-    said = str(row["quantity"])
-    tables: list[Table] = [Table("even", slots, values, curve["y_unit"], f"{said}, alike both ways")]
-    odd = [
-        None if a is None or b is None else share * _mean(a, b, -1.0) for a, b in zip(forward, backward, strict=True)
-    ]
-    if sum(value is not None for value in odd) >= 2:
-        known = {"x": curve["x"], "y": odd}
-        turned, _, _ = even_steps(known["x"], known["y"], KNOTS)
-        # friction is counted against the motion, a missing force along it
-        tables.append(
-            Table("odd", turning, tuple(-value for value in turned), curve["y_unit"], f"{said}, against the motion")
-            if turning
-            else Table("odd", slots, turned, curve["y_unit"], f"{said}, that turns with the motion", "direction * ")
-        )
-    return Begun(
-        DEFAULT, subsystem, driver.replace("_", " "), expression, arguments, unit, first, last, tuple(tables),
-        f"the diagnosis {file}", rests,
-    )  # fmt: skip
-
-
-def _mean(a: float, b: float, sign: float) -> float:
-    return 0.5 * (a + sign * b)
-
-
-def _one(a: float | None, b: float | None) -> float:
-    return float(a if a is not None else b or 0.0)

@@ -12,7 +12,7 @@ from typing import IO, TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.storage import check_place, shown_path
 
 if TYPE_CHECKING:
@@ -96,6 +96,20 @@ def free_standard_output() -> None:
     """Give standard output back to what is meant for people, at the end of a call."""
     while _kept:
         sys.stdout = _kept.pop()
+
+
+def no_logs() -> UsageError:
+    """Return the refusal of a call that names neither logs nor tables."""
+    return UsageError(
+        "name run folders, folders of logs or log files; or --tables with a published table or a CSV file"
+    )
+
+
+def tell_of_views(console: Console, files: list[Path]) -> None:
+    """Say where tests with models as topics were written, and what opens them."""
+    if files:
+        console.print(f"mcap     {counted(len(files) - 2, 'test')} in {files[0].parent}", markup=False)
+        console.print(f"         layouts {files[-2]} (Foxglove), {files[-1]} (PlotJuggler)", markup=False)
 
 
 def folder_for(name: str, paths: Sequence[Path], answer: Path | None) -> Path:

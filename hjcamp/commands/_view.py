@@ -38,8 +38,8 @@ def prepare_view(logs: list[Path], viewer: str, into: Path) -> View:
     from hjcamp.live.describe import channels_of, phases_of
     from hjcamp.records.of_plant import plant_of
     from hjcamp.records.read import read_log
-    from hjcamp.records.rerun_view import write_recording
-    from hjcamp.records.viewer_layouts import write_layouts
+    from hjcamp.records.views.rerun_view import write_recording
+    from hjcamp.records.views.viewer_layouts import write_layouts
     from hjcamp.records.write import TOPIC
     from hjcamp.storage import check_place
 

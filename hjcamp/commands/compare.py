@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from hjcamp.analyses.comparing import check_models, compare_pump_joint
-from hjcamp.analyses.data import Data, joined
+from hjcamp.analyses.comparing import check_models
+from hjcamp.analyses.data import Data
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import counted
 from hjcamp.storage import check_place
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from hjcamp.discrepancy.compare import Compared, Comparison
-
-BAR = 30
 
 
 def register(app: typer.Typer) -> None:
@@ -42,15 +34,14 @@ def compare(
     ] = None,
 ) -> None:
     """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
-    from hjcamp.campaign.console import make_console
-    from hjcamp.commands._any_plant import compare_any
-    from hjcamp.commands._session import check_answer_file, folder_for, progress_of, write_answer
-    from hjcamp.commands._tables import compare_tables, no_logs
+    from hjcamp.commands._session import check_answer_file, no_logs
+    from hjcamp.commands.any_plant import calls
+    from hjcamp.known_plants import usual_plant
 
     names = model or ["published"]
     check_models(names)
     if tables is not None:
-        compare_tables([tables, *map(str, paths or [])], names, json)
+        usual_plant().own_room("tables").compare_tables([tables, *map(str, paths or [])], names, json)
         return
     if not paths:
         raise no_logs()
@@ -60,106 +51,4 @@ def compare(
     if mcap is not None:
         check_place(mcap, "--mcap", folder=True)
     data = Data(paths)
-    if not data.of_pump_joint:
-        compare_any(data, names, json, into, mcap)
-        return
-    console = make_console()
-    with progress_of(console) as report:
-        from hjcamp.commands._compare_explorer import tests_of
-        from hjcamp.commands._compare_page import write_pictures
-        from hjcamp.discrepancy.compare import answer
-        from hjcamp.records.model_log import write_modelled
-
-        found = compare_pump_joint(data, names, report)
-        write_answer(json, answer(found.models, len(data.evidence.tests)))
-        report("drawing", 0.8)
-        files = write_pictures(found, into or folder_for("compare", paths, json))
-        views = [] if mcap is None else write_modelled(mcap, tests_of(found))
-    _print(console, found, files)
-    tell_of_views(console, views)
-    for number, command in enumerate(next_commands(found, paths)):
-        console.print(f"{'        ' if number else 'next    '} {command}", markup=False)
-
-
-def tell_of_views(console: Console, files: list[Path]) -> None:
-    """Say where tests with models as topics were written, and what opens them."""
-    if files:
-        console.print(f"mcap     {counted(len(files) - 2, 'test')} in {files[0].parent}", markup=False)
-        console.print(f"         layouts {files[-2]} (Foxglove), {files[-1]} (PlotJuggler)", markup=False)
-
-
-def next_commands(found: Comparison, paths: list[Path]) -> list[str]:
-    """Return the commands that go on: use a model that is good, else say what it misses."""
-    from hjcamp.report.where_words import NEAR
-
-    last = found.models[-1]
-    name, good = last.replay.name, last.score <= NEAR and last.replay.evidence.repeated
-    own = "" if name == "published" else f" --model {name}"
-    commands = [] if good and own else [f"hjcamp diagnose {joined(paths)}{own}"]
-    if own and (good or len(found.models) > 1):
-        commands.append(f"hjcamp run campaign=controllers controller.model={name}")
-    return commands
-
-
-def _print(console: Console, found: Comparison, files: list[Path]) -> None:
-    from hjcamp.commands._compare_page import NOT_CALIBRATED, calibrated_in_words, places_in_words
-
-    models, last, calibrated = found.models, found.models[-1], found.calibrated
-    evidence = last.replay.evidence
-    count = f"{counted(len(evidence.tests), 'test')}, {counted(len(evidence.conditions), 'condition')}"
-    console.print(f"{count}, replay driven by the measured pump")
-    if not evidence.repeated:
-        console.print("  exploratory: no test was repeated, so there is no floor to compare with", style="yellow")
-    for one in models:
-        console.print(one.replay.name, style="bold", markup=False, highlight=False)
-        _table(console, one)
-    if len(models) > 1 or calibrated:
-        _bars(console, [*models, calibrated] if calibrated else models)
-    if calibrated:
-        console.print(f"where    {last.replay.name} as it stands ({NOT_CALIBRATED})", markup=False)
-        _say(console, places_in_words(last))
-        console.print("         after calibrating its base parameters on these tests", markup=False)
-        _say(console, calibrated_in_words(found))
-    else:
-        console.print(f"where    {last.replay.name}", markup=False)
-        _say(console, places_in_words(last))
-    if last.horizon.born:
-        early, late = (1e3 * one for one in last.horizon.born)
-        console.print(f"         error against horizon: born between {early:.0f} and {late:.0f} ms after a restart")
-    console.print(f"figures  {'  '.join(str(file) for file in files[:-1])}", markup=False)
-    console.print(f"page     {files[-1]}", markup=False)
-
-
-def _say(console: Console, lines: list[str]) -> None:
-    from hjcamp.commands._error_words import print_wrapped
-
-    print_wrapped(console, lines, 11)
-
-
-def _table(console: Console, one: Compared) -> None:
-    from rich.table import Table
-
-    from hjcamp.commands._compare_page import HEADINGS, error_cells
-
-    table = Table(box=None, pad_edge=False, header_style="dim")
-    table.add_column("               ", no_wrap=True)
-    for heading in HEADINGS[2:]:
-        table.add_column(heading, justify="right")
-    for name in one.errors:
-        first, *rest = error_cells(one, name)
-        table.add_row(f"  {first}", *rest)
-    console.print(table)
-
-
-def _bars(console: Console, models: list[Compared]) -> None:
-    from hjcamp.commands._error_words import OVER_FLOOR, OVER_SPREAD
-
-    longest = max(one.score for one in models)
-    width = max(len(one.replay.name) for one in models)
-    repeated = models[0].replay.evidence.repeated
-    console.print(OVER_FLOOR if repeated else OVER_SPREAD)
-    for one in models:
-        bar = "█" * max(1, round(BAR * one.score / longest))
-        console.print(f"  {one.replay.name:<{width}}  {bar} {one.score:.2f}", markup=False)
-    if repeated:
-        console.print(f"  {'floor':<{width}}  {'█' * max(1, round(BAR / longest))} 1.00", markup=False)
+    (data.plant.room("compare") or calls).compare(data, names, json, into, mcap)

@@ -55,9 +55,9 @@ def doctor(
 
 def compile_kernels(console: Console) -> Iterator[tuple[str, float]]:
     """Compile what is not compiled yet, saying what (and yielding it); nothing is written but the cache of kernels."""
-    from hjcamp.campaign.warm import warm as made_ready
+    from hjcamp.known_plants import usual_plant
 
-    for subject, seconds in made_ready():
+    for subject, seconds in usual_plant().own_room("kernels").warm():
         console.print(f"  {seconds:5.1f} s  {subject}", markup=False)
         yield subject, seconds
 

@@ -9,32 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import HjcampError, UsageError, counted
+from hjcamp.errors import UsageError, counted
+from hjcamp.known_plants import DEFAULT
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from hjcamp.model.effect import Effect
     from hjcamp.model.plant import Plant
-    from hjcamp.report.effect_figure import Columns
 
 RUN_S = 15.0  # a test of the checks takes well under a second
 USAGE = (
     "hjcamp effects [NAME [OVERRIDE...]] | effects --pages DIR | effects new NAME [--on KIND | --from DIAGNOSIS] | effects test NAME, "
     "each with --plant PLANT"
-)
-# Fast and slow moves, reversals and rests at a high preload with dither: every effect has its moment. Open loop, for in
-# closed loop one slip that comes earlier changes all that follow. The draws of the rig are left out.
-TEST = (
-    "controller=open_loop",
-    "controller.dither.amplitude_v=1.2",
-    "trajectory=segments",
-    "trajectory.segments=[{rest: 0.2}, {to_deg: 90, in: 0.4}, {rest: 0.5}, {to_deg: -50, in: 0.6}, {rest: 0.5}, "
-    "{to_deg: 0, in: 1.4, law: linear}, {rest: 0.4}]",
-    "procedure.preload_mpa=0.6",
-    "rig.scatter.friction_between=0",
-    "rig.scatter.friction_within=0",
-    "rig.scatter.initial_pressure_mpa=0",
 )
 
 
@@ -58,7 +43,7 @@ def effects(
     ] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="No picture.")] = False,
     plant: Annotated[
-        str, typer.Option(help="Which plant's effects; pump_joint if not given.", show_default=False)
+        str, typer.Option(help=f"Which plant's effects; {DEFAULT} if not given.", show_default=False)
     ] = "",
     on: Annotated[
         str, typer.Option(help="With new: write it for this kind of place, on any plant.", show_default=False)
@@ -101,17 +86,18 @@ def effects(
             raise UsageError(f"give one name: {USAGE}")
         case [name, *overrides]:
             from hjcamp.commands._session import check_picture
-            from hjcamp.plants import DEFAULT
+            from hjcamp.known_plants import plant_called
 
+            own = plant_called(plant or DEFAULT).room("effects")
             pictured = not no_figure and is_pictured(name, plant or DEFAULT)
             if not pictured and (figure or overrides) and not no_figure:
                 raise UsageError(f"effect {name}: pictures are of tests of {DEFAULT}; leave out --figure and overrides")
-            config = configured(overrides) if pictured else None
+            config = own.configured(overrides) if own and pictured else None
             path = figure or Path(f"effect_{name}.png")
             check_picture(path)
             write_answer(json, show_effect(name, plant))
-            if config is not None:
-                draw(name, config, path)
+            if own and config is not None:
+                own.draw(name, config, path)
 
 
 def write_catalogue(folder: Path) -> None:
@@ -131,7 +117,6 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
     from hjcamp.commands._answers import effect_row
     from hjcamp.effects import effect_files, imposed_files, library_of
     from hjcamp.model.port import KINDS
-    from hjcamp.plants import DEFAULT
 
     library = library_of(plant or DEFAULT)
     parts = [*library.plant.subsystems, *KINDS]
@@ -166,9 +151,9 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
 def is_pictured(name: str, plant: str) -> bool:
     """Return whether a test of the plant can be drawn with that effect; an unknown name is shown as such later."""
     from hjcamp.effects import effect_files, library_of
-    from hjcamp.plants import DEFAULT
+    from hjcamp.known_plants import plant_called
 
-    if plant != DEFAULT:
+    if "effects" not in plant_called(plant).rooms:
         return False
     return name in library_of(plant, imposed=True).effects or name not in effect_files()
 
@@ -176,7 +161,6 @@ def is_pictured(name: str, plant: str) -> bool:
 def shown_effect(name: str, plant: str) -> type[Effect]:
     """Return the effect as the plant has it; where no plant is asked for and it has none, as its file holds it."""
     from hjcamp.effects import effect_files, library_of
-    from hjcamp.plants import DEFAULT
 
     library = library_of(plant or DEFAULT, imposed=True)
     files = {} if plant else effect_files()
@@ -226,59 +210,13 @@ def show_effect(name: str, plant: str = "") -> dict[str, Any]:
     return {"schema": "hjcamp.effect/1", "documentation": text, **effect_row(effect)}
 
 
-def configured(overrides: list[str]) -> dict[str, Any]:
-    """Return the configuration of the test that the picture shows."""
-    from hjcamp.configuration.check import check_configuration
-    from hjcamp.configuration.composer import Composer, free
-
-    if any(line.startswith("campaign=") for line in overrides):
-        raise UsageError(
-            "campaign=...: a picture shows one test; choose trajectory=, controller=, payload= ... instead"
-        )
-    config = Composer().compose([free(line) for line in (*TEST, *overrides)]).config
-    check_configuration(config)
-    return config
-
-
-def draw(name: str, config: dict[str, Any], path: Path) -> None:
-    """Simulate one test without and with the effect and write the picture."""
-    from hjcamp.campaign.console import make_console
-    from hjcamp.report.effect_figure import draw_effect
-
-    console = make_console()
-    without, with_effect = simulated_pair(name, config, console)
-    choices = f"{config['controller']['name']}, {config['trajectory']['name']}, payload {config['payload']['name']}"
-    draw_effect(path, f"{name}: {choices}", without, with_effect)
-    console.print(f"\n  picture  {path}", markup=False, soft_wrap=True)
-
-
-def simulated_pair(name: str, config: dict[str, Any], console: Console) -> tuple[Columns, Columns]:
-    """Simulate one test without and with an effect and return the columns of both."""
-    from hjcamp.backends.simulation import run_test
-    from hjcamp.campaign.compiling import kernels_of, status
-    from hjcamp.model.time_limit import RunLimit
-
-    own: dict[str, Any] = {**(config["effects"] or {})}
-    given = {**(own.pop(name, None) or {})}
-    plain, full = {**config, "effects": own}, {**config, "effects": {**own, name: given}}
-    with status(console, kernels_of([plain, full]), "simulating one test without and with the effect"):
-        without, _ = run_test(plain, seed=1)
-        try:
-            with RunLimit(RUN_S, f"effect {name}: the test of its picture")():
-                with_effect, _ = run_test(full, seed=1)
-        except HjcampError as problem:
-            raise HjcampError(f"no picture: with {name} at these parameters {problem}") from None
-    return without, with_effect
-
-
 def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = None) -> Path:
-    """Write the template of an effect into ./effects: in the names of pump_joint, for a kind of place, or from a diagnosis."""
+    """Write the template of an effect into ./effects: in the names of the usual plant, for a kind of place, or from a diagnosis."""
     from hjcamp.campaign.console import make_console
 
     if begun is not None:
         from hjcamp.commands._effect_from import write_from_diagnosis
         from hjcamp.effects import effect_files, imposed_files, load_effects
-        from hjcamp.plants import DEFAULT
 
         taken = {*effect_files([]), *imposed_files(), *load_effects([])}
         path, plant = write_from_diagnosis(name, begun, sorted(taken))
@@ -297,7 +235,7 @@ def new_effect_file(name: str, plant: str, on: str) -> Path:
     from hjcamp.effects import effect_files, imposed_files, load_effects
     from hjcamp.effects._generic_template import write_generic
     from hjcamp.effects._template import write_template
-    from hjcamp.plants import DEFAULT, find_plant
+    from hjcamp.known_plants import find_plant
 
     folder, taken = Path("effects"), {*effect_files([]), *imposed_files(), *load_effects([])}
     if on or plant not in ("", DEFAULT):
@@ -310,41 +248,23 @@ def test_effect(name: str, plant: str = "") -> dict[str, Any]:
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import library_of
     from hjcamp.model.effect_units import check_units
-    from hjcamp.plants import DEFAULT
 
     library = library_of(plant or DEFAULT)
+    own = library.plant.room("effects")
     console = make_console()
     passed: list[dict[str, Any]] = []
     for one in library.names.get(name, (name,)):
         effect = library.find(one)
         check_units(effect, library.plant)
-        checks = pump_checks(effect, console) if library.plant.name == DEFAULT else place_checks(effect, library.plant)
+        checks = own.checks(effect, RUN_S, console) if own else place_checks(effect, library.plant)
         told: dict[str, str] = {}
         for check, answer in checks:
             told[check] = answer
             console.print(f"  {check:<26} {answer}", markup=False)
-        use = (
-            f"; use it: hjcamp run campaign=controllers '+effects.{one}={{}}'" if library.plant.name == DEFAULT else ""
-        )
+        use = f"; use it: hjcamp run campaign=controllers '+effects.{one}={{}}'" if own else ""
         passed.append({"name": one, "checks": told})
         console.print(f"[bold]{one}[/bold] passes{use}")
     return {"schema": "hjcamp.checks/1", "of": "effect", "passed": passed}
-
-
-def pump_checks(effect: type[Effect], console: Console) -> Iterator[tuple[str, str]]:
-    """Run the checks on simulated tests of the pump joint."""
-    from hjcamp.campaign.compiling import Kernels, status
-    from hjcamp.model.effect_checks import CHECKS, EffectBench, bench_simulator
-    from hjcamp.model.time_limit import RunLimit
-    from hjcamp.plants.pump_joint import PumpJoint
-
-    watch = RunLimit(RUN_S, f"effect {effect.name}: one test of its checks")
-    bench = EffectBench(effect, bench_simulator(PumpJoint, (effect,)), PumpJoint.courses(), watch)
-    kernels = Kernels({f"the model with {effect.name}": (bench.simulator.source, "follow")})
-    for number, (check, passes) in enumerate(CHECKS.items()):
-        with status(console, kernels if not number else Kernels({}), f"checking: {check}"):
-            found = passes(bench)
-        yield check, found
 
 
 def place_checks(effect: type[Effect], plant: type[Plant]) -> Iterator[tuple[str, str]]:

@@ -24,8 +24,8 @@ def explain(
 ) -> None:
     """Say what a word of the answers means, in one sentence."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._error_words import print_wrapped
     from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands._wrapped import print_wrapped
     from hjcamp.report.glossary import ALSO, WORDS, plain_word
 
     check_answer_file(json)

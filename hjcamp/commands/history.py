@@ -41,7 +41,7 @@ def history(
     from hjcamp.campaign.finding import FOLDERS, find_runs
     from hjcamp.campaign.history import history_rows, moments_of, read_words
     from hjcamp.commands._session import check_answer_file, check_picture, write_answer
-    from hjcamp.report.history_figure import draw_history
+    from hjcamp.report.pictures.history import draw_history
 
     if folder is not None and not folder.is_dir():
         raise UsageError(f"--folder {shown_path(folder)}: there is no such folder")

@@ -11,6 +11,7 @@ import typer
 
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError, counted
+from hjcamp.known_plants import DEFAULT
 from hjcamp.storage import check_place
 
 HELP = """Turn measurements from elsewhere into test logs.
@@ -19,7 +20,7 @@ FILE is CSV, MATLAB (.mat up to version 7), Parquet or MCAP (JSON or protobuf me
 with all fields of a plant. An example of MAP.yaml:
 
 \b
-  plant: axis              # pump_joint where it is absent
+  plant: axis              # USUAL where it is absent
   period_s: 0.001          # or sampling_hz; not needed where time_s is mapped
   topic: /motor/state      # MCAP alone
   skip_lines: 2            # CSV alone: also comment; separator and decimal_comma are read off the file
@@ -33,7 +34,7 @@ with all fields of a plant. An example of MAP.yaml:
     pulses.csv: {condition: pulses, mass_kg: 120}
 
 A column is a CSV or Parquet column, a MATLAB variable (q, data.q, q(:,2)), or a name in a message (q, pose.x).
-"""
+""".replace("USUAL", DEFAULT)
 
 
 def register(app: typer.Typer) -> None:
@@ -52,16 +53,14 @@ def import_table(
     from hjcamp.analyses.data import joined
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.model.plant_checks import other_period
-    from hjcamp.plants import DEFAULT
-    from hjcamp.records.import_map import read_import_map
-    from hjcamp.records.importing import import_files
+    from hjcamp.records.elsewhere.import_map import read_import_map
+    from hjcamp.records.elsewhere.importing import import_files
     from hjcamp.records.of_plant import PERIOD_KEY
 
     check_answer_file(json)
     targets = targets_of(files, into, output)
     rules = read_import_map(mapping)
-    if rules.plant.name == DEFAULT:
-        _check_hardware([rules.metadata, *rules.files.values()], mapping)
+    _check_hardware([rules.metadata, *rules.files.values()], (*rules.plant.rig, *rules.plant.setups), mapping)
     left = [target for target in targets if target.with_name(target.name + ".part").exists()]
     logs = import_files(files, mapping, targets)
     rows = [
@@ -106,13 +105,12 @@ def targets_of(files: Sequence[Path], into: Path | None, output: Path | None) ->
     return targets
 
 
-def _check_hardware(metadata: Sequence[Mapping[str, str]], mapping: Path) -> None:
+def _check_hardware(metadata: Sequence[Mapping[str, str]], groups: Sequence[str], mapping: Path) -> None:
     """Refuse hardware that no configuration describes: every analysis would ask for it."""
     from hjcamp.configuration.composer import Composer
-    from hjcamp.discrepancy.measured.hardware import NAMED
     from hjcamp.errors import unknown
 
-    named = [(group, one[group]) for one in metadata for group in NAMED if one.get(group)]
+    named = [(group, one[group]) for one in metadata for group in groups if one.get(group)]
     composer = Composer() if named else None
     for group, choice in named:
         if composer and choice not in (allowed := composer.options(group)):

@@ -59,7 +59,7 @@ def verify(paths: Paths, json: AnswerFile = None) -> None:
 
     from hjcamp.commands._answers import log_rows
     from hjcamp.commands._session import check_answer_file, write_answer
-    from hjcamp.plants import DEFAULT
+    from hjcamp.known_plants import DEFAULT
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import span
     from hjcamp.records.recover import verify_log
@@ -123,9 +123,9 @@ def export(
 ) -> None:
     """Write logs as tables for other programs, one file each, with units and metadata."""
     from hjcamp.commands._session import check_answer_file, write_answer
-    from hjcamp.records.exporting import export_logs
     from hjcamp.records.find import find_logs
     from hjcamp.records.read import read_log
+    from hjcamp.records.views.exporting import export_logs
 
     check_answer_file(json)
     written = export_logs(find_logs(paths), read_log, kind, into)

@@ -82,7 +82,7 @@ def paper(
 def documented(plant: str, names: set[str]) -> Sequence[object]:
     """Return the effects of these names on a plant ('': the usual one), whose docstrings tell their sources."""
     from hjcamp.effects import library_of
-    from hjcamp.plants import DEFAULT
+    from hjcamp.known_plants import DEFAULT
 
     library = library_of(plant or DEFAULT)
     return [library.effects[name] for name in sorted(names) if name in library.effects]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hjcamp.commands._complete import complete_override
+from hjcamp.commands._duration import duration_text
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError, counted
 
@@ -108,11 +109,3 @@ def show_configuration(made: Plan, name: str | None) -> None:
         raise unknown("condition", name, names, f"campaign '{made.campaign}'")
     chosen: Any = [one for one in made.conditions if name in (None, one.name)]
     print("\n".join(f"# {one.name}\n{configuration_text(one)}" for one in chosen), end="")
-
-
-def duration_text(seconds: float) -> str:
-    """Return a duration as ``3 min 16 s``."""
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    parts = [(hours, "h"), (minutes, "min"), (rest, "s")]
-    return " ".join(f"{value} {unit}" for value, unit in parts if value) or "0 s"

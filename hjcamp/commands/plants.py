@@ -60,7 +60,7 @@ def show_list() -> dict[str, Any]:
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._answers import plant_row
     from hjcamp.effects import library_of
-    from hjcamp.plants import load_plants
+    from hjcamp.known_plants import load_plants
 
     table = Table(box=None, header_style="bold", pad_edge=False)
     for column in ("plant", "what it is", "measured", "effects that fit"):
@@ -84,8 +84,8 @@ def show_plant(name: str, figure: Path | None) -> dict[str, Any]:
     from hjcamp.commands._answers import plant_answer
     from hjcamp.commands._session import check_picture
     from hjcamp.effects import library_of
+    from hjcamp.known_plants import find_plant
     from hjcamp.model.plant_checks import check_plant
-    from hjcamp.plants import find_plant
 
     if figure is not None:
         check_picture(figure)
@@ -101,7 +101,7 @@ def show_plant(name: str, figure: Path | None) -> dict[str, Any]:
     _effects(console, plant)
     _import_map(console, plant)
     if figure is not None:
-        from hjcamp.report.plant_figure import draw_plant
+        from hjcamp.report.pictures.plant import draw_plant
 
         draw_plant(figure, plant)
         console.print(f"\n  picture  {figure}", markup=False, soft_wrap=True)
@@ -172,7 +172,7 @@ def _effects(console: Console, plant: type[Plant]) -> None:
 
 
 def _import_map(console: Console, plant: type[Plant]) -> None:
-    from hjcamp.records.import_map import example_map
+    from hjcamp.records.elsewhere.import_map import example_map
 
     console.print(
         "\n  [bold]map for hjcamp import[/bold]: name your columns and their units, leave out what you have not\n"
@@ -183,8 +183,8 @@ def _import_map(console: Console, plant: type[Plant]) -> None:
 def write_new(name: str) -> Path:
     """Write the template of a plant into ./plants."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.plants import load_plants
-    from hjcamp.plants._template import write_template
+    from hjcamp.commands._plant_template import write_template
+    from hjcamp.known_plants import load_plants
 
     path = write_template(name, Path("plants"), load_plants())
     console = make_console()
@@ -197,9 +197,9 @@ def run_tests(name: str) -> dict[str, Any]:
     """Run the checks that every plant passes on one plant."""
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import library_of
+    from hjcamp.known_plants import find_plant
     from hjcamp.model.plant_bench import effects_seen, identified
     from hjcamp.model.plant_checks import CHECKS
-    from hjcamp.plants import find_plant
 
     plant = find_plant(name)
     console, passed = make_console(), {}

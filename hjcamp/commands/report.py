@@ -41,7 +41,7 @@ def report(
 ) -> None:
     """Make tables and the report page of a run folder or of logs, beside the published values."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.campaign.study_pictures import study_pictures
+    from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.report.answer import report_answer
     from hjcamp.report.build import AGAINST, build_report
@@ -64,7 +64,7 @@ def report(
     tolerances = None if check is None else read_tolerances(check, beside)
     logs = None if repetition is None else of_repetition(path, repetition)
     target = output or (None if repetition is None else path / f"repetition_{repetition}")
-    made = build_report(path, against=against, output=target, logs=logs, further=study_pictures)
+    made = build_report(path, against=against, output=target, logs=logs, further=further_pictures)
     console = make_console()
     console.print(FittedSheet(made.conditions))
     for sheet in made.sheets:

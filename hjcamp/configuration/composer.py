@@ -30,13 +30,15 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from hjcamp.configuration import hydra_plugins
+from hjcamp.configuration.explain import explain
+from hjcamp.configuration.overrides import parse_overrides
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.configuration.shared_parts import parts_of
 from hjcamp.configuration.trust import check_overrides
 from hjcamp.configuration.variation import Loaded, NotJoinedError, Variations
 from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.known_plants import OWN_PLANTS
 from hjcamp.model.field_unit import FIELD_UNITS
-from hjcamp.plants import OWN_PLANTS
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
 COMPOSE_ERRORS = (
@@ -131,8 +133,6 @@ class Composer:
 
         Raises ``UsageError`` for an unknown group, choice or parameter, with the nearest match.
         """
-        from hjcamp.configuration.explain import explain
-
         check_overrides(overrides, parse_overrides)
         self.refuse_bundles(overrides)
         self._refuse_unfit(overrides)
@@ -223,8 +223,6 @@ class Composer:
 
     def sweeper(self, overrides: Sequence[str]) -> dict[str, Any]:
         """Return the settings of Hydra's sweeper in a sweep with these overrides."""
-        from hjcamp.configuration.explain import explain
-
         try:
             composed = self._loader.load_configuration(MAIN, list(overrides), RunMode.MULTIRUN)
             found = OmegaConf.to_container(composed.hydra.sweeper, resolve=True, enum_to_str=True)
@@ -234,7 +232,7 @@ class Composer:
         return {str(key): value for key, value in found.items()}
 
     def is_group(self, key: str) -> bool:
-        """Return whether ``key`` names a group (``pump``, ``controller/gains``) rather than a parameter."""
+        """Return whether ``key`` names a group (``trajectory``, ``controller/gains``) rather than a parameter."""
         return bool(key) and self._loader.repository.group_exists(key.split("@")[0])
 
     def options(self, group: str) -> list[str]:
@@ -287,23 +285,6 @@ def _circle(error: RecursionError) -> list[str]:
     frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
     paths = [frame.f_locals.get("path") for frame in frames if frame.f_code.co_name == "_create_defaults_tree_impl"]
     return sorted({path for path in paths if isinstance(path, str) and paths.count(path) > 2})
-
-
-def parse_overrides(lines: Sequence[str]) -> list[Override]:
-    """Return the parsed overrides; raises ``UsageError`` where a line does not follow Hydra's grammar."""
-    parsed = []
-    parser = OverridesParser.create()
-    for line in lines:
-        try:
-            parsed.append(parser.parse_override(line))
-        except (HydraException, ValueError, RecursionError) as error:
-            detail = (
-                str(error).splitlines()[0].split(". See ")[0].split("; use ")[0] if str(error) else "not understood"
-            )
-            raise UsageError(
-                f"cannot read the override {shown(line)}: {detail[:200]}. Expected GROUP=CHOICE or PARAMETER=VALUE"
-            ) from error
-    return parsed
 
 
 def key_of(override: Override) -> str:

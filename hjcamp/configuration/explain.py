@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def explain(error: Exception, overrides: Sequence[str], composer: Composer) -> UsageError:
     """Return what is wrong with the overrides, found by looking at each, else Hydra's own first words."""
-    from hjcamp.configuration.composer import parse_overrides
+    from hjcamp.configuration.overrides import parse_overrides
 
     try:
         parsed = [item for item in parse_overrides(overrides) if not item.is_hydra_override()]
@@ -75,7 +75,7 @@ def _wrong_key(parsed: Sequence[Override], groups: Sequence[Override], composer:
 
 
 def _missing_source(error: BaseException, parsed: Sequence[Override]) -> UsageError | None:
-    """Return what to say of a value that follows another one, such as the scale of the pump, which is not there."""
+    """Return what to say of a value that follows another one, such as a scale, which is not there."""
     from omegaconf.errors import InterpolationKeyError
 
     found = re.search(r"Interpolation key '(\w+)\.([^']+)' not found", str(error))

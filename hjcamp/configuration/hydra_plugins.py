@@ -24,8 +24,8 @@ from omegaconf import OmegaConf
 from hjcamp.configuration.search_path import campaign_folders, configuration_folders, packaged_root
 from hjcamp.configuration.trust import check_file, check_group, with_our_hydra
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import OWN_PLANTS
 from hjcamp.model.user_folders import extension_folders
-from hjcamp.plants import OWN_PLANTS
 from hjcamp.yaml_file import check_yaml
 
 GROUP = "campaign"
@@ -131,7 +131,7 @@ class PlantSource(ConfigSource):
         return "plants"
 
     def _names(self) -> list[str]:
-        from hjcamp.plants import plant_names
+        from hjcamp.known_plants import plant_names
 
         return plant_names(Path(self.path))
 

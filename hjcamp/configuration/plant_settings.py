@@ -1,4 +1,4 @@
-"""What the configuration of a test of another plant than the pump joint begins with, and its check."""
+"""What the configuration of a test of another plant than the usual one begins with, and its check."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from hjcamp.controllers.fit import check_fits, fitting
 from hjcamp.controllers.schema import controller_schema
 from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.known_plants import DEFAULT, find_plant, usual_plant
 from hjcamp.model.base_values import checked_base, period_of
 from hjcamp.model.compose import Composition
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_file import is_users
-from hjcamp.plants import DEFAULT, find_plant, usual_plant
 from hjcamp.schema import Group, between, checked
 from hjcamp.trajectories import build_trajectory
 
 USUAL = {"controller": "given", "procedure": "at_once", "trajectory": "hold"}
-#: The groups that describe the pump joint's hardware and its rig: another plant has none of them.
+#: The groups that describe the usual plant's hardware and its rig: another plant has none of them.
 ABSENT = (*(group for group in usual_plant().settings() if group != "procedure"), "rig")
 GROUPS = ("plant", "controller", "trajectory", "procedure", "backend", "model")
 VALUES = ("parameters", "start")
@@ -44,7 +44,7 @@ class PlantProcedure(Group):
 
 
 def plant_settings(name: str) -> dict[str, Any]:
-    """Return what the choice ``plant=NAME`` sets: no hardware of the pump joint, and the plant's own choices of groups."""
+    """Return what the choice ``plant=NAME`` sets: no hardware of the usual plant, and the plant's own choices of groups."""
     if name == DEFAULT:
         return {}
     plant = find_plant(name)

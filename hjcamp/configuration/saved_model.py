@@ -14,6 +14,7 @@ from hjcamp.model.plant import Plant
 from hjcamp.storage import named_file, whole_file
 
 FOLDER = Path("conf") / "model"
+RESERVED = ("published", "virtual")
 
 
 def check_new_name(name: str, folder: Path = FOLDER) -> Path:
@@ -24,10 +25,25 @@ def check_new_name(name: str, folder: Path = FOLDER) -> Path:
     return path
 
 
+def check_name(name: str, folder: Path, replace: bool) -> None:
+    """Raise UsageError where the name cannot be that of a choice, is ours, or is taken in ``folder`` (conf)."""
+    paths = named_file(name, "model or rig", *(path.parent for path in paths_of(name, folder)))
+    if name in RESERVED:
+        raise UsageError(f"'{name}' is a model or rig of hjcamp's own; choose another name")
+    for path in paths:
+        if path.exists() and not replace:
+            raise UsageError(f"{path} exists; choose another name, or say --replace")
+
+
+def paths_of(name: str, folder: Path) -> tuple[Path, Path]:
+    """Return where the model and its rig go."""
+    return folder / "model" / f"{name}.yaml", folder / "rig" / f"{name}.yaml"
+
+
 def write_model(
     path: Path, candidate: Candidate, comment: Sequence[str], provenance: Mapping[str, Any], plant: type[Plant] | None = None
 ) -> None:
-    """Write a model: parameters and effects in SI, then its provenance; a ``plant`` as the logs sample it, but the pump joint."""
+    """Write a model: parameters and effects in SI, then its provenance; a ``plant`` as the logs sample it, but the usual one."""
     content = {
         **({"plant": plant.name, "period_s": plant.period} if plant else {}),
         "parameters": candidate.base,

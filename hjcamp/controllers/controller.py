@@ -15,11 +15,11 @@ class Controller(Law):
     """A law that commands a plant from the reference and from what is measured.
 
     ``samples`` are what it reads (see `hjcamp.controllers.fit`), ``results`` the inputs that it commands; ``planned`` are
-    columns that ``plan`` computes along the reference before the test. Those below are the pump joint's:
+    columns that ``plan`` computes along the reference before the test. Those below are the usual plant's, the reference's joint:
 
     Per sample it receives ``reference``, ``velocity`` and ``acceleration`` of the arm (rad, rad/s, rad/s^2), the
-    measured ``arm`` angle (rad), the ``feedforward`` command (rad of the pump motor), the ``period`` (s) and the
-    ``index`` of the sample. It returns the feedback and the feedforward part of the command, rad of the pump motor.
+    measured ``arm`` angle (rad), the ``feedforward`` command (rad of its motor), the ``period`` (s) and the
+    ``index`` of the sample. It returns the feedback and the feedforward part of the command, rad of its motor.
 
     ``uses_arm`` False says that the law does not look at the arm: nothing then makes the arm follow the reference.
     """
@@ -37,7 +37,7 @@ class Controller(Law):
     uses_feedforward = False
     uses_arm = True
     planned: ClassVar[tuple[str, ...]] = ()
-    tuned: ClassVar[tuple[str, ...]] = ()  # what `hjcamp tune` seeks on another plant than the pump joint
+    tuned: ClassVar[tuple[str, ...]] = ()  # what `hjcamp tune` seeks where the plant does not tune itself
 
     @classmethod
     def begin(cls, parameter: Mapping[str, float], plant: Mapping[str, float]) -> dict[str, float]:

@@ -22,7 +22,7 @@ def measured_fields(plant: type[Plant]) -> list[str]:
 
 
 def quantity(field: str) -> str:
-    """Return the name of a field without its unit: ``arm`` for ``arm_deg``."""
+    """Return the name of a field without its unit: ``position`` for ``position_mm``."""
     return field[: -len(unit_of_field(field, field).suffix) - 1]
 
 
@@ -59,8 +59,9 @@ def sources(law: type[Law], plant: type[Plant], planned: tuple[str, ...] = ()) -
 def commanded(law: type[Controller], plant: type[Plant], chosen: str = "") -> dict[str, tuple[str, ...]]:
     """Return the inputs that a controller commands, each with the answers whose sum it is.
 
-    An answer is called like its input; ``pid`` and ``feedforward`` together, and the one answer ``given``, command the
-    ``chosen`` input or the plant's only one. Where the plant has an ``actuation``, its answers command. Raises ``UsageError``.
+    An answer is called like its input; ``pid`` and ``feedforward`` together, and one answer that no input is called like,
+    command the ``chosen`` input or the plant's only one. Where the plant has an ``actuation``, its answers command. Raises
+    ``UsageError``.
     """
     inputs = list(plant.given_inputs())
     where = f"controller {law.name} does not fit plant {plant.name}"
@@ -69,7 +70,8 @@ def commanded(law: type[Controller], plant: type[Plant], chosen: str = "") -> di
             if name not in law.results and name not in CLOCK:
                 raise UsageError(f"{where}: it does not give '{name}', which moves the plant's actuators")
         return {name: (name,) for name in plant.actuation.results}
-    if law.results in (PARTS, ("given",)):
+    alone = len(law.results) == 1 and (bool(chosen) or law.results[0] not in inputs)
+    if law.results == PARTS or alone:
         if chosen and chosen not in inputs:
             raise unknown("input", chosen, inputs, f"controller {law.name}, plant {plant.name}")
         if not chosen and len(inputs) != 1:

@@ -16,7 +16,7 @@ FASTEST_DITHER_HZ = 500.0  # a half period is at least one sample
 
 
 class Dither(Group):
-    """The square wave on the pump motor voltage."""
+    """The square wave on a motor's voltage."""
 
     amplitude_v: float = between(0.0, 1000.0)
     frequency_hz: float = between(1e-3, FASTEST_DITHER_HZ)

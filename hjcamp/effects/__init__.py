@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.known_plants import DEFAULT, find_plant, load_plants
 from hjcamp.model.catalogue import scan
 from hjcamp.model.effect import Effect
 from hjcamp.model.library import Library, library_for
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_folders import extension_folders
-from hjcamp.plants import DEFAULT, find_plant, load_plants
 
 
 def effect_files(folders: Sequence[Path] | None = None) -> dict[str, type[Effect]]:

@@ -12,9 +12,9 @@ import numpy as np
 from hjcamp import backends
 from hjcamp.controllers.fit import controlled_field
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import plant_of
 from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.plant import Plant
-from hjcamp.plants import DEFAULT, find_plant
 from hjcamp.report.exploration import NOT_CHANNELS, channel_label, described, references
 
 PHASE = re.compile(r"(\d+) ([^,;]+)")
@@ -25,7 +25,7 @@ def describe(config: Mapping[str, Any]) -> dict[str, Any]:
 
     What is controlled and what is wanted of it share the first panel; the others share one for each unit.
     """
-    plant = find_plant(str((config.get("plant") or {}).get("name") or DEFAULT), "plant")
+    plant = plant_of(config)
     table = fields_of(plant)
     return {
         "plant": plant.name,

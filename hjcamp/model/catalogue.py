@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -44,12 +44,18 @@ def files_in(folder: Path, file_of_kind: str) -> list[tuple[str, Path]]:
     return [(name, path) for name, path in found if not name.startswith(("_", "."))]
 
 
-def scan(package_folder: Path, package: str, base: type[Kind], folders: Sequence[Path] = ()) -> dict[str, type[Kind]]:
-    """Return every class derived from ``base`` by file name: the package's own, then those of ``folders``.
+def scan(
+    package_folder: Path,
+    package: str,
+    base: type[Kind],
+    folders: Sequence[Path] = (),
+    besides: Mapping[str, type[Kind]] | None = None,
+) -> dict[str, type[Kind]]:
+    """Return every class derived from ``base`` by file name: the package's own, with ``besides`` of ours, then of ``folders``.
 
     One may be a folder; the class is then in a file of its kind (``plants/NAME/plant.py``).
     """
-    found: dict[str, type[Kind]] = {}
+    found: dict[str, type[Kind]] = dict(besides or {})
     for path in sorted(package_folder.glob("*.py")):
         if not path.stem.startswith("_"):
             own = class_in(path, base, package)

@@ -1,4 +1,4 @@
-"""Units at the end of a log's field names, such as ``position_m`` and ``pressure1_mpa``, and their SI units."""
+"""Units at the end of a log's field names, such as ``position_m`` and ``level_v``, and their SI units."""
 
 from __future__ import annotations
 

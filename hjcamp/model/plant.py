@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from hjcamp.errors import UsageError, shown, unknown
@@ -13,6 +16,7 @@ from hjcamp.model.instance import Instance
 from hjcamp.model.law import Law
 from hjcamp.model.parameter import Channel, Cut, Input, Measured, Parameter, State, declared, finite_number
 from hjcamp.model.port import Port
+from hjcamp.model.rooms import ROOMS, open_room
 from hjcamp.model.scatter import FrictionScatter
 
 if TYPE_CHECKING:
@@ -44,6 +48,8 @@ class Plant:
     friction by ``friction_varies``, starts by the ``scatter`` of a state, the ``drawn`` parameters.
     Lines that occur twice are written once, as a function: ``NAME = part(FUNCTION, ...)`` (see `hjcamp.model.marks.part`).
     ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
+    ``rooms`` are modules that do for this plant alone what the program does for any (`hjcamp.model.rooms`): what is done ->
+    the module's name, or a file beside the plant's.
     """
 
     name: ClassVar[str] = ""
@@ -74,6 +80,11 @@ class Plant:
     drawn: ClassVar[tuple[str, ...]] = ()
     # Configuration groups whose choices name the machine on which a log was made.
     rig: ClassVar[tuple[str, ...]] = ()
+    # Those that say how the machine was set up for a test.
+    setups: ClassVar[tuple[str, ...]] = ()
+    # How people read the names of its channels and parameters, where it is not the name itself.
+    labels: ClassVar[Mapping[str, str]] = {}
+    rooms: ClassVar[Mapping[str, str]] = {}
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -83,6 +94,9 @@ class Plant:
             )
         if cls.loop not in LOOPS:
             raise unknown("loop", str(cls.loop), LOOPS, cls.__name__)
+        for name in cls.rooms:
+            if name not in ROOMS:
+                raise unknown("room", str(name), ROOMS, f"{cls.__name__}, rooms")
         cls.states = declared(cls, State)
         cls.parameters = declared(cls, Parameter)
         cls.inputs = declared(cls, Input)
@@ -122,9 +136,27 @@ class Plant:
         return {}
 
     @classmethod
+    def blocked(cls, config: Mapping[str, Any]) -> bool:
+        """Return whether a configuration of its ``settings`` holds fast what is ``geared``; most plants cannot."""
+        return False
+
+    @classmethod
     def courses(cls) -> Mapping[str, Course]:
         """Return the tests on which an effect is tried out; without any its places are looked at one by one."""
         return {}
+
+    @classmethod
+    def room(cls, name: str) -> ModuleType | None:
+        """Return the plant's own module for what is called ``name``, None where that of any plant does it."""
+        return open_room(name, cls.rooms[name], Path(inspect.getfile(cls)), cls.name) if name in cls.rooms else None
+
+    @classmethod
+    def own_room(cls, name: str) -> ModuleType:
+        """Return the plant's own module for what no other plant has; refuse a plant without one."""
+        found = cls.room(name)
+        if found is None:
+            raise UsageError(f"plant {cls.name} has no {name}")
+        return found
 
     @classmethod
     def given_inputs(cls) -> dict[str, Input]:

@@ -55,7 +55,7 @@ class Simulator:
     """A composition compiled into one kernel.
 
     ``free`` it runs under its given inputs alone, else it is driven along what was measured. A loop of its own comes with
-    ``laws``: see `hjcamp.model.closed_loop` and `hjcamp.plants.pump_joint.loop`.
+    ``laws``: see `hjcamp.model.closed_loop`.
     """
 
     composition: Composition

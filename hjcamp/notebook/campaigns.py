@@ -89,8 +89,8 @@ class Run(Result):
     def plot(self, indicator: str = "rmse1_deg") -> Picture:
         """Return an indicator of every test by condition."""
         from hjcamp.errors import unknown
-        from hjcamp.report.discrepancy_figures import dress
-        from hjcamp.report.figures import BLUE
+        from hjcamp.report.pictures.conditions import BLUE
+        from hjcamp.report.pictures.drawing import dress
 
         numbers = [name for name, kind in self.frame.schema.items() if kind.is_float()]
         if indicator not in numbers:
@@ -198,10 +198,10 @@ def report(path: str | Path, against: str | None = "published") -> Run:
         ...
     hjcamp.errors.UsageError: nowhere: there is no such file or folder
     """
-    from hjcamp.campaign.study_pictures import study_pictures
+    from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.report.build import build_report
 
-    made = build_report(Path(path), against=against, further=study_pictures)
+    made = build_report(Path(path), against=against, further=further_pictures)
     return Run(made.run_dir, made.page, made.indicators, made.tables, made.comparison, {})
 
 
@@ -227,7 +227,8 @@ def _lines(overrides: Sequence[str], keys: Mapping[str, Any]) -> list[str]:
 
 def _planned(lines: Sequence[str]) -> tuple[Planned, dict[str, Any]]:
     from hjcamp.campaign.planning import composed_plan
-    from hjcamp.configuration.composer import Composer, parse_overrides
+    from hjcamp.configuration.composer import Composer
+    from hjcamp.configuration.overrides import parse_overrides
 
     for one in parse_overrides(lines):
         if one.is_sweep_override():

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.errors import counted
+from hjcamp.known_plants import DEFAULT
 from hjcamp.notebook.result import Picture, Result, frame_of, quiet
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class Catalogue(Result):
 
 @dataclass(frozen=True, repr=False)
 class OneEffect(Result):
-    """One effect of the library. ``frame``: its parameters; ``plot`` simulates a test without and with it (pump joint)."""
+    """One effect of the library. ``frame``: its parameters; ``plot`` simulates a test without and with it (the usual plant)."""
 
     name: str
     effect: type[Effect]
@@ -81,15 +82,15 @@ class OneEffect(Result):
 
     def plot(self, *overrides: str) -> Picture:
         """Return one test without and with the effect; ``overrides`` choose another test."""
-        from hjcamp.commands.effects import configured, is_pictured, simulated_pair
+        from hjcamp.commands.effects import is_pictured
         from hjcamp.errors import UsageError
-        from hjcamp.report.effect_figure import SIZE, paint_effect
+        from hjcamp.known_plants import plant_called
 
-        if not is_pictured(self.name, self.plant):
-            raise UsageError(f"effect {self.name}: pictures are of tests of pump_joint")
-        without, with_effect = simulated_pair(self.name, configured(list(overrides)), quiet())
-        figure = Picture(figsize=SIZE, layout="constrained")
-        paint_effect(figure, self.name, without, with_effect)
+        own = plant_called(self.plant).room("effects")
+        if own is None or not is_pictured(self.name, self.plant):
+            raise UsageError(f"effect {self.name}: pictures are of tests of {DEFAULT}")
+        figure = Picture(layout="constrained")
+        own.paint(figure, self.name, list(overrides), quiet())
         return figure
 
 
@@ -124,14 +125,14 @@ class OnePlant(Result):
 
     def plot(self) -> Picture:
         """Return the block diagram of its places."""
-        from hjcamp.report.plant_figure import paint_plant
+        from hjcamp.report.pictures.plant import paint_plant
 
         figure = Picture()
         paint_plant(figure, self.plant)
         return figure
 
 
-def effects(name: str | None = None, plant: str = "pump_joint") -> Catalogue | OneEffect:
+def effects(name: str | None = None, plant: str = DEFAULT) -> Catalogue | OneEffect:
     """Return the effects that a plant can have, or one of them; `hjcamp effects`.
 
     >>> "spring" in hjcamp.effects(plant="stage").frame["effect"].to_list()
@@ -168,8 +169,8 @@ def plants(name: str | None = None) -> Catalogue | OnePlant:
     >>> figure = hjcamp.plants("stage").plot()
     """
     from hjcamp.effects import library_of
+    from hjcamp.known_plants import find_plant, load_plants
     from hjcamp.model.plant_checks import check_plant
-    from hjcamp.plants import find_plant, load_plants
 
     if name is not None:
         plant = find_plant(name)
@@ -191,8 +192,8 @@ def new_plant(name: str) -> Path:
     >>> hjcamp.new_plant("my_axis").as_posix()
     'plants/my_axis.py'
     """
-    from hjcamp.plants import load_plants
-    from hjcamp.plants._template import write_template
+    from hjcamp.commands._plant_template import write_template
+    from hjcamp.known_plants import load_plants
 
     return write_template(name, Path("plants"), load_plants())
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.analyses.comparing import compare_plant, compare_pump_joint
+from hjcamp.notebook._any_plant import said_of
 from hjcamp.notebook.data import Data, Tests, data_of, progress_to
 from hjcamp.notebook.result import Picture, Result, figure_of, frame_of
 
@@ -21,7 +21,7 @@ COLUMNS = ("model", "channel", "rms", "floor", "r2", "score")
 class Comparison(Result):
     """Models on the same tests. ``frame``: a row for each model and channel, with the model's score: 1 is perfect.
 
-    ``found`` is the analysis itself (`hjcamp.discrepancy.compare` or `hjcamp.prediction.comparison`).
+    ``found`` is the analysis itself (`hjcamp.prediction.comparison`, or that of the plant).
     """
 
     data: Data
@@ -50,36 +50,15 @@ class Comparison(Result):
 
     def sentences(self) -> list[str]:
         """Return where the error of the last model is, in words."""
-        if not self.data.of_pump_joint:
-            from hjcamp.commands._plant_words import FLOORS, notes_on
-
-            return [f"{FLOORS[self.found.analysis.floor.source]}.", *notes_on(self.found)]
-        from hjcamp.commands._compare_page import places_in_words
-
-        return places_in_words(self.found.models[-1])
+        return list(said_of(self.data).comparison_sentences(self.found))
 
     def plot(self) -> Picture:
         """Return measurement and models over time where the error is largest."""
-        if self.data.of_pump_joint:
-            from hjcamp.commands._compare_page import worst_overlay
-            from hjcamp.report.discrepancy_figures import draw_overlay
-
-            return figure_of(draw_overlay, worst_overlay(self.found.models))
-        from hjcamp.commands._plant_pages import _stretch
-        from hjcamp.report.prediction_figures import draw_windows
-
-        errors = {one.name: one.errors for one in (*self.found.models, self.found.calibrated)}
-        return figure_of(draw_windows, *_stretch(self.found.analysis, errors, self.found.models[-1].errors))
+        return figure_of(*said_of(self.data).comparison_drawn(self.found))
 
     def page(self, folder: str | Path = "compare") -> Path:
         """Write the pictures and the page of the command into a folder; return the path of the page."""
-        if self.data.of_pump_joint:
-            from hjcamp.commands._compare_page import write_pictures
-
-            return write_pictures(self.found, Path(folder))[-1]
-        from hjcamp.commands._plant_pages import write_comparison
-
-        return write_comparison(self.found, Path(folder))[-1]
+        return Path(said_of(self.data).comparison_page(self.found, Path(folder)))
 
 
 def compare(
@@ -98,12 +77,4 @@ def compare(
     """
     data = data_of(tests)
     names = [str(one) for one in model] if isinstance(model, Sequence) and not isinstance(model, str) else [str(model)]
-    if data.of_pump_joint:
-        from hjcamp.discrepancy.compare import answer
-
-        pump = compare_pump_joint(data, names, progress_to(progress))
-        return Comparison(data, pump, answer(pump.models, len(data.evidence.tests)))
-    from hjcamp.prediction.comparison import answer as plant_answer
-
-    plant = compare_plant(data, names, progress_to(progress))
-    return Comparison(data, plant, plant_answer(plant))
+    return Comparison(data, *said_of(data).compared(data, names, progress_to(progress)))

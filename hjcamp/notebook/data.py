@@ -49,8 +49,9 @@ class Data(Read, Result):
 
     @cached_property
     def indicators(self) -> pl.DataFrame:
-        """One row for each test of the pump joint: RMSE1, RMSE2, largest and steady state error (deg), lines, what varied."""
-        from hjcamp.report.indicators import STANDING, indicators_frame
+        """One row for each test that follows a reference: RMSE1, RMSE2, largest and steady state error (deg), lines, what varied."""
+        from hjcamp.report.indicators import STANDING
+        from hjcamp.report.varied import indicators_frame
 
         return indicators_frame(self.logs).drop(STANDING)
 
@@ -62,8 +63,8 @@ class Data(Read, Result):
 
     def plot(self, test: str | int = 0) -> Picture:
         """Return one test over time, a panel for each unit."""
-        from hjcamp.report.discrepancy_figures import dress
-        from hjcamp.report.figures import panels_by_unit
+        from hjcamp.report.pictures.conditions import panels_by_unit
+        from hjcamp.report.pictures.drawing import dress
 
         name, log = self._log(test)
         time = log.columns["time_s"]
@@ -132,7 +133,7 @@ def import_logs(files: str | Path | Sequence[str | Path], map: str | Path, into:
     '1 tests, 1 conditions, plant stage'
     """
     from hjcamp.commands.import_ import targets_of
-    from hjcamp.records.importing import import_files
+    from hjcamp.records.elsewhere.importing import import_files
 
     sources = [Path(one) for one in ([files] if isinstance(files, str | Path) else files)]
     targets = targets_of(sources, None if into is None else Path(into), None)

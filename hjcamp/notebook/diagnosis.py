@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.analyses.diagnosing import Asked, PlantDiagnosed, diagnose_plant, diagnose_pump_joint
+from hjcamp.analyses.diagnosing import Asked, PlantDiagnosed
 from hjcamp.errors import UsageError
+from hjcamp.notebook._any_plant import said_of
 from hjcamp.notebook.data import Data, Tests, data_of, progress_to
-from hjcamp.notebook.result import Picture, Result, figure_of, frame_of, interval_row
+from hjcamp.notebook.result import CALIBRATED, Picture, Result, figure_of, frame_of, interval_row
 
 if TYPE_CHECKING:
     import polars as pl
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from hjcamp.notebook.proposal import Proposal
 
 CANDIDATES = ("effect", "posterior", "heldout_error_ratio", "parameter", "value", "unit", "low", "high")
-CALIBRATED = ("parameter", "published", "value", "unit", "low", "high")
 
 
 @dataclass(frozen=True, repr=False)
@@ -49,7 +49,7 @@ class Diagnosis(Result):
 
     def sentences(self) -> list[str]:
         """Return what the verdict means and what it rests on."""
-        return list(self.words.answer() if self.data.of_pump_joint else self.words.sentences())
+        return list(said_of(self.data).diagnosis_sentences(self.words))
 
     @property
     def frame(self) -> pl.DataFrame:
@@ -72,32 +72,11 @@ class Diagnosis(Result):
 
     def plot(self) -> Picture:
         """Return what is missing over what drives it where that was found, else the errors before and after."""
-        if self.data.of_pump_joint:
-            from hjcamp.commands._error_words import over
-            from hjcamp.report.discrepancy_figures import draw_errors
-
-            scale = self.words.judging.scale
-            return figure_of(draw_errors, self.words.scores(), over(scale), scale.repeated)
-        from hjcamp.commands._plant_evidence import missing_of
-        from hjcamp.report.evidence_figures import draw_gains, draw_missing
-
-        steps = self.words.analysis.search.steps
-        if steps and steps[0].unknown:
-            missing = replace(missing_of(self.words), after=())
-            return figure_of(lambda: draw_missing(missing)["before"])
-        if steps:
-            return figure_of(draw_gains, steps[0].chance, steps[0].gain, "residuals moved in time")
-        raise UsageError(f"{self.title}: nothing was fitted, so there is nothing to draw")
+        return figure_of(*said_of(self.data).diagnosis_drawn(self.words))
 
     def page(self, folder: str | Path = "diagnose") -> Path:
         """Write the pictures and the page of the command into a folder; return the path of the page."""
-        if self.data.of_pump_joint:
-            from hjcamp.commands._diagnose_page import write_pictures
-
-            return write_pictures(self.words, Path(folder))[-1]
-        from hjcamp.commands._plant_pages import write_diagnosis
-
-        return write_diagnosis(self.words, Path(folder))[-1]
+        return Path(said_of(self.data).diagnosis_page(self.words, Path(folder)))
 
     def next(
         self,
@@ -108,15 +87,15 @@ class Diagnosis(Result):
     ) -> Proposal:
         """Return the tests that would tell what is left apart, at most ``tests`` (`hjcamp next`), without another search.
 
-        ``rivals`` are effects to be told apart instead. Raises ``UsageError`` for tests of the pump joint, whose menu is that of
-        ``hjcamp.command("next", ...)``, and for an unknown effect.
+        ``rivals`` are effects to be told apart instead. Raises ``UsageError`` for tests of a plant that has a menu, which is
+        that of ``hjcamp.command("next", ...)``, and for an unknown effect.
         """
         from hjcamp.notebook.proposal import Proposal
 
-        if self.data.of_pump_joint:
-            raise UsageError("tests of pump_joint are proposed by hjcamp.command('next', PATH)")
+        if self.data.plant.room("next"):
+            raise UsageError(f"tests of {self.data.plant_name} are proposed by hjcamp.command('next', PATH)")
         from hjcamp.analyses.proposing import propose_after
-        from hjcamp.commands._next_plant import answer
+        from hjcamp.commands.any_plant.next_answer import answer
 
         diagnosed = PlantDiagnosed(self.words.analysis, self.words.verdict, self.answer)
         done = propose_after(diagnosed, rivals, tests, seed, progress_to(progress))
@@ -158,16 +137,8 @@ def diagnose(
     """
     data = data_of(tests)
     asked = Asked(str(model), effort, seed, _text(only), _text(without), workers, cluster, _text(ask))
-    if data.of_pump_joint:
-        from hjcamp.commands._diagnose_words import Told
-        from hjcamp.commands._joint_evidence import gathered
-
-        told = Told(**vars(diagnose_pump_joint(data, asked, progress_to(progress), gather=gathered)))
-        return Diagnosis(data, asked.model, told, told.content)
-    from hjcamp.commands._plant_verdict_words import Words
-
-    done = diagnose_plant(data, asked, progress_to(progress))
-    return Diagnosis(data, asked.model, Words(done.analysis, done.verdict, done.content), done.content)
+    words, content = said_of(data).diagnosed(data, asked, progress_to(progress))
+    return Diagnosis(data, asked.model, words, content)
 
 
 def _text(names: str | Sequence[str] | None) -> str | None:

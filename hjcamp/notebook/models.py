@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.analyses import adding
-from hjcamp.analyses.calibrating import fit_plant, identify_pump_joint, pairs
 from hjcamp.errors import UsageError
+from hjcamp.notebook._any_plant import said_of
 from hjcamp.notebook.data import Data, Tests, data_of, progress_to
-from hjcamp.notebook.diagnosis import CALIBRATED, Diagnosis
-from hjcamp.notebook.result import Picture, Result, figure_of, frame_of, interval_row
+from hjcamp.notebook.result import CALIBRATED, Picture, Result, figure_of, frame_of, interval_row
 
 if TYPE_CHECKING:
     import polars as pl
+
+    from hjcamp.notebook.diagnosis import Diagnosis
 
 PARAMETERS = ("effect", "parameter", "value", "unit", "low", "high")
 ERRORS = ("start", "before", "after", "floor")
@@ -39,6 +39,8 @@ class Added(Model):
     """A model with effects added: what the fit found, and the error on tests that were not used for it."""
 
     found: Any = None
+    #: What the errors are over.
+    over: str = ""
 
     @property
     def helps(self) -> bool:
@@ -77,10 +79,9 @@ class Added(Model):
 
     def plot(self) -> Picture:
         """Return the errors before and after as bars, and the floor."""
-        from hjcamp.commands._error_words import OVER_FLOOR
-        from hjcamp.report.discrepancy_figures import draw_errors
+        from hjcamp.report.pictures.drawing import draw_errors
 
-        return figure_of(draw_errors, list(self.errors.items()), OVER_FLOOR, "floor" in self.errors)
+        return figure_of(draw_errors, list(self.errors.items()), self.over, "floor" in self.errors)
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,8 +102,8 @@ class Calibrated(Model):
 
     def plot(self) -> Picture:
         """Return each parameter over its published value, with its interval."""
-        from hjcamp.report.discrepancy_figures import dress
-        from hjcamp.report.figures import BLUE, INK
+        from hjcamp.report.pictures.conditions import BLUE, INK
+        from hjcamp.report.pictures.drawing import dress
 
         rows = [row for row in self.frame.to_dicts() if row["published"]][::-1]
         figure = Picture(figsize=(7.4, 1.0 + 0.28 * len(rows)), layout="constrained")
@@ -140,7 +141,7 @@ def add(
     >>> [row["parameter"] for row in mine.frame.to_dicts()]
     ['stiffness', 'rest_position']
     """
-    if isinstance(effects, Diagnosis):
+    if not isinstance(effects, str | Sequence):
         if tests is None:
             return effects.add(as_)  # type: ignore[return-value]
         effects = effects.effects
@@ -150,8 +151,9 @@ def add(
     names = effects.replace(",", " ").split() if isinstance(effects, str) else list(effects)
     if not names:
         raise UsageError("no effect was named: hjcamp.add(EFFECTS, TESTS, as_=NAME)")
-    done = adding.add(data, names, as_, str(model), progress_to(progress))
-    return Added(as_, done.path, done.content, done.found)
+    said = said_of(data)
+    done = said.added(data, names, as_, str(model), progress_to(progress))
+    return Added(as_, done.path, done.content, done.found, said.OVER_FLOOR)
 
 
 def calibrate(
@@ -164,21 +166,13 @@ def calibrate(
 ) -> Calibrated:
     """Fit the base parameters of a rig to its own tests, save them as a model, and return it; `hjcamp calibrate`.
 
-    ``only`` are KEY=VALUE of the metadata (pump joint). Raises ``UsageError`` for a name that is taken and tests that serve no
-    identification.
+    ``only`` are KEY=VALUE of the metadata, where the plant asks for it. Raises ``UsageError`` for a name that is taken and
+    tests that serve no identification.
 
     >>> rig = hjcamp.calibrate("logs", as_="my_rig")
     >>> "mass" in rig.frame["parameter"].to_list()
     True
     """
     data = data_of(tests)
-    if data.of_pump_joint:
-        chosen = pairs([only] if isinstance(only, str) else only)
-        done = identify_pump_joint(data, as_, chosen, replace=replace)
-        rows = {
-            name: {"published": one.published, "value": one.value, "unit": one.unit, "ci95": one.interval}
-            for name, one in done.found.estimates.items()
-        }
-        return Calibrated(as_, done.model, rows, done.found)
-    fitted = fit_plant(data, as_, progress_to(progress))
-    return Calibrated(as_, fitted.model, fitted.rows, fitted.analysis)
+    chosen = [only] if isinstance(only, str) else list(only)
+    return Calibrated(as_, *said_of(data).calibrated(data, as_, chosen, replace, progress_to(progress)))

@@ -25,13 +25,13 @@ class Proposal(Result):
     @property
     def title(self) -> str:
         """How many tests are proposed, or that none tells."""
-        from hjcamp.commands._next_plant import title
+        from hjcamp.commands.any_plant.next_answer import title
 
         return title(self.done)
 
     def sentences(self) -> list[str]:
         """Return what is proposed, and what stays alike."""
-        from hjcamp.commands._next_plant import sentences
+        from hjcamp.commands.any_plant.next_answer import sentences
 
         return sentences(self.done)
 
@@ -48,9 +48,9 @@ class Proposal(Result):
 
     def plot(self) -> Picture:
         """Return what the rivals predict for the best tests; ``UsageError`` where there is no test."""
-        from hjcamp.commands._next_plant import drawn
+        from hjcamp.commands.any_plant.next_answer import drawn
         from hjcamp.errors import UsageError
-        from hjcamp.report.next_figure import predictions_figure
+        from hjcamp.report.pictures.next import predictions_figure
 
         if not self.done.proposal.tests:
             raise UsageError(f"{self.title}: no test was simulated, so there is nothing to draw")

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 MOST_ROWS = 60
+#: The columns of base parameters, as published or declared and as tests have them.
+CALIBRATED = ("parameter", "published", "value", "unit", "low", "high")
 
 
 class Picture(Figure):
@@ -108,7 +110,7 @@ def _cell(value: object) -> str:
 
 def figure_of(draw: Callable[..., str], *given: Any) -> Picture:
     """Return the figure that a function of `hjcamp.report` draws as SVG."""
-    from hjcamp.report.discrepancy_figures import kept_figure
+    from hjcamp.report.pictures.drawing import kept_figure
 
     return kept_figure(draw, *given, kind=Picture)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from hjcamp.errors import UsageError
-from hjcamp.plants import DEFAULT, usual_plant
+from hjcamp.known_plants import DEFAULT, usual_plant
 from hjcamp.records.check import RATE_TOLERANCE
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PLANT_KEY, USUAL_PERIOD_S, plant_of, span

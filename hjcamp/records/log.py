@@ -10,6 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from hjcamp.known_plants import usual_plant
 from hjcamp.model.field_table import FieldTable
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, period_of, table_of
 
@@ -20,18 +21,10 @@ PHASES = {0: "preload", 1: "pressure adjustment", 2: "rest", 3: "command and con
 
 
 # What tells two tests apart where a log names no condition.
+_USUAL = usual_plant()
 CHOICES: tuple[str, ...] = (
-    "campaign",
-    "trajectory",
-    "controller",
-    "payload",
-    "orientation",
-    "pump",
-    "amplifier",
-    "tubing",
-    "backend",
-    "preload_mpa",
-)
+    "campaign", "trajectory", "controller", *_USUAL.setups, *_USUAL.rig, "backend", "preload_mpa",
+)  # fmt: skip
 # What differs between repetitions of a test, or is the same in all of them.
 BOOKKEEPING = {PLANT_KEY, PERIOD_KEY, "repetition", "seed", "started_at", "model", "config_sha256", "git", "version"}
 

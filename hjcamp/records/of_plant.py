@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import DEFAULT, plant_called
 from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.field_unit import FIELD_UNITS
 from hjcamp.model.plant import Plant
-from hjcamp.plants import DEFAULT, find_plant, usual_plant
 
 PLANT_KEY, PERIOD_KEY = "plant", "period_s"
 USUAL_PERIOD_S = 1e-3
@@ -16,9 +16,8 @@ LONGEST_PERIOD_S = 86400.0
 
 
 def plant_of(metadata: Mapping[str, str], where: str) -> type[Plant]:
-    """Return the plant of a log: that of its metadata, else ``pump_joint``. Raises ``UsageError`` with the nearest match."""
-    name = metadata.get(PLANT_KEY) or DEFAULT
-    return usual_plant() if name == DEFAULT else find_plant(name, where)
+    """Return the plant of a log: that of its metadata, else the usual one. Raises ``UsageError`` with the nearest match."""
+    return plant_called(metadata.get(PLANT_KEY) or DEFAULT, where)
 
 
 def table_of(metadata: Mapping[str, str], where: str) -> FieldTable:

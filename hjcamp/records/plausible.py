@@ -26,7 +26,6 @@ LEAST_GEARED, MOST_GEARED = 0.05, 4.0
 MOVES = math.radians(20)
 NEARLY = 5.0
 LEAST_SIZE = 0.02
-BLOCKED = "blocked"
 
 
 @dataclass(frozen=True)
@@ -146,7 +145,7 @@ def _geared(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Findi
         driven = ratio * float(np.ptp(columns[source])) / channels[driver].log_scale
         count = plant.parameters[str(channels[name].counts)].default
         if driven > MOVES and moved == 0.0:
-            if not _blocked(log):
+            if not plant.blocked(_read(log.attachments)):
                 text = f"'{name}' never changes although '{source}' moves (blocked, or its encoder is lost)"
                 yield Finding(name, text, False)
         elif driven > MOVES and moved < LEAST_GEARED * driven and len(np.unique(columns[name])) > 3 + 2 * moved / count:
@@ -171,11 +170,6 @@ def _configuration(attachments: Mapping[str, bytes]) -> Iterator[Finding]:
     for place in _not_finite(_read(attachments), "", set()):
         text = f"the attached {CONFIGURATION} cannot be what ran: {place} is not a finite number"
         yield Finding(CONFIGURATION, text, False)
-
-
-def _blocked(log: TestLog) -> bool:
-    joint = _read(log.attachments).get("joint")
-    return isinstance(joint, Mapping) and joint.get("name") == BLOCKED
 
 
 def _read(attachments: Mapping[str, bytes]) -> Mapping[str, Any]:

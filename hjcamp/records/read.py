@@ -6,10 +6,10 @@ from pathlib import Path
 
 from hjcamp.errors import UsageError
 from hjcamp.records.check import check_log
-from hjcamp.records.chunks import Damaged
 from hjcamp.records.log import TestLog
-from hjcamp.records.samples import SampleDecoder, Samples
-from hjcamp.records.scan import Scan, load, metadata_of, scan
+from hjcamp.records.mcap.chunks import Damaged
+from hjcamp.records.mcap.samples import SampleDecoder, Samples
+from hjcamp.records.mcap.scan import Scan, load, metadata_of, scan
 
 
 def read_log(path: str | Path, validate_crcs: bool = True) -> TestLog:

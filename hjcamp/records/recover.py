@@ -9,18 +9,18 @@ from pathlib import Path
 import numpy as np
 
 from hjcamp.errors import UsageError, counted
-from hjcamp.plants import DEFAULT
+from hjcamp.known_plants import DEFAULT
 from hjcamp.records.check import check_log, check_names
-from hjcamp.records.container import CHANNEL, Container
-from hjcamp.records.layout import encode
 from hjcamp.records.log import COMMAND_PHASE, PHASES, TOPIC, TestLog
+from hjcamp.records.mcap.container import CHANNEL, Container
+from hjcamp.records.mcap.layout import encode
+from hjcamp.records.mcap.salvage import Salvage, decode_salvage, salvage
+from hjcamp.records.mcap.samples import MOST_SAMPLES, Samples
+from hjcamp.records.mcap.scan import load, metadata_of
+from hjcamp.records.mcap.schema import descriptor_set
 from hjcamp.records.of_plant import PLANT_KEY, USUAL_PERIOD_S, period_of, table_of
 from hjcamp.records.plausible import Finding, findings
 from hjcamp.records.read import attachments_of, read_samples
-from hjcamp.records.salvage import Salvage, decode_salvage, salvage
-from hjcamp.records.samples import MOST_SAMPLES, Samples
-from hjcamp.records.scan import load, metadata_of
-from hjcamp.records.schema import descriptor_set
 from hjcamp.records.write import CHUNK_BYTES
 from hjcamp.storage import whole_file
 

@@ -15,12 +15,12 @@ import numpy as np
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.model.field_table import FieldTable
 from hjcamp.records.check import check_names
-from hjcamp.records.container import CHANNEL, Container
-from hjcamp.records.layout import encode
 from hjcamp.records.log import TOPIC, TestLog
+from hjcamp.records.mcap.container import CHANNEL, Container
+from hjcamp.records.mcap.layout import encode
+from hjcamp.records.mcap.scan import METADATA_NAME
+from hjcamp.records.mcap.schema import descriptor_set
 from hjcamp.records.of_plant import period_of, table_of
-from hjcamp.records.scan import METADATA_NAME
-from hjcamp.records.schema import descriptor_set
 from hjcamp.storage import disk_errors, put_in_place
 
 CHUNK_BYTES = 64 * 1024

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import polars as pl
 
 from hjcamp.errors import UsageError, counted, nearest
-from hjcamp.report.indicators import INDICATORS, configuration, frame_with_varied, row_of
+from hjcamp.report.indicators import INDICATORS, configuration, row_of
 from hjcamp.report.origin import read_origin
-from hjcamp.report.published.configurations import difference
+from hjcamp.report.settings import difference
 from hjcamp.report.tables import by_condition
+from hjcamp.report.varied import frame_with_varied
 from hjcamp.report.welch import SIGNIFICANT, Sample, holm, welch
 
 if TYPE_CHECKING:

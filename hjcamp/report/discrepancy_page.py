@@ -7,9 +7,9 @@ from html import escape
 from typing import Any
 
 from hjcamp.report.explorer import NOTHING_FETCHED
-from hjcamp.report.figures import tidy
 from hjcamp.report.glossary import glossed, words_of
 from hjcamp.report.page import STYLE, shaded
+from hjcamp.report.pictures.conditions import tidy
 
 PLACES = 8
 

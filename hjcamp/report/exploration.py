@@ -32,7 +32,7 @@ REFERENCE = "reference"
 class Exploration:
     """Tests, added one after the other; of each only its points for the page are kept.
 
-    A channel is a name that ends with its unit (``arm_deg``), whatever the plant. ``tests`` is how many will be added,
+    A channel is a name that ends with its unit (``position_mm``), whatever the plant. ``tests`` is how many will be added,
     ``models`` their models in order, ``hidden`` those that are switched off at first, ``floors`` the floor of each channel in its unit,
     ``observed`` what readings are called.
     """

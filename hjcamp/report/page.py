@@ -9,12 +9,12 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from hjcamp.report import figures
 from hjcamp.report.explorer import NOTHING_FETCHED
-from hjcamp.report.figures import tidy
 from hjcamp.report.names import readable
+from hjcamp.report.pictures import conditions as figures
+from hjcamp.report.pictures.conditions import tidy
+from hjcamp.report.pictures.small_multiples import small_multiples
 from hjcamp.report.sheet import BESIDE, Cell, Sheet
-from hjcamp.report.small_multiples import small_multiples
 from hjcamp.report.spread import Condition
 
 STYLE = Path(__file__).with_name("page.css")

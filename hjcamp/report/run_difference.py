@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.report.against_run import RunComparison, read_tests
-from hjcamp.report.published.configurations import ABSENT, unequal
+from hjcamp.report.settings import ABSENT, unequal
 
 SCHEMA = "hjcamp.run_difference/1"
 #: What the logs say of where they come from.

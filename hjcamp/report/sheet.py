@@ -11,8 +11,7 @@ from typing import Any, Literal
 import polars as pl
 
 from hjcamp.report.declared import Column, TableDefinition
-from hjcamp.report.indicators import CHOICES, INDICATORS
-from hjcamp.report.line_indicators import FURTHER
+from hjcamp.report.indicators import CHOICES, FURTHER, INDICATORS
 from hjcamp.report.published import CONDITION, MEASURED_WITH, published_cells
 from hjcamp.report.tables import FAR_OFF, differences
 from hjcamp.report.welch import SIGNIFICANT

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.known_plants import usual_plant
 from hjcamp.records.log import observed
 from hjcamp.records.of_plant import PLANT_KEY
+from hjcamp.report.followed import ERROR, FOLLOWED, WANTED
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
@@ -18,18 +21,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 MOST_POINTS = 400
 SWINGS = 0.25
-SIGNALS = (
-    "reference_deg",
-    "arm_deg",
-    "error_deg",
-    "pressure1_mpa",
-    "pressure2_mpa",
-    "command_deg",
-    "pid_deg",
-    "feedforward_deg",
-    "pump_deg",
-)
-
 
 @dataclass(frozen=True)
 class Spread:
@@ -86,9 +77,10 @@ class Gathering:
         self._called.add(observed([log]))
         if self._tests == 1:
             self._time = phase["time_s"].copy()
-            there = [name for name in SIGNALS if name in phase]
+            signals = panels_known().SIGNALS
+            there = [name for name in signals if name in phase]
             if log.metadata.get(PLANT_KEY):
-                there += [name for name in phase if name not in (*SIGNALS, "time_s", "phase")]
+                there += [name for name in phase if name not in (*signals, "time_s", "phase")]
             self._so_far = {name: (phase[name].copy(), phase[name].copy(), phase[name].copy()) for name in there}
             return
         samples = min(len(self._time), len(phase["time_s"]))
@@ -132,11 +124,14 @@ def gather(name: str, logs: Iterable[TestLog], most_points: int = MOST_POINTS) -
 
 
 def with_error(phase: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
-    """Return the columns with ``error_deg`` = reference - arm added, where there is a reference."""
-    error = (
-        {"error_deg": phase["reference_deg"] - phase["arm_deg"]} if {"reference_deg", "arm_deg"} <= set(phase) else {}
-    )
-    return {**phase, **error}
+    """Return the columns with the error = reference - what follows it added, where there is a reference."""
+    there = {WANTED, FOLLOWED} <= set(phase)
+    return {**phase, **({ERROR: phase[WANTED] - phase[FOLLOWED]} if there else {})}
+
+
+def panels_known() -> ModuleType:
+    """Return the usual plant's panels and the signals in them; signals of other names get a panel for each unit."""
+    return usual_plant().own_room("panels")
 
 
 def stretches(values: Array, size: int) -> Array:

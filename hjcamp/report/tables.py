@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, Any
 import polars as pl
 
 from hjcamp.report.declared import TableDefinition
-from hjcamp.report.indicators import CHOICES, INDICATORS, STANDING, varied_columns
-from hjcamp.report.line_indicators import FURTHER
-from hjcamp.report.published import CONDITION, MEASURED_WITH, cell_key, published_cells
-from hjcamp.report.published.configurations import CAMPAIGNS
+from hjcamp.report.indicators import CHOICES, FURTHER, INDICATORS, STANDING, varied_columns
+from hjcamp.report.published import CAMPAIGNS, CONDITION, MEASURED_WITH, cell_key, published_cells
 
 if TYPE_CHECKING:
     from hjcamp.report.against_run import RunComparison

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from hjcamp.known_plants import usual_plant
+
 # SI unit: (unit that is shown, factor from SI to it). Units that are not here are shown as they are.
 SHOWN: dict[str, tuple[str, float]] = {
     "1": ("", 1.0),
@@ -68,16 +70,7 @@ def label(name: str) -> str:
         kind = name.removesuffix(f"_{direction}")
         if kind in FRICTION and kind != name:
             return f"{FRICTION[kind]} friction, {direction}"
-    return LABELS.get(name, name.replace("_", " "))
+    return usual_plant().labels.get(name, name.replace("_", " "))
 
 
 FRICTION = {"static": "static", "coulomb": "Coulomb", "viscous": "viscous"}
-LABELS = {
-    "line_stiffness": "line stiffness dp/dV",
-    "moving_mass": "moving mass",
-    "stiffness_asymmetry": "stiffness, line 1 against 2",
-    "arm_deg": "arm angle",
-    "pressure1_mpa": "line 1",
-    "pressure2_mpa": "line 2",
-    "pump_deg": "pump",
-}

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from hjcamp.report.indicators import CHOICES, COLUMNS, IDENTITY, configuration
-from hjcamp.report.published.configurations import leaves
+from hjcamp.report.indicators import CHOICES, COLUMNS, IDENTITY, configuration, frame_of, row_of
+from hjcamp.report.settings import leaves
+
+if TYPE_CHECKING:
+    import polars as pl
+
+    from hjcamp.records.log import TestLog
 
 #: What belongs to the run, or follows from a parameter of another name.
 LEFT_OUT = ("repetitions", "seed", "controller_model")
@@ -82,3 +88,28 @@ def _one_type(values: Sequence[Any]) -> list[Any]:
 
 def _text(value: Any) -> str:
     return json.dumps(value, default=str)
+
+
+def indicators_frame(
+    logs: Iterable[TestLog], axes: Mapping[str, Sequence[str]] | None = None, folder: Path | None = None
+) -> pl.DataFrame:
+    """Return one row per log, in the order of the logs.
+
+    Columns: ``condition``, the contract's, ``seed``, ``log`` (its path inside ``folder``), and each parameter and axis
+    that varies from condition to condition under its full name; ``axes`` are those of the plan, with their labels.
+    """
+    rows, attached = [], []
+    for log in logs:
+        rows.append(row_of(log, folder))
+        attached.append(log.attachments.get("config.yaml", b""))
+    return frame_with_varied(rows, attached, axes or {})
+
+
+def frame_with_varied(
+    rows: list[dict[str, Any]], attached: Sequence[bytes], axes: Mapping[str, Sequence[str]]
+) -> pl.DataFrame:
+    """Return rows as a frame, with what varies; ``attached`` is the configuration in the log of each."""
+    for name, values in varied(attached, rows, axes).items():
+        for row, value in zip(rows, values, strict=True):
+            row[name] = value
+    return frame_of(rows)

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.simulation import run_test
 from hjcamp.records.log import TestLog
 from hjcamp.records.plan import seed_of
 from hjcamp.report.indicators import CHOICES, INDICATORS, indicators_of

@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.tabulated.cells import Cells, robust
 from hjcamp.tabulated.fit import Fit
 from hjcamp.tabulated.ledger import Ledger
 from hjcamp.tabulated.question import Question
 from hjcamp.tabulated.rig import Rig, gated
 from hjcamp.tabulated.search import EFFORTS, LEVEL, Search, Step, penalised
+from hjcamp.workers.pool import Crew
 
 Array = NDArray[np.float64]
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"

@@ -34,7 +34,7 @@ def check_names(names: Sequence[str]) -> None:
 
 
 def printed_cells(tables: Sequence[str]) -> Cells:
-    """Return the cells of ``tables``; their deviations divide by n (`hjcamp.report.published.consistency`)."""
+    """Return the cells of ``tables``; their deviations divide by n (`hjcamp.plants.pump_joint.published.consistency`)."""
     frame = published_cells().filter(published_cells()["table"].is_in(list(tables)))
     conditions: list[dict[str, str]] = []
     found: list[tuple[str, int, int, float, float]] = []

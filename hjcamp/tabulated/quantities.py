@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.backends.factors import FACTORS
 from hjcamp.effects import load_effects
 from hjcamp.model.parameter import Parameter
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.factors import FACTORS
 
 Array = NDArray[np.float64]
 #: Constants that stand in no group and may be misprinted as well: candidates like the factors.

@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.backends.factors import FACTORS, changed_loop, changed_values
-from hjcamp.backends.simulation import DEGREE, PreparedTest, prepare
 from hjcamp.controllers import find_controller
-from hjcamp.controllers.ffwd_pid import FfwdPid
-from hjcamp.controllers.pid import Pid
 from hjcamp.effects import load_effects
 from hjcamp.errors import HjcampError
 from hjcamp.model.compose import Composition
 from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.controllers.ffwd_pid import FfwdPid
+from hjcamp.plants.pump_joint.controllers.pid import Pid
+from hjcamp.plants.pump_joint.factors import FACTORS, changed_loop, changed_values
 from hjcamp.plants.pump_joint.loop import JointSimulator
 from hjcamp.plants.pump_joint.procedure import CONTROL
+from hjcamp.plants.pump_joint.simulation import DEGREE, PreparedTest, prepare
 from hjcamp.records.log import TestLog
 from hjcamp.records.plan import Condition, seed_of
 from hjcamp.report.indicators import CHOICES, INDICATORS, indicators_of

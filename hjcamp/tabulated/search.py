@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.tabulated.cells import Cells, robust
 from hjcamp.tabulated.fit import Fit, fit
 from hjcamp.tabulated.ledger import Ledger
 from hjcamp.tabulated.probes import Looked, look
 from hjcamp.tabulated.quantities import base_quantities
 from hjcamp.tabulated.rig import Rig
+from hjcamp.workers.pool import Crew
 
 Array = NDArray[np.float64]
 #: Chance of a gain as large on a table in which nothing is missing, from which on it is no reason to add anything.

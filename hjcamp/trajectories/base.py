@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]
 LONGEST_DURATION = 3600.0
 LARGEST = 1e9
-# Half a hundred turns of an arm or of a pump motor; no motion is faster than half the sampling rate.
+# Half a hundred turns of an axis or of its motor; no motion is faster than half the sampling rate.
 RANGES = {"deg": (-18000.0, 18000.0), "hz": (1e-4, 500.0), "s": (1e-3, LONGEST_DURATION)}
 UNITS = {"deg": "deg", "hz": "hz", "time": "s"}
 
@@ -23,7 +23,7 @@ UNITS = {"deg": "deg", "hz": "hz", "time": "s"}
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(field,))
 @dataclass(frozen=True, kw_only=True)
 class Trajectory:
-    """A desired motion of the arm that starts at 0 rad at time 0.
+    """A desired motion that starts at 0 rad at time 0.
 
     A kind is a subclass in a file of its own: its annotated attributes are the parameters of the configuration (unit in
     the name, seconds where there is none), and ``motion`` is the law. Parameters that are named ``duration`` or end in
@@ -65,7 +65,7 @@ class Trajectory:
         return self.duration
 
     def reference(self, time: ArrayLike) -> Motion:
-        """Return the desired angle (rad), velocity (rad/s) and acceleration (rad/s^2) of the arm.
+        """Return the desired angle (rad), velocity (rad/s) and acceleration (rad/s^2).
 
         ``time`` is in s, of any shape; the three answers have its shape. Before 0 s the reference is 0, after the
         duration it holds its last angle. At a corner the velocity is the one after the corner.

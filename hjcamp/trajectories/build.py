@@ -59,11 +59,12 @@ def _in_degrees(parameters: Mapping[str, Any], suffix: str) -> dict[str, Any]:
             value = [_in_degrees(one, suffix) if isinstance(one, Mapping) else one for one in value]
         if name.endswith(f"_{suffix}"):
             name = f"{name[: -len(suffix) - 1]}_{DEGREES}"
-        elif name.endswith(f"_{DEGREES}") and value != 0.0:
+        elif name.endswith(f"_{DEGREES}"):
             wanted = f"{name[: -len(DEGREES) - 1]}_{suffix}"
-            if wanted not in parameters:
+            if wanted in parameters:
+                continue
+            if value != 0.0:
                 raise UsageError(f"trajectory.{name}: this plant's trajectory is in {suffix}; write {wanted}=VALUE")
-            continue
         found.setdefault(name, value)
     return found
 

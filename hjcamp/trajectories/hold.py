@@ -12,7 +12,7 @@ class Hold(Trajectory):
 
     .. math:: \theta = A
 
-    With 0 deg the arm is to stay where it is (leakage and creep tests, thesis 4.4.4); with another angle it is the step
+    With 0 deg all is to stay where it is (leakage and creep tests, thesis 4.4.4); with another angle it is the step
     of the stability method (thesis 5.2.1).
     """
 

@@ -13,16 +13,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.simulation import run_test
 
 ROOT = Path(__file__).parents[2]
 QUIET = ["rig.scatter.friction_between=0", "rig.scatter.friction_within=0", "rig.scatter.initial_pressure_mpa=0"]
 SCRIPT = """
 import json, sys
 import numpy as np
-from hjcamp.backends.simulation import run_test
+from hjcamp.plants.pump_joint.simulation import run_test
 columns, _ = run_test(json.load(sys.stdin), 7)
 np.savez(sys.argv[1], **columns)
 """

@@ -1,7 +1,7 @@
 """E2: a travel stop can be configured; none by default."""
 
-from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
+from hjcamp.plants.pump_joint.simulation import run_test
 
 
 def highest(stop: str) -> float:

@@ -56,7 +56,7 @@ def compliance_log(stiffness: float = 0.0257, seed: int = 0, floor_mpa: float = 
 
 def leakage_log(start: float = 0.64, threshold: float = 0.59, seed: int = 0) -> TestLog:
     """Return 15 s of both lines held: 0.5 %/s, and 1/s of what is above the threshold."""
-    from hjcamp.calibrate.leakage import Leak
+    from hjcamp.plants.pump_joint.calibrate.leakage import Leak
 
     generator = np.random.default_rng(seed)
     time = np.arange(15000) * 1e-3

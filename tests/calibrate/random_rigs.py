@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.backends.simulation import run_test
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
+from hjcamp.plants.pump_joint.simulation import run_test
 from hjcamp.records.log import TestLog
 
 CAMPAIGNS = ("pump_step", "compliance", "leakage", "friction")

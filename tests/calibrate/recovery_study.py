@@ -15,10 +15,10 @@ sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 from random_rigs import CAMPAIGNS, RandomRig, draw_rig, run_campaign  # noqa: E402
 
-from hjcamp.calibrate.estimate import Estimate  # noqa: E402
-from hjcamp.calibrate.identify import Calibration, identify  # noqa: E402
 from hjcamp.configuration.composer import Composer  # noqa: E402
 from hjcamp.configuration.setups import configuration_for  # noqa: E402
+from hjcamp.plants.pump_joint.calibrate.estimate import Estimate  # noqa: E402
+from hjcamp.plants.pump_joint.calibrate.identify import Calibration, identify  # noqa: E402
 
 RIGS = 20
 LEVEL_KPA = {"leak_rate_620_kpa": 0.62e6, "leak_rate_600_kpa": 0.60e6, "leak_rate_560_kpa": 0.56e6}

@@ -12,14 +12,14 @@ from identification_logs import compliance_log, friction_log, leakage_log, step_
 from mcap.writer import CompressionType, Writer
 
 from hjcamp import cli
-from hjcamp.calibrate.configuration_file import model_text, write_configuration
-from hjcamp.calibrate.estimate import Estimate, Finding
-from hjcamp.calibrate.identify import Calibration, identify
-from hjcamp.calibrate.kinds import kind_of
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.setups import configuration_for
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.calibrate.configuration_file import model_text, write_configuration
+from hjcamp.plants.pump_joint.calibrate.estimate import Estimate, Finding
+from hjcamp.plants.pump_joint.calibrate.identify import Calibration, identify
+from hjcamp.plants.pump_joint.calibrate.kinds import kind_of
 from hjcamp.plants.pump_joint.hardware import plant_parameters
 from hjcamp.records.log import TestLog
 from hjcamp.records.write import write_log

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from hjcamp.calibrate.frequency_response import Point, bandwidth, bode_charts, ratio_at
 from hjcamp.errors import UsageError
-from hjcamp.sizing import dynamics
+from hjcamp.plants.pump_joint.calibrate.frequency_response import Point, bandwidth, bode_charts, ratio_at
+from hjcamp.plants.pump_joint.sizing import dynamics
 
 PUMPS = {
     "pump1": ((66.3, 2279.2, 31000.0, 0.005), 4.1),

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from identification_logs import COUNT, counted, friction_log, make
 
-from hjcamp.calibrate.constants import constants_of
-from hjcamp.calibrate.friction import identify_friction
-from hjcamp.calibrate.sensors import identify_sensors, pressure_noise, smallest_step
-from hjcamp.calibrate.strokes import find_strokes
 from hjcamp.configuration.setups import configuration_for
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.calibrate.constants import constants_of
+from hjcamp.plants.pump_joint.calibrate.friction import identify_friction
+from hjcamp.plants.pump_joint.calibrate.sensors import identify_sensors, pressure_noise, smallest_step
+from hjcamp.plants.pump_joint.calibrate.strokes import find_strokes
 
 SPEEDS = (0.0025, 0.01, 0.03, 0.06)
 

@@ -9,9 +9,9 @@ import pytest
 
 import hjcamp.backends
 from hjcamp import cli
-from hjcamp.calibrate.string_slip import string_warning
 from hjcamp.configuration.setups import configuration_for
-from hjcamp.sizing import pulley, tubing
+from hjcamp.plants.pump_joint.calibrate.string_slip import string_warning
+from hjcamp.plants.pump_joint.sizing import pulley, tubing
 
 PUMP_BORE, INNER, OUTER, LENGTH = 6.35e-3, 2.69e-3, 3.99e-3, 0.3
 VISCOSITY, DENSITY, water = 1.002e-3, 1000.0, 2150e6

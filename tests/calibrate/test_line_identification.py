@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from identification_logs import compliance_log, leakage_log, make
 
-from hjcamp.calibrate.compliance import identify_compliance
-from hjcamp.calibrate.constants import constants_of
-from hjcamp.calibrate.leakage import Leak, identify_leakage
 from hjcamp.configuration.setups import configuration_for
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.calibrate.compliance import identify_compliance
+from hjcamp.plants.pump_joint.calibrate.constants import constants_of
+from hjcamp.plants.pump_joint.calibrate.leakage import Leak, identify_leakage
 
 
 def test_stiffness_with_interval_modulus_and_air() -> None:

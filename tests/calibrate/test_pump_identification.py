@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from identification_logs import make, step_log
 
-from hjcamp.calibrate.constants import constants_of
-from hjcamp.calibrate.pump import chosen_order, final_prediction_error, identify_pump
-from hjcamp.calibrate.step_response import TransferFunction, rise_time
 from hjcamp.configuration.setups import configuration_for
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.calibrate.constants import constants_of
+from hjcamp.plants.pump_joint.calibrate.pump import chosen_order, final_prediction_error, identify_pump
+from hjcamp.plants.pump_joint.calibrate.step_response import TransferFunction, rise_time
 
 # Thesis 4.3.2 to 4.3.4 with their printed rise times, which follow from them to within one sample: 86.1, 32.8, 18.0 ms.
 PUBLISHED = {

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from random_rigs import draw_rig, run_campaign
 
-from hjcamp.calibrate.identify import identify
-from hjcamp.calibrate.validation import validate
-from hjcamp.campaign.identification import identification_pictures
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.setups import configuration_for
+from hjcamp.plants.pump_joint.calibrate.identify import identify
+from hjcamp.plants.pump_joint.calibrate.validation import validate
+from hjcamp.plants.pump_joint.studies.identification import identification_pictures
 
 
 @pytest.fixture(autouse=True)

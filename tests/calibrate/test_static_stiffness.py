@@ -10,18 +10,18 @@ import pytest
 from plain_kernel import uncompiled
 from quiet_loop import AREA1, AREA2, EXACT, RADIUS, STIFFNESS
 
-from hjcamp.calibrate.static_stiffness import step_of, stiffness_charts, stiffness_of
-from hjcamp.campaign.study_pictures import stiffness_pictures
 from hjcamp.configuration.composer import Composer
-from hjcamp.controllers.open_loop import OpenLoop
 from hjcamp.effects import chosen_effects, find_effect, load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import Composition
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.calibrate.static_stiffness import step_of, stiffness_charts, stiffness_of
+from hjcamp.plants.pump_joint.controllers.open_loop import OpenLoop
 from hjcamp.plants.pump_joint.loop import ClosedLoop, JointSimulator
 from hjcamp.plants.pump_joint.procedure import Procedure
+from hjcamp.plants.pump_joint.sizing.stiffness import arm_stiffness, line_compliances, locked_stiffness
+from hjcamp.plants.pump_joint.studies.study_pictures import stiffness_pictures
 from hjcamp.records.log import TestLog
-from hjcamp.sizing.stiffness import arm_stiffness, line_compliances, locked_stiffness
 
 GIVEN = {"strength": 9.0, "begin": 0.1, "end": 0.4}
 

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from hjcamp import cli
-from hjcamp.backends.simulation import model_values
-from hjcamp.campaign import budget as work
-from hjcamp.campaign.budget import Item, better_by, budget, errors_of, variants
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError
-from hjcamp.sizing import dynamics
+from hjcamp.plants.pump_joint.simulation import model_values
+from hjcamp.plants.pump_joint.sizing import dynamics
+from hjcamp.plants.pump_joint.studies import budget as work
+from hjcamp.plants.pump_joint.studies.budget import Item, better_by, budget, errors_of, variants
 
 SHORT = [
     "trajectory=ramp_pos",

@@ -123,8 +123,8 @@ def test_a_run_says_before_its_first_test_what_is_compiled(
 def test_the_picture_of_an_effect_says_what_is_compiled(
     cold: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("hjcamp.backends.simulation.run_test", lambda config, seed: ({}, {}))
-    monkeypatch.setattr("hjcamp.report.effect_figure.draw_effect", lambda *given: None)
+    monkeypatch.setattr("hjcamp.plants.pump_joint.simulation.run_test", lambda config, seed: ({}, {}))
+    monkeypatch.setattr("hjcamp.plants.pump_joint.figures.effect.draw_effect", lambda *given: None)
     assert cli.run(["effects", "leakage"]) == 0
     out = capfd.readouterr().out
     assert "2 of 2 kernels left: the test loop with no effect; the test loop with leakage" in out
@@ -135,7 +135,7 @@ def test_the_test_of_an_effect_says_what_is_compiled(
     cold: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(
-        "hjcamp.model.effect_checks.CHECKS", {"a check": lambda bench: "fine", "another": lambda bench: ""}
+        "hjcamp.plants.pump_joint.effect_checks.CHECKS", {"a check": lambda bench: "fine", "another": lambda bench: ""}
     )
     assert cli.run(["effects", "test", "leakage"]) == 0
     out = capfd.readouterr().out
@@ -158,8 +158,8 @@ def test_a_gain_set_that_is_there_is_refused_before_anything_is_computed(
     def never(*given: object) -> None:
         raise AssertionError("computed before it was refused")
 
-    monkeypatch.setattr("hjcamp.campaign.critical_gain.critical_point", never)
-    monkeypatch.setattr("hjcamp.campaign.retune.retune", never)
+    monkeypatch.setattr("hjcamp.plants.pump_joint.studies.critical_gain.critical_point", never)
+    monkeypatch.setattr("hjcamp.plants.pump_joint.studies.retune.retune", never)
     place = empty_folder / "conf" / "controller" / "gains"
     place.mkdir(parents=True)
     (place / "mine.yaml").write_text("# mine\n")
@@ -171,9 +171,9 @@ def test_a_gain_set_that_is_there_is_refused_before_anything_is_computed(
 def test_tuning_says_what_is_compiled(
     cold: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    from hjcamp.controllers.ziegler_nichols import CriticalPoint
+    from hjcamp.plants.pump_joint.studies.ziegler_nichols import CriticalPoint
 
-    monkeypatch.setattr("hjcamp.campaign.critical_gain.critical_point", lambda *given: CriticalPoint(2.0, 0.1))
+    monkeypatch.setattr("hjcamp.plants.pump_joint.studies.critical_gain.critical_point", lambda *given: CriticalPoint(2.0, 0.1))
     assert cli.run(["tune"]) == 0
     out = capfd.readouterr().out
     assert "1 of 1 kernel left: the test loop with no effect" in out

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.campaign.design_pictures import design_pictures, filtered, roughness
 from hjcamp.configuration.composer import Composer
+from hjcamp.plants.pump_joint.studies.design_pictures import design_pictures, filtered, roughness
 from hjcamp.records.log import TestLog
 
 

@@ -12,7 +12,7 @@ import pytest
 from hjcamp.campaign.finding import FoundRun
 from hjcamp.campaign.history import history_rows, moments_of, read_words
 from hjcamp.errors import UsageError
-from hjcamp.report.history_figure import draw_history
+from hjcamp.report.pictures.history import draw_history
 
 Means = dict[str, tuple[float, float | None]]
 

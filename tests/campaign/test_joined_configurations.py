@@ -12,7 +12,8 @@ from hjcamp.campaign.campaign_file import read_campaign
 from hjcamp.campaign.conditions import draft_conditions
 from hjcamp.configuration import composer as composer_module
 from hjcamp.configuration import hydra_plugins, search_path, shared_parts
-from hjcamp.configuration.composer import Composer, Composition, parse_overrides
+from hjcamp.configuration.composer import Composer, Composition
+from hjcamp.configuration.overrides import parse_overrides
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.configuration.variation import NotJoinedError, Variations
 from hjcamp.errors import UsageError

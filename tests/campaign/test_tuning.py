@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.campaign import retune as search
-from hjcamp.campaign.critical_gain import critical_point, oscillation
 from hjcamp.campaign.gains_file import write_gains
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.plants.pump_joint.studies import retune as search
+from hjcamp.plants.pump_joint.studies.critical_gain import critical_point, oscillation
 
 GAINS = {"positive": {"kp": 1.0, "ki": 50.0, "kd": 0.01}, "negative": {"kp": 1.1, "ki": 60.0, "kd": 0.02}}
 

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hjcamp.backends.simulation import prepare
 from hjcamp.campaign.planning import make_plan
-from hjcamp.campaign.warm import (
+from hjcamp.configuration.composer import Composer
+from hjcamp.controllers import find_controller
+from hjcamp.effects import load_effects
+from hjcamp.model.kernel_cache import is_compiled
+from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.diagnosis.design.menu import menu
+from hjcamp.plants.pump_joint.diagnosis.measured.hardware import simulator
+from hjcamp.plants.pump_joint.diagnosis.residuals.passes import compile_passes
+from hjcamp.plants.pump_joint.simulation import prepare
+from hjcamp.plants.pump_joint.studies.warm import (
     CONDITIONS,
     configured,
     follow_nothing,
@@ -15,14 +23,6 @@ from hjcamp.campaign.warm import (
     timed,
     try_test,
 )
-from hjcamp.configuration.composer import Composer
-from hjcamp.controllers import find_controller
-from hjcamp.discrepancy.design.menu import menu
-from hjcamp.discrepancy.measured.hardware import simulator
-from hjcamp.discrepancy.residuals.passes import compile_passes
-from hjcamp.effects import load_effects
-from hjcamp.model.kernel_cache import is_compiled
-from hjcamp.plants.pump_joint import PumpJoint
 
 
 def kernel_of(config: dict) -> str:

@@ -122,7 +122,7 @@ def prepared(folder: Path) -> None:
     (folder / "loop").symlink_to("loop")
     for command in ("effects", "plants"):
         assert cli.run([command, "new", {"effects": "my_spring", "plants": "axis"}[command]]) == 0
-    from hjcamp.commands._tour_samples import lay_out
+    from hjcamp.plants.pump_joint.tour.samples import lay_out
 
     lay_out(folder / "tour")
     (folder / "tour/step_2.json").write_text(json.dumps(DIAGNOSIS))

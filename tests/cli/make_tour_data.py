@@ -11,7 +11,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from truth.case import write_case
 
-from hjcamp.commands._tour_samples import SAMPLES, SEALED, pack, seal
+from hjcamp.plants.pump_joint.tour.samples import SAMPLES, SEALED, pack, seal
 from hjcamp.records.find import read_logs
 
 EFFECT, STRENGTH, SEED = "leakage", "medium", 3

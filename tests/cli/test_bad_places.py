@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from hjcamp.commands._tour_samples import ABOUT
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.plants.pump_joint.tour.samples import ABOUT
 from hjcamp.storage import check_place, named_file
 
 if TYPE_CHECKING:

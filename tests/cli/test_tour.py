@@ -13,8 +13,8 @@ import pytest
 
 import hjcamp.commands
 import hjcamp.effects
-from hjcamp.commands import _tour_samples as samples
-from hjcamp.commands._tour_answer import judged
+from hjcamp.plants.pump_joint.tour import samples as samples
+from hjcamp.plants.pump_joint.tour.answer import judged
 from hjcamp.records.find import group_by_condition, read_logs
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.configuration.composer import Composer, as_override, free, parse_overrides
+from hjcamp.configuration.composer import Composer, as_override, free
+from hjcamp.configuration.overrides import parse_overrides
 from hjcamp.errors import UsageError
 
 CAMPAIGN = "name: mine\nvary:\n  trajectory: [ramp_pos, mixed]\n"

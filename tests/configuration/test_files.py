@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from hjcamp.calibrate.constants import attached_configuration
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
-from hjcamp.records.import_map import read_import_map
+from hjcamp.plants.pump_joint.calibrate.constants import attached_configuration
+from hjcamp.records.elsewhere.import_map import read_import_map
 from hjcamp.records.log import TestLog
 from hjcamp.report.check import read_tolerances
 from hjcamp.report.declared import read_definition

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.backends.rig.silence import coupling_of
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.rig.silence import coupling_of
 
 PUMP1 = ("pump=pump1", "amplifier=low_gain")
 TABLE_5_2_1 = {"positive": {"kp": 1.05, "ki": 70.0, "kd": 0.015}, "negative": {"kp": 1.4, "ki": 90.0, "kd": 0.018}}

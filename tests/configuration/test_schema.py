@@ -227,7 +227,7 @@ def test_a_saved_model_is_checked_once_for_all_commands(empty_folder: Path, text
 
 
 def test_every_way_to_a_saved_model_checks_it(empty_folder: Path) -> None:
-    from hjcamp.discrepancy.models.saved import saved_model
+    from hjcamp.plants.pump_joint.diagnosis.models.saved import saved_model
 
     folder = empty_folder / "conf" / "model"
     folder.mkdir(parents=True)

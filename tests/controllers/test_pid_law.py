@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from quiet_loop import columns
 
-from hjcamp.controllers.pid import LONGEST_DERIVATIVE, Pid
+from hjcamp.plants.pump_joint.controllers.pid import LONGEST_DERIVATIVE, Pid
 
 POSITIVE = (1.05, 70.0, 0.015)
 NEGATIVE = (1.4, 90.0, 0.018)

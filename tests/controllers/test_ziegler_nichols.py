@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.campaign.critical_gain import lasting_period
-from hjcamp.controllers.ziegler_nichols import CriticalPoint
+from hjcamp.plants.pump_joint.studies.critical_gain import lasting_period
+from hjcamp.plants.pump_joint.studies.ziegler_nichols import CriticalPoint
 
 TIME = np.arange(2000) * 1e-3
 

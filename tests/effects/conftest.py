@@ -7,10 +7,9 @@ import pytest
 from hjcamp.effects import load_effects
 from hjcamp.effects._template import write_template
 from hjcamp.model.effect import Effect
-from hjcamp.model.effect_checks import EffectBench, bench_simulator
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint.menu import pump_courses
+from hjcamp.plants.pump_joint.effect_checks import EffectBench, bench_simulator
 
 THEIRS = "arm_spring"
 
@@ -32,5 +31,5 @@ def simulator(library: dict[str, type[Effect]]) -> Simulator:
 @pytest.fixture(scope="session")
 def benches(library: dict[str, type[Effect]], simulator: Simulator) -> dict[str, EffectBench]:
     """One bench for each effect."""
-    courses = pump_courses()
+    courses = PumpJoint.courses()
     return {name: EffectBench(effect, simulator, courses) for name, effect in library.items()}

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from hjcamp import cli
+from hjcamp.commands._plant_template import write_template
 from hjcamp.effects import load_effects
+from hjcamp.known_plants import find_plant
 from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
-from hjcamp.plants import find_plant
-from hjcamp.plants._template import write_template
 
 STIFFNESS, REST = 140.0, 0.02
 SPRING: dict[str, Any] = {

@@ -13,7 +13,6 @@ from scipy.signal import lfilter, lsim
 from hjcamp.model.course import Course, Followed, inputs_along
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint.menu import pump_courses
 
 AREA = PumpJoint.parameters["joint_area"].default
 PUMP_AREA = PumpJoint.parameters["pump_area"].default
@@ -24,7 +23,7 @@ ARM, P1, P2 = 0, 1, 2
 def motion(times: list[float], pump: list[float], pressures: tuple[float, float] = (0.5e6, 0.5e6)) -> Course:
     """Return a course of piecewise linear pump motion, 1 ms samples, without dither."""
     time = np.arange(round(times[-1] * 1000)) * 1e-3
-    model = pump_courses()["sine"]
+    model = PumpJoint.courses()["sine"]
     n = len(time)
     position = np.interp(time, times, pump)
     observed = np.zeros((n, 4))
@@ -101,7 +100,7 @@ def test_presliding_bristles_yield_one_after_the_other_and_unload_as_springs(sim
 
 def test_line_resistance_drops_along_the_tube_and_a_steady_flow_drops_all_of_it(simulator: Simulator) -> None:
     resistance = 3e10
-    course = pump_courses()["sine"]
+    course = PumpJoint.courses()["sine"]
     seen = run(simulator, course, line_resistance__resistance=resistance)
     from_pump = PUMP_AREA * np.append(np.diff(course.driven[:, 0]), 0.0) / course.period
     to_joint = AREA * np.gradient(seen.ideal[:, 3], course.period)
@@ -140,7 +139,7 @@ def test_a_resistance_between_two_compliances_lets_the_far_one_lag(simulator: Si
 
 
 def test_inertance_lifts_the_sensor_by_what_both_ends_accelerate(simulator: Simulator) -> None:
-    course = pump_courses()["sine"]
+    course = PumpJoint.courses()["sine"]
     half = {"line_inertance__inertance": 4e8, "line_inertance__far_share": 0.5}
     seen = run(simulator, course, **half)
     flow = PUMP_AREA * np.gradient(course.driven[:, 0], course.period) + AREA * np.gradient(
@@ -260,7 +259,7 @@ def test_the_string_stretches_by_compliance_times_force(simulator: Simulator) ->
 
 @pytest.mark.parametrize("dead_share", [0.0, 0.5])
 def test_the_encoder_is_late_as_its_transfer_function_says(simulator: Simulator, dead_share: float) -> None:
-    course, lag = pump_courses()["sine"], 8e-3
+    course, lag = PumpJoint.courses()["sine"], 8e-3
     seen = run(simulator, course, encoder_lag__lag=lag, encoder_lag__dead_share=dead_share)
     angle, time = seen.ideal[:, 3] / 3.41e-3, np.arange(len(course.time)) * course.period
     _, expected, _ = lsim((np.trim_zeros([-dead_share * lag, 1.0]), [(1.0 - dead_share) * lag, 1.0]), angle, time)
@@ -307,7 +306,7 @@ def test_presliding_starts_a_window_at_rest_with_bristles_that_carry_the_push(si
 
 
 def test_sensor_effects_leave_the_motion_alone(simulator: Simulator) -> None:
-    course = pump_courses()["sine"]
+    course = PumpJoint.courses()["sine"]
     plain = run(simulator, course)
     seen = run(
         simulator,

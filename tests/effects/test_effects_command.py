@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from hjcamp import cli
-from hjcamp.commands import effects as command
-from hjcamp.report.effect_figure import draw_effect
+from hjcamp.plants.pump_joint.answers import effects as command
+from hjcamp.plants.pump_joint.figures.effect import draw_effect
 
 GOOD = '''"""A spring."""
 

@@ -9,11 +9,10 @@ from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
-from hjcamp.model.effect_checks import CHECKS, EffectBench
 from hjcamp.model.parameter import Parameter
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint.menu import pump_courses
+from hjcamp.plants.pump_joint.effect_checks import CHECKS, EffectBench
 
 CONTRACT = {
     "pump_backlash",
@@ -65,7 +64,7 @@ def test_the_docstring_tells_equation_sign_and_source(library: dict[str, type[Ef
 
 def test_with_all_gates_closed_the_model_is_the_published_one(simulator: Simulator) -> None:
     plain = Simulator(Composition(PumpJoint, (), PumpJoint.cut("pump")))
-    for course in pump_courses().values():
+    for course in PumpJoint.courses().values():
         gated, published = (one.follow(one.vector({}), course).readings for one in (simulator, plain))
         # The gated kernel steps as a non-linear model: equal to the resolution that its steps promise.
         assert np.max(np.abs(gated - published) / [1e-4, 50.0, 50.0, 1e-9]) < 1.0
@@ -73,7 +72,7 @@ def test_with_all_gates_closed_the_model_is_the_published_one(simulator: Simulat
 
 def test_all_effects_at_once_stay_finite(simulator: Simulator, library: dict[str, type[Effect]]) -> None:
     p = simulator.vector({f"gate.{name}": 1.0 for name in library})
-    assert np.all(np.isfinite(simulator.follow(p, pump_courses()["sine"]).readings))
+    assert np.all(np.isfinite(simulator.follow(p, PumpJoint.courses()["sine"]).readings))
 
 
 WRONG = {

@@ -20,10 +20,10 @@ from hjcamp.errors import UsageError
 from hjcamp.model import term_checks, user_file
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.effect import Effect
-from hjcamp.model.effect_checks import EffectBench
 from hjcamp.model.term_checks import check_calls, check_compiles
 from hjcamp.model.time_limit import RunLimit, time_limit
-from hjcamp.plants.pump_joint.menu import pump_courses
+from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.effect_checks import EffectBench
 
 KINDS = {"effects": ["effects"], "controllers": ["plan"], "trajectories": ["plan"]}
 FILES: dict[str, tuple[bytes, str]] = {
@@ -242,6 +242,6 @@ def test_every_test_of_the_checks_is_watched(tmp_path: Path) -> None:
             watched.append("done")  # type: ignore[arg-type]
 
     effect = mine(tmp_path / "effects", "return x")
-    bench = EffectBench(effect, Model(), pump_courses(), Watch)  # type: ignore[arg-type]
+    bench = EffectBench(effect, Model(), PumpJoint.courses(), Watch)  # type: ignore[arg-type]
     bench.readings(next(iter(bench.courses.values())), 1.0)
     assert watched == ["at work", "done"]

@@ -21,7 +21,6 @@ from rich.console import Console
 
 import hjcamp
 from hjcamp.backends.recording import Recording, Samples
-from hjcamp.backends.rig.journal import SCALES, Journal
 from hjcamp.campaign.ends import Ends, condition_line, followed_error
 from hjcamp.campaign.execution import Outcome
 from hjcamp.cli import run
@@ -30,6 +29,7 @@ from hjcamp.errors import UsageError
 from hjcamp.live.feed import ROOM, Feed, current_feed
 from hjcamp.live.history import MOST_ROWS, History
 from hjcamp.live.process import LiveAsk, live_page
+from hjcamp.plants.pump_joint.rig.journal import SCALES, Journal
 from hjcamp.records.write import LogWriter
 
 VALVES = {"plant": {"name": "valve_joint"}, "backend": {"name": "simulation"}}

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from hjcamp import backends
-from hjcamp.backends.nidaqmx import limit_check
-from hjcamp.backends.rig.margins import rig_watches
-from hjcamp.backends.rig.wiring import read_wiring
 from hjcamp.configuration.composer import Composer
+from hjcamp.known_plants import find_plant
 from hjcamp.live.describe import describe
 from hjcamp.model.watch import Term, Watch, plausible_watches
-from hjcamp.plants import find_plant
+from hjcamp.plants.pump_joint.rig.limits import limit_check
+from hjcamp.plants.pump_joint.rig.margins import rig_watches
+from hjcamp.plants.pump_joint.rig.wiring import read_wiring
 
 CALM = {
     "reference_deg": 0.0,

@@ -7,7 +7,7 @@ import pytest
 from quiet_loop import DEGREE, RADIUS, columns, cycloid, sine
 from thesis_solution import LAG, Arm, Gains, Physics, Y, closed_loop, open_loop
 
-from hjcamp.controllers.pid import Pid
+from hjcamp.plants.pump_joint.controllers.pid import Pid
 
 GAINS = (Gains(1.05, 70.0, 0.015), Gains(1.4, 90.0, 0.018))
 EVERY_EFFECT = (

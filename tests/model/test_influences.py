@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from hjcamp.discrepancy.residuals.views import _idle
 from hjcamp.effects import load_effects
 from hjcamp.model.compose import Composition
 from hjcamp.model.source_text import live
 from hjcamp.model.structure import influences
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.diagnosis.residuals.views import _idle
 
 PRESSURES = ("pressure1_reading", "pressure2_reading")
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from quiet_loop import columns, cycloid, sine
 
-from hjcamp.controllers.pid import Pid
 from hjcamp.model import shared
 from hjcamp.model.kernel import LEVELS, shared_source
 from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.simulator import Propagators, Simulator
+from hjcamp.plants.pump_joint.controllers.pid import Pid
 from hjcamp.plants.pump_joint.loop import JointSimulator
 
 LOW_PRESSURES = (0.02e6, 0.12e6)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.backends import simulation
-from hjcamp.backends.simulation import run_test
 from hjcamp.configuration.composer import Composer
 from hjcamp.model.scatter import Scatter, draw
+from hjcamp.plants.pump_joint import simulation
 from hjcamp.plants.pump_joint.loop import NotEndedError
+from hjcamp.plants.pump_joint.simulation import run_test
 
 NOISE = np.array([0.0, 700.0, 700.0, 0.0])
 

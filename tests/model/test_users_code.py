@@ -14,15 +14,15 @@ import pytest
 
 import hjcamp
 from hjcamp import cli
-from hjcamp.backends import simulation
-from hjcamp.backends.rig.control import RigControl
 from hjcamp.controllers import find_controller, load_controllers
-from hjcamp.controllers.pid import Pid
 from hjcamp.errors import UsageError
 from hjcamp.model import term_checks
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.law import law_function
 from hjcamp.model.term_checks import check_law_compiles, users_files
+from hjcamp.plants.pump_joint import simulation
+from hjcamp.plants.pump_joint.controllers.pid import Pid
+from hjcamp.plants.pump_joint.rig.control import RigControl
 
 LAW = '''"""A law."""
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.plants._template import write_template
-from hjcamp.records.importing import import_files
+from hjcamp.commands._plant_template import write_template
+from hjcamp.records.elsewhere.importing import import_files
 
 SAMPLES = Path(__file__).parents[2] / "docs" / "own_plant"
 ROWS = 3001

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.plants._template import TEMPLATE
+from hjcamp.commands._plant_template import TEMPLATE
 
 TANKS = '''"""Two tanks, one above the other."""
 

@@ -10,11 +10,11 @@ import pytest
 
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import OWN_PLANTS, load_plants, plant_names
 from hjcamp.model.catalogue import scan
 from hjcamp.model.plant import Plant
-from hjcamp.plants import OWN_PLANTS, load_plants, plant_names
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.two_pumps import TwoPumps
+from hjcamp.plants.two_pumps.plant import TwoPumps
 
 FOLDER = '''"""A tank."""
 from hjcamp.model.parameter import State

@@ -9,10 +9,10 @@ import pytest
 
 from hjcamp.effects import effect_files, find_effect, library_of, load_effects
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import find_plant
 from hjcamp.model.binding import bind
 from hjcamp.model.place_checks import PLACE_CHECKS, PlaceBench
 from hjcamp.model.port import KINDS
-from hjcamp.plants import find_plant
 from hjcamp.plants.pump_joint import PumpJoint
 
 FILES = effect_files([])

@@ -10,6 +10,7 @@ import pytest
 from hjcamp import cli
 from hjcamp.effects import library_of
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import find_plant
 from hjcamp.model.amount_formula import plain_functions
 from hjcamp.model.binding import bind
 from hjcamp.model.compose import Composition
@@ -20,7 +21,6 @@ from hjcamp.model.parameter import Parameter, State
 from hjcamp.model.plant_checks import check_plant, other_period
 from hjcamp.model.quantities import usual_sizes
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.plants import find_plant
 
 MISTAKES = {
     "a state without a rate": ("        rate.position = state.velocity\n", "", "the state 'position' has no rate"),

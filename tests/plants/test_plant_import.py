@@ -25,7 +25,7 @@ from import_samples import (
 
 from hjcamp import cli
 from hjcamp.errors import UsageError
-from hjcamp.records.importing import import_file
+from hjcamp.records.elsewhere.importing import import_file
 from hjcamp.records.read import read_log
 from hjcamp.records.units import conversion_to_field
 

@@ -16,10 +16,10 @@ from mcap.writer import Writer
 
 from hjcamp import cli
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import find_plant
 from hjcamp.model.field_table import fields_of
-from hjcamp.plants import find_plant
-from hjcamp.records import layout
 from hjcamp.records.log import TestLog
+from hjcamp.records.mcap import layout
 from hjcamp.records.plausible import findings
 from hjcamp.records.read import read_log
 from hjcamp.records.recover import recover_log, verify_log

@@ -89,6 +89,11 @@ def test_a_carriage_follows_in_metres_under_the_users_own_law(bench: Path) -> No
     assert not np.array_equal(other["position_m"], position)
 
 
+def test_a_size_in_the_plants_unit_takes_the_place_of_one_that_is_0_deg(bench: Path) -> None:
+    columns, _ = plant_simulation.run_test(made("plant=tanks", "trajectory=hold", "trajectory.angle_v=2"), 1)
+    assert set(columns["pump_v"][columns["phase"] == 3.0]) == {2.0}
+
+
 @pytest.mark.parametrize(
     ("lines", "words"),
     [

@@ -12,12 +12,12 @@ from two_contacts import PENDULUM, SPRING, STACK, Dry, pendulum, spring
 
 from hjcamp import cli
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import find_plant
 from hjcamp.model.compose import Composition
 from hjcamp.model.course import Course, Given, inputs_along
 from hjcamp.model.parameter import Cut
 from hjcamp.model.simulator import Simulator
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.plants import find_plant
 
 PLANTS = {"spring": SPRING, "pendulum": PENDULUM, "stack": STACK}
 

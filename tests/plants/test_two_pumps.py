@@ -15,7 +15,7 @@ from hjcamp.configuration.composer import Composer
 from hjcamp.model.compose import Composition
 from hjcamp.model.simulator import Given, Simulator
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.two_pumps import TwoPumps
+from hjcamp.plants.two_pumps.plant import TwoPumps
 
 PERIOD = TwoPumps.period
 PUMP_AREA, JOINT_AREA = math.pi / 4 * 6.35e-3**2, math.pi / 4 * 4e-3**2

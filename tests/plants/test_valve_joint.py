@@ -12,8 +12,8 @@ from scipy.integrate import solve_ivp
 
 from hjcamp.model.compose import Composition
 from hjcamp.model.simulator import Given, Simulator
-from hjcamp.plants._valves import Valves
-from hjcamp.plants.valve_joint import ValveJoint
+from hjcamp.plants.valve_joint.plant import ValveJoint
+from hjcamp.plants.valve_joint.valves import Valves
 
 AREA = math.pi / 4 * 4e-3**2
 STIFFNESS, CONDUCTANCE, SUPPLY = 2.57e13, 3.196e-9, 0.6e6

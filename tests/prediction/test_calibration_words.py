@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hjcamp.commands._plant_words import calibration_table, held_by_bounds
+from hjcamp.commands.any_plant.words import calibration_table, held_by_bounds
 
 
 def row(value: float, low: float, high: float, at_bound: bool) -> dict[str, dict[str, object]]:

@@ -10,8 +10,8 @@ import pytest
 from answer_schemas import check_answer
 from gauge import BETWEEN, OUTFLOW, PUMP, measured_log
 
-from hjcamp.commands._plant_verdict_words import Words
-from hjcamp.commands._plant_words import notes_on
+from hjcamp.commands.any_plant.verdict_words import Words
+from hjcamp.commands.any_plant.words import notes_on
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.analysis import calibrated

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from hjcamp.effects import load_effects
+from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
-from hjcamp.plants import find_plant
 from hjcamp.prediction.law_curve import law_curves
 from hjcamp.prediction.unknowns import unknowns_of
 

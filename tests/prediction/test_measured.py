@@ -11,7 +11,7 @@ from carriage import COUNT, measured_log
 
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
-from hjcamp.plants import find_plant
+from hjcamp.known_plants import find_plant
 from hjcamp.prediction.measured import measured_tests
 from hjcamp.prediction.starts import estimated, rate_of, slope
 

@@ -13,7 +13,7 @@ from carriage import COULOMB, GAIN, MASS, PERIOD, VISCOUS, measured_log
 from numpy.typing import NDArray
 
 from hjcamp.analyses.proposing import PlantProposed
-from hjcamp.commands._next_plant import answer
+from hjcamp.commands.any_plant.next_answer import answer
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.notebook.proposal import Proposal as Proposed

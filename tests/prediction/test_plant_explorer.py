@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.commands._plant_explorer import modelled_tests
-from hjcamp.plants import find_plant
+from hjcamp.commands.any_plant.explorer import modelled_tests
+from hjcamp.known_plants import find_plant
 from hjcamp.prediction.measured import Measured, MeasuredTest, Sensor
 from hjcamp.prediction.windows import Layout
 from hjcamp.records.log import TestLog

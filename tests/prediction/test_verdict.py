@@ -13,7 +13,7 @@ import pytest
 from carriage import measured_log, nothing
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from hjcamp.commands._plant_verdict_words import Words
+from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.effects import load_effects
 from hjcamp.prediction import verdict
 from hjcamp.prediction.analysis import calibrated

@@ -9,7 +9,7 @@ import pytest
 from carriage import measured_log
 
 from hjcamp.effects import load_effects
-from hjcamp.plants import find_plant
+from hjcamp.known_plants import find_plant
 from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.measured import measured_tests
 from hjcamp.prediction.screening import amplitudes_of, shape_grid

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from hjcamp.report import refitted
-from hjcamp.report.published import cell_key
+from hjcamp.plants.pump_joint.published import refitted
+from hjcamp.plants.pump_joint.published.values import cell_key
 from hjcamp.tabulated.page import PICTURE, page
 
 ROOT = Path(__file__).parents[2]

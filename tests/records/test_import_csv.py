@@ -15,7 +15,7 @@ import yaml
 
 from hjcamp import cli
 from hjcamp.errors import UsageError
-from hjcamp.records.importing import import_file
+from hjcamp.records.elsewhere.importing import import_file
 from hjcamp.records.read import read_log
 
 MAPPING = {

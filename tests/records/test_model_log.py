@@ -11,7 +11,7 @@ import pytest
 from mcap.reader import make_reader
 
 from hjcamp.errors import HjcampError
-from hjcamp.records.model_log import MEASURED, ModelledTest, topic_of, write_modelled
+from hjcamp.records.views.model_log import MEASURED, ModelledTest, topic_of, write_modelled
 
 TIME = np.arange(20) * 0.004
 ARM, SAID = 10.0 * np.sin(TIME), 9.0 * np.sin(TIME)

@@ -12,10 +12,10 @@ import yaml
 from log_makers import make_columns, make_log, write_json
 
 from hjcamp import cli
-from hjcamp.analyses.data import evidence_of
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.records.importing import import_file
+from hjcamp.plants.pump_joint.analyses.evidence import evidence_of
+from hjcamp.records.elsewhere.importing import import_file
 from hjcamp.records.log import TestLog
 from hjcamp.records.plausible import findings, refuse_implausible
 from hjcamp.records.recover import verify_log

@@ -14,8 +14,8 @@ from log_makers import FIELD_NAMES, json_file, make_columns, make_log, rows, wri
 from mcap.writer import CompressionType, Writer
 
 from hjcamp.errors import UsageError
-from hjcamp.records import layout
 from hjcamp.records.log import TestLog
+from hjcamp.records.mcap import layout
 from hjcamp.records.read import read_log, read_metadata
 from hjcamp.records.write import write_log
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.records.text_table import Dialect, dialect_of
+from hjcamp.records.elsewhere.text_table import Dialect, dialect_of
 
 
 @pytest.mark.parametrize(

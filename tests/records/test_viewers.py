@@ -18,7 +18,7 @@ from hjcamp.cli import run
 from hjcamp.commands._view import PROGRAMS, prepare_view
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
-from hjcamp.records.rerun_view import events_of
+from hjcamp.records.views.rerun_view import events_of
 from hjcamp.records.write import write_log
 
 SAMPLES = 60

@@ -19,9 +19,9 @@ from hjcamp.records.log import TestLog
 from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
 from hjcamp.report.check import read_tolerances
-from hjcamp.report.indicators import indicators_frame
 from hjcamp.report.run_difference import run_difference
 from hjcamp.report.tables import by_condition
+from hjcamp.report.varied import indicators_frame
 from hjcamp.report.welch import Sample, holm, welch
 
 

@@ -15,17 +15,7 @@ from report_samples import make_plan as make_sample_plan
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
-from hjcamp.records.log import TestLog
-from hjcamp.records.read import read_log
-from hjcamp.records.write import write_log
-from hjcamp.report.build import Report, build_report, verdict
-from hjcamp.report.check import check
-from hjcamp.report.declared import declared_tables
-from hjcamp.report.formats import to_latex
-from hjcamp.report.indicators import COLUMNS, indicators_frame
-from hjcamp.report.line_indicators import FURTHER
-from hjcamp.report.published import cell_key, published_cells
-from hjcamp.report.published.configurations import (
+from hjcamp.plants.pump_joint.published.configurations import (
     CAMPAIGNS,
     UNKNOWN,
     choices_of,
@@ -33,9 +23,18 @@ from hjcamp.report.published.configurations import (
     difference,
     standing,
 )
+from hjcamp.plants.pump_joint.published.values import cell_key, published_cells
+from hjcamp.records.log import TestLog
+from hjcamp.records.read import read_log
+from hjcamp.records.write import write_log
+from hjcamp.report.build import Report, build_report, verdict
+from hjcamp.report.check import check
+from hjcamp.report.declared import declared_tables
+from hjcamp.report.formats import to_latex
+from hjcamp.report.indicators import COLUMNS, FURTHER
 from hjcamp.report.sheet import arrange_conditions
 from hjcamp.report.tables import against_published, by_condition
-from hjcamp.report.varied import labels_of
+from hjcamp.report.varied import indicators_frame, labels_of
 
 SOFT = "controller.positive.kp=0.7"
 SOFTER = "controller.positive.kp is 0.7 instead of 1.05"

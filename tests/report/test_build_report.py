@@ -20,9 +20,8 @@ from hjcamp.records.log import TestLog
 from hjcamp.records.plan import Plan
 from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
-from hjcamp.report.figures import draw_condition
-from hjcamp.report.indicators import COLUMNS, IDENTITY
-from hjcamp.report.line_indicators import FURTHER
+from hjcamp.report.indicators import COLUMNS, FURTHER, IDENTITY
+from hjcamp.report.pictures.conditions import draw_condition
 from hjcamp.report.spread import gather
 from hjcamp.report.terminal import summary_table
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hjcamp.commands._corner import Estimate, how_well_known, known_rows
-from hjcamp.report.corner_figure import MOST, RADII, correlation_of, draw_corner, ellipse
+from hjcamp.report.pictures.corner import MOST, RADII, correlation_of, draw_corner, ellipse
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.8, -0.99])

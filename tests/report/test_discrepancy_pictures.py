@@ -7,18 +7,18 @@ import re
 import numpy as np
 import pytest
 
-from hjcamp.report.discrepancy_figures import (
+from hjcamp.plants.pump_joint.figures.discrepancy import (
     HorizonCurve,
     Overlay,
-    draw_errors,
     draw_horizon,
     draw_map,
     draw_overlay,
     worst_part,
 )
+from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
 from hjcamp.report.discrepancy_page import bullets, discrepancy_page, picture, place_table
-from hjcamp.report.figures import PAPER, tidy
-from hjcamp.report.unexplained_figure import draw_unexplained
+from hjcamp.report.pictures.conditions import PAPER, tidy
+from hjcamp.report.pictures.drawing import draw_errors
 
 TIME = np.arange(500) * 0.004
 

@@ -7,8 +7,8 @@ import pytest
 from report_samples import make_log
 
 from hjcamp.records.log import TestLog
-from hjcamp.report import figures
-from hjcamp.report.figures import draw_condition
+from hjcamp.report.pictures import conditions as figures
+from hjcamp.report.pictures.conditions import draw_condition
 from hjcamp.report.spread import Condition, gather
 
 

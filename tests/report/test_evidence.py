@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hjcamp.report.correlations import correlations
-from hjcamp.report.evidence_figures import (
+from hjcamp.report.pictures.evidence import (
     BACKWARD,
     BOTH,
     FORWARD,

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from hjcamp.configuration.composer import Composer
-from hjcamp.report.joint_figures import figures_of, largest_load, load_over_angle
+from hjcamp.plants.pump_joint.figures.joint import figures_of, largest_load, load_over_angle
 
 
 def painted(name: str, *overrides: str) -> Any:

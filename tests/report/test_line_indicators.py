@@ -9,11 +9,11 @@ import polars as pl
 import pytest
 from report_samples import make_log
 
-from hjcamp.campaign.study_pictures import varied_numbers
+from hjcamp.campaign.further_pictures import varied_numbers
+from hjcamp.plants.pump_joint.indicators import FURTHER, line_indicators
 from hjcamp.report.declared import Column, TableDefinition
 from hjcamp.report.indicators import indicators_of
-from hjcamp.report.line_indicators import FURTHER, line_indicators
-from hjcamp.report.map_figure import draw_map
+from hjcamp.report.pictures.map import draw_map
 from hjcamp.report.sheet import arrange, arrange_lines
 
 

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from matplotlib.figure import Figure
 
+from hjcamp.known_plants import find_plant
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.plants import find_plant
-from hjcamp.report.plant_figure import columns, links, paint_plant, without_partitions
+from hjcamp.report.pictures.plant import columns, links, paint_plant, without_partitions
 
 
 def test_the_links_of_the_pump_joint_are_those_of_its_equations() -> None:

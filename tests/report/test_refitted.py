@@ -8,8 +8,8 @@ from report_samples import make_logs
 
 from hjcamp.commands.report import of_repetition
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.published import refitted
 from hjcamp.records.write import write_log
-from hjcamp.report import refitted
 from hjcamp.report.page import build_page
 
 PLACE = {"trajectory": "mixed", "controller": "pid", "payload": "brass_8p5g", "orientation": "vertical"}

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from hjcamp.report.published import slips
+from hjcamp.plants.pump_joint.published import slips
 
 
 def test_pid_alone_is_worse_than_the_earlier_sliding_mode_in_three_rows() -> None:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from hjcamp.records.log import TestLog, observed
-from hjcamp.report.figures import draw_condition
-from hjcamp.report.small_multiples import AREA_POINTS, HIGH, MOST_POINTS, few_points, small_multiples
+from hjcamp.report.pictures.conditions import draw_condition
+from hjcamp.report.pictures.small_multiples import AREA_POINTS, HIGH, MOST_POINTS, few_points, small_multiples
 from hjcamp.report.spread import Condition, gather
 
 TIME = np.arange(6000) * 1e-3

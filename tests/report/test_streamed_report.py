@@ -10,6 +10,7 @@ import pytest
 from report_samples import as_planned, make_log, make_logs, make_plan, write_plan
 
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.figures.panels import SIGNALS
 from hjcamp.records import stored
 from hjcamp.records.find import read_logs
 from hjcamp.records.log import TestLog
@@ -17,7 +18,7 @@ from hjcamp.records.read import read_log
 from hjcamp.records.stored import StoredLog, kept, stored_logs
 from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
-from hjcamp.report.spread import SIGNALS, gather, with_error
+from hjcamp.report.spread import gather, with_error
 
 NAMES = ["cycloid_pos__pid", "ramp_pos__pid", "cycloid_pos__ffwd_pid", "ramp_pos__ffwd_pid"]
 

@@ -10,13 +10,13 @@ from report_samples import make_log
 from rich.cells import cell_len
 from rich.console import Console
 
+from hjcamp.plants.pump_joint.published.values import measured_indicators
 from hjcamp.records.log import TestLog
 from hjcamp.report.declared import declared_tables
-from hjcamp.report.indicators import indicators_frame
-from hjcamp.report.published import measured_indicators
 from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
 from hjcamp.report.tables import build_table, by_condition
 from hjcamp.report.terminal import FittedSheet, summary_table
+from hjcamp.report.varied import indicators_frame
 
 WIDTHS = (80, 100)
 

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import pytest
 
-from hjcamp.report.where_words import grouped_bars, phrase, where_sentences, worse_calibrated
+from hjcamp.plants.pump_joint.answers.where_words import grouped_bars, phrase, where_sentences
+from hjcamp.report.floor_words import worse_calibrated
 
 
 class Place(NamedTuple):

@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from hjcamp.backends.rig import connection as rig_connection
-from hjcamp.backends.rig import lock as rig_lock
-from hjcamp.backends.rig.lock import release_locks
-from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.configuration.composer import Composer
+from hjcamp.plants.pump_joint.rig import connection as rig_connection
+from hjcamp.plants.pump_joint.rig import lock as rig_lock
+from hjcamp.plants.pump_joint.rig.lock import release_locks
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 
 Compose = Callable[..., dict[str, Any]]
 

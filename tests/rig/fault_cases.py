@@ -9,9 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.backends.virtual_rig.faults import Fault
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.faults import Fault
 
 # ramp_pos: preload to sample ~230, adjustment to ~390, rest to ~590, command phase to ~1590, release to ~1800.
 WHEN = {"start": 20, "middle": 1000, "end": 1500}
@@ -89,7 +89,7 @@ def arm_case(case: Case, sample: int, device: VirtualDevice, monkeypatch: Any) -
     if case.action == "disk":
         _fill_the_disk(sample, device, monkeypatch)
         return
-    from hjcamp.backends.rig.control import COMMAND, RigControl
+    from hjcamp.plants.pump_joint.rig.control import COMMAND, RigControl
 
     step = RigControl.step
     test = device.tests + 1
@@ -116,7 +116,7 @@ def _boom() -> None:
 
 
 def _fill_the_disk(sample: int, device: VirtualDevice, monkeypatch: Any) -> None:
-    from hjcamp.backends.rig.journal import Journal
+    from hjcamp.plants.pump_joint.rig.journal import Journal
 
     write = Journal._write
     test = device.tests + 1

@@ -13,12 +13,12 @@ import pytest
 from fault_cases import WHEN, Case
 from rich.console import Console
 
-from hjcamp.backends.rig import connection as rig_connection
-from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.campaign.folder import folder_for, open_folder
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import run_plan
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.plants.pump_joint.rig import connection as rig_connection
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 from hjcamp.records.read import read_log
 from hjcamp.records.recover import recover_log
 

@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp import cli
-from hjcamp.backends.rig import connection as rig_connection
-from hjcamp.backends.rig.control import RigControl
-from hjcamp.backends.rig.journal import Journal
+from hjcamp.plants.pump_joint.rig import connection as rig_connection
+from hjcamp.plants.pump_joint.rig.control import RigControl
+from hjcamp.plants.pump_joint.rig.journal import Journal
 from hjcamp.records.recover import recover_log
 
 FULL_AT = 1500

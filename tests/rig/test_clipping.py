@@ -12,12 +12,12 @@ from test_rig_limits import COUPLING, LIMITS, RANGE
 
 from hjcamp import backends
 from hjcamp.backends.recording import part_of, recording
-from hjcamp.backends.rig.control import COMMAND, PRELOAD_SPEED, RigControl
 from hjcamp.backends.rig.fault import RigFault
-from hjcamp.backends.rig.limits import LimitCheck, read_limits
-from hjcamp.backends.rig.wiring import read_wiring
-from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.errors import RigStopped
+from hjcamp.plants.pump_joint.rig.control import COMMAND, PRELOAD_SPEED, RigControl
+from hjcamp.plants.pump_joint.rig.limits import LimitCheck, read_limits
+from hjcamp.plants.pump_joint.rig.wiring import read_wiring
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 from hjcamp.records.read import read_log
 from hjcamp.records.recover import recover_log
 from hjcamp.records.write import LogWriter

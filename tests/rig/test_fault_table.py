@@ -12,7 +12,7 @@ import pytest
 from fault_cases import CASES, WHEN, Case
 from fault_run import make_row
 
-from hjcamp.backends.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 
 TABLE = Path(__file__).parents[2] / "docs" / "rig_faults.md"
 SELECTED = [case for case in CASES if not case.name.startswith("limit")]

@@ -15,7 +15,7 @@ import pytest
 from full_disk import FULL_AT
 
 from hjcamp import backends
-from hjcamp.backends.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 
 SCRIPT = Path(__file__).with_name("full_disk.py")
 NAMESPACE = ("unshare", "--user", "--map-root-user", "--mount", "sh", "-c")

@@ -13,14 +13,14 @@ import pytest
 from rich.console import Console
 
 from hjcamp import cli
-from hjcamp.backends.rig.control import RigControl
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.backends.virtual_rig.faults import Fault
 from hjcamp.campaign.folder import RunFolder, folder_for
 from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import RunResult, run_plan
 from hjcamp.errors import RigStopped
+from hjcamp.plants.pump_joint.rig.control import RigControl
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.faults import Fault
 from hjcamp.records.read import read_log
 from hjcamp.records.recover import recover_log
 
@@ -51,8 +51,8 @@ def test_keep_going_looks_at_the_rig_and_goes_on(
 ) -> None:
     device.faults = [Fault(kind, sample, 1)]
     if kind != "late_samples":  # a loose contact: gone when the rig is looked at
-        make_safe = "hjcamp.backends.rig.tasks.RigTasks.make_safe"
-        from hjcamp.backends.rig.tasks import RigTasks
+        make_safe = "hjcamp.plants.pump_joint.rig.tasks.RigTasks.make_safe"
+        from hjcamp.plants.pump_joint.rig.tasks import RigTasks
 
         real = RigTasks.make_safe
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from hjcamp import backends
-from hjcamp.backends.nidaqmx import check_test
-from hjcamp.backends.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.rig.reach import check_test
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 
 PUMP1 = ("pump=pump1", "amplifier=low_gain")
 FASTEST = ("sine_1hz", "cycloid_neg", "mixed")

@@ -13,12 +13,12 @@ import pytest
 from client_run import KINDS, PHASES, make_client_row
 
 from hjcamp import backends
-from hjcamp.backends.rig import connection as rig_connection
-from hjcamp.backends.rig.tasks import RigTasks
-from hjcamp.backends.rig.wiring import read_wiring
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.backends.virtual_rig.faults import Fault
 from hjcamp.errors import RigStopped, UsageError
+from hjcamp.plants.pump_joint.rig import connection as rig_connection
+from hjcamp.plants.pump_joint.rig.tasks import RigTasks
+from hjcamp.plants.pump_joint.rig.wiring import read_wiring
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.faults import Fault
 
 TABLE = Path(__file__).parents[2] / "docs" / "rig_faults.md"
 # Each kind once, in the phases in which most can go wrong; `make faults` makes all kinds in all phases.
@@ -136,7 +136,7 @@ def test_faults(device: VirtualDevice, compose: Any, fault: Fault, words: str) -
 
 
 def test_a_client_that_was_paused_stops(device: VirtualDevice, compose: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    from hjcamp.backends.rig.control import RigControl
+    from hjcamp.plants.pump_joint.rig.control import RigControl
 
     device.run_by_itself(0.1)
     step = RigControl.step

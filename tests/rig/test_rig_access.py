@@ -14,17 +14,17 @@ from typing import Any
 import pytest
 
 from hjcamp import backends, cli
-from hjcamp.backends.rig import lock as rig_lock
-from hjcamp.backends.rig.connection import RigUnavailable
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.backends.virtual_rig.faults import Fault, parse_fault
-from hjcamp.backends.virtual_rig.server import check_address, start_server
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.rig import lock as rig_lock
+from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.faults import Fault, parse_fault
+from hjcamp.plants.pump_joint.virtual_rig.server import check_address, start_server
 
 HOLDER = """
 import sys, time
 from pathlib import Path
-from hjcamp.backends.rig import lock as rig_lock
+from hjcamp.plants.pump_joint.rig import lock as rig_lock
 config = {"rig": {"connection": {"kind": "address", "address": "localhost:1"}}, "amplifier": {}}
 rig_lock.lock_folder = lambda: Path(sys.argv[1])
 rig_lock.rig_identity = lambda config: "the test rig"
@@ -125,8 +125,8 @@ def test_the_check_finds(
 
 
 def test_the_user_must_see_the_arm_move(device: VirtualDevice, capsys: pytest.CaptureFixture[str]) -> None:
-    from hjcamp.backends.rig.check import check_rig
     from hjcamp.configuration.composer import Composer
+    from hjcamp.plants.pump_joint.rig.check import check_rig
 
     config = Composer().compose(["backend=nidaqmx"]).config
     findings: list[Any] = []

@@ -10,8 +10,9 @@ from typing import Any
 
 import pytest
 
-from hjcamp.backends.rig import check as rig_check
-from hjcamp.backends.rig.check_stamp import (
+from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.rig import check as rig_check
+from hjcamp.plants.pump_joint.rig.check_stamp import (
     changes,
     decisive,
     parked_path,
@@ -19,9 +20,8 @@ from hjcamp.backends.rig.check_stamp import (
     stamp_path,
     write_stamp,
 )
-from hjcamp.backends.rig.connection import RigUnavailable
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 
 PARTS = ("inputs", "outputs", "watchdog", "limits", "sensors")
 

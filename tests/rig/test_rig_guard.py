@@ -8,14 +8,14 @@ from typing import Any
 import pytest
 
 from hjcamp import backends, cli
-from hjcamp.backends import nidaqmx
-from hjcamp.backends.rig import connection as rig_connection
 from hjcamp.backends.rig import guard as rig_guard
-from hjcamp.backends.rig.connection import Connection
 from hjcamp.backends.rig.guard import is_real, notices, require_guard
-from hjcamp.backends.virtual_rig.device import VirtualDevice
 from hjcamp.configuration.check import check_configuration
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.rig import connection as rig_connection
+from hjcamp.plants.pump_joint.rig import nidaqmx
+from hjcamp.plants.pump_joint.rig.connection import Connection
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 
 REAL = ["backend=nidaqmx", "rig=example_pcie"]
 NO_WATCHDOG = "rig 'example_pcie' has no watchdog"

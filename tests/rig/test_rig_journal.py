@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from hjcamp.backends.recording import Recording, part_of, recording
-from hjcamp.backends.rig.journal import SCALES, Journal, keep_stopped
 from hjcamp.backends.rig.timing import LoopTiming, undisturbed
+from hjcamp.plants.pump_joint.rig.journal import SCALES, Journal, keep_stopped
 from hjcamp.records.recover import recover_log
 from hjcamp.records.write import LogWriter
 
@@ -24,7 +24,7 @@ KILLED = """
 import sys, time
 from pathlib import Path
 from hjcamp.backends.recording import Recording
-from hjcamp.backends.rig.journal import Journal
+from hjcamp.plants.pump_joint.rig.journal import Journal
 from hjcamp.records.write import LogWriter
 open_writer = lambda p, n: LogWriter(p, n, {"campaign": "c"}, {}, replace=True)
 journal = Journal(Recording(Path(sys.argv[1]), open_writer), 100000)

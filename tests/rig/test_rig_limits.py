@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.backends.rig.limits import LimitCheck, Limits, read_limits
-from hjcamp.backends.rig.silence import Coupling
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.rig.limits import LimitCheck, Limits, read_limits
+from hjcamp.plants.pump_joint.rig.silence import Coupling
 
 DEGREE = pi / 180
 VOLTS = np.array([2.0, 2.0])

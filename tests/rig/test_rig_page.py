@@ -10,8 +10,8 @@ import pytest
 
 from hjcamp import backends
 from hjcamp.backends.rig.fault import RigFault
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.backends.virtual_rig.faults import parse_fault
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.faults import parse_fault
 
 ROOT = Path(__file__).parents[2]
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from hjcamp.backends.rig.check import Finding, check_rig
-from hjcamp.backends.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.rig.check import Finding, check_rig
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 
 
 def test_the_check_holds_the_rig_while_somebody_thinks(device: VirtualDevice, compose: Any) -> None:

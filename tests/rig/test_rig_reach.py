@@ -9,10 +9,9 @@ from typing import Any
 import pytest
 
 from hjcamp import cli
-from hjcamp.backends.nidaqmx import check_test
-from hjcamp.backends.rig.reach import need_of
 from hjcamp.campaign.planning import make_plan
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.rig.reach import check_test, need_of
 
 PUMP1 = ("pump=pump1", "amplifier=low_gain")
 OPEN = ("controller=open_loop", "procedure.adjustment.enabled=false")

@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from hjcamp.backends.rig.check_stamp import require_check, write_stamp
-from hjcamp.backends.rig.connection import RigUnavailable
-from hjcamp.backends.rig.park import note_parked, parked_at
-from hjcamp.backends.rig.wiring import read_wiring
 from hjcamp.configuration.check import check_configuration
 from hjcamp.errors import UsageError
+from hjcamp.plants.pump_joint.rig.check_stamp import require_check, write_stamp
+from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
+from hjcamp.plants.pump_joint.rig.park import note_parked, parked_at
+from hjcamp.plants.pump_joint.rig.wiring import read_wiring
 
 
 def test_scaling(compose: Any) -> None:

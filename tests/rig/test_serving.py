@@ -12,11 +12,11 @@ import pytest
 from processes import CALL, connection, program, served_rig, wait_until
 
 from hjcamp import cli
-from hjcamp.backends.rig import connection as rig_connection
-from hjcamp.backends.rig.tasks import RigTasks
-from hjcamp.backends.rig.wiring import read_wiring
-from hjcamp.backends.virtual_rig.server import check_free, client_address
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.rig import connection as rig_connection
+from hjcamp.plants.pump_joint.rig.tasks import RigTasks
+from hjcamp.plants.pump_joint.rig.wiring import read_wiring
+from hjcamp.plants.pump_joint.virtual_rig.server import check_free, client_address
 
 
 def test_a_port_in_use_is_one_message(tmp_path: Path) -> None:

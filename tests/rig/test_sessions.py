@@ -12,12 +12,12 @@ from nidaqmx._stubs import nidaqmx_pb2 as messages
 from nidaqmx._stubs.nidaqmx_pb2_grpc import NiDAQmxStub
 from session_pb2 import Session
 
-from hjcamp.backends.rig.connection import Connection
-from hjcamp.backends.rig.tasks import RigTasks
-from hjcamp.backends.rig.wiring import read_wiring
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.backends.virtual_rig.server import start_server
-from hjcamp.backends.virtual_rig.sessions import RESERVED, DeviceError, Tasks
+from hjcamp.plants.pump_joint.rig.connection import Connection
+from hjcamp.plants.pump_joint.rig.tasks import RigTasks
+from hjcamp.plants.pump_joint.rig.wiring import read_wiring
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.server import start_server
+from hjcamp.plants.pump_joint.virtual_rig.sessions import RESERVED, DeviceError, Tasks
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ import pytest
 from processes import Cable, connection, program, served_rig, wait_until
 
 from hjcamp.backends.rig.deadline import ANSWER_S, GRACE_S
-from hjcamp.backends.virtual_rig.device import IDLE_S
+from hjcamp.plants.pump_joint.virtual_rig.device import IDLE_S
 from hjcamp.records.recover import recover_log
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="SIGSTOP")

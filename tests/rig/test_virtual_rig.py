@@ -10,14 +10,14 @@ import pytest
 from plain_kernel import plain
 
 from hjcamp import backends
-from hjcamp.backends.rig import park as rig_park
-from hjcamp.backends.rig.connection import RigUnavailable
-from hjcamp.backends.rig.wiring import read_wiring
-from hjcamp.backends.virtual_rig import plant as virtual_plant
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.backends.virtual_rig.faults import Fault
-from hjcamp.backends.virtual_rig.plant import READINGS
 from hjcamp.errors import RigStopped
+from hjcamp.plants.pump_joint.rig import park as rig_park
+from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
+from hjcamp.plants.pump_joint.rig.wiring import read_wiring
+from hjcamp.plants.pump_joint.virtual_rig import plant as virtual_plant
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.faults import Fault
+from hjcamp.plants.pump_joint.virtual_rig.plant import READINGS
 
 SEED = 42
 CONDITIONS = (

@@ -11,12 +11,12 @@ import pytest
 from mcap.reader import make_reader
 from rich.console import Console
 
-from hjcamp.backends.virtual_rig.device import VirtualDevice
-from hjcamp.backends.virtual_rig.faults import Fault
 from hjcamp.campaign.folder import RunFolder, folder_for
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import run_plan
 from hjcamp.errors import RigStopped
+from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
+from hjcamp.plants.pump_joint.virtual_rig.faults import Fault
 from hjcamp.records.read import read_log
 from hjcamp.records.recover import recover_log
 

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from hjcamp.sizing import dynamics, pulley, tubing
-from hjcamp.sizing.compliance import pressure_against_volume
-from hjcamp.sizing.linkage import SixBar
-from hjcamp.sizing.muscle import FREE_ANGLE, muscle_with_crossing
-from hjcamp.sizing.reference import Quantity, quantities
+from hjcamp.plants.pump_joint.sizing import dynamics, pulley, tubing
+from hjcamp.plants.pump_joint.sizing.compliance import pressure_against_volume
+from hjcamp.plants.pump_joint.sizing.linkage import SixBar
+from hjcamp.plants.pump_joint.sizing.muscle import FREE_ANGLE, muscle_with_crossing
+from hjcamp.plants.pump_joint.sizing.reference import Quantity, quantities
 
 # What the text prints, typed from it once more: a slip in the table of quantities would be seen here.
 PRINTED = {

@@ -8,7 +8,15 @@ from pathlib import Path
 import pytest
 
 from hjcamp import cli
-from hjcamp.sizing.capability import Friction, Joint, largest_torque, limits, needed_pressure, read_question, verdict
+from hjcamp.plants.pump_joint.sizing.capability import (
+    Friction,
+    Joint,
+    largest_torque,
+    limits,
+    needed_pressure,
+    read_question,
+    verdict,
+)
 
 JOINT = Joint(4e-3, 20e-3, 6.82e-3, 0.689e6, 2.5, 0.22)
 WORN = Friction("worn, positive", 7.20, 5.27)

@@ -15,15 +15,15 @@ import pytest
 
 import hjcamp
 from hjcamp import locks
-from hjcamp.backends.rig import lock as rig_lock
-from hjcamp.backends.rig.connection import RigUnavailable
 from hjcamp.campaign.lock import is_locked, run_lock
 from hjcamp.errors import HjcampError
+from hjcamp.plants.pump_joint.rig import lock as rig_lock
+from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
 
 HOMELESS = """
 import json, os, sys
 os.setresuid(12345, 0, 0)  # the number that home and name are looked up by; files stay open to this process
-from hjcamp.backends.rig import lock as rig_lock
+from hjcamp.plants.pump_joint.rig import lock as rig_lock
 from hjcamp import cli
 rig_lock.rig_identity = lambda config: "the rig of nobody"
 rig_lock.take_lock({})

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hjcamp.backends.factors import changed_values
-from hjcamp.backends.simulation import prepare
-from hjcamp.configuration.check import check_model
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.configuration import check_model
+from hjcamp.plants.pump_joint.factors import changed_values
+from hjcamp.plants.pump_joint.simulation import prepare
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,8 @@ import copy
 import numpy as np
 import pytest
 
-from hjcamp.backends.factors import FACTORS
-from hjcamp.backends.simulation import run_test
+from hjcamp.plants.pump_joint.factors import FACTORS
+from hjcamp.plants.pump_joint.simulation import run_test
 from hjcamp.records.log import TestLog
 from hjcamp.records.plan import seed_of
 from hjcamp.report.indicators import CHOICES, INDICATORS, indicators_of

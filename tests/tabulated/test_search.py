@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from hjcamp.discrepancy.workers.pool import Crew
 from hjcamp.tabulated.cells import Cells, robust
 from hjcamp.tabulated.diagnosis import EFFECT, NOTHING, verdict_of
 from hjcamp.tabulated.fit import fit
 from hjcamp.tabulated.ledger import Ledger
 from hjcamp.tabulated.search import Effort, Search, Step
+from hjcamp.workers.pool import Crew
 
 CONDITIONS = 14
 ACTS = ("coulomb_positive", "viscous_negative", "line_stiffness", "controller_scale", "pump_bandwidth", "head_start")

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from hjcamp.cli import run
-from hjcamp.configuration.check import check_model
+from hjcamp.plants.pump_joint.configuration import check_model
 from hjcamp.tabulated.answer import SCHEMA
 from hjcamp.tabulated.page import page
 

@@ -22,3 +22,13 @@ FIELDS = (
     Field("dither_v", "V", False, "dither added to the pump motor voltage"),
 )
 ONE_OF = ("pump_deg", "command_deg")
+#: Names of channels and parameters as people read them.
+LABELS = {
+    "line_stiffness": "line stiffness dp/dV",
+    "moving_mass": "moving mass",
+    "stiffness_asymmetry": "stiffness, line 1 against 2",
+    "arm_deg": "arm angle",
+    "pressure1_mpa": "line 1",
+    "pressure2_mpa": "line 2",
+    "pump_deg": "pump",
+}

@@ -11,7 +11,8 @@ from hjcamp.model.parameter import Channel, Cut, Input, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 from hjcamp.plants.pump_joint.effects import COVERS, INSTANCES
-from hjcamp.plants.pump_joint.fields import FIELDS, ONE_OF
+from hjcamp.plants.pump_joint.fields import FIELDS, LABELS, ONE_OF
+from hjcamp.plants.pump_joint.rooms import ROOMS
 
 if TYPE_CHECKING:
     from hjcamp.model.course import Course
@@ -32,6 +33,9 @@ class PumpJoint(Plant):
     fields = FIELDS
     one_of = ONE_OF
     rig = ("pump", "amplifier", "tubing")
+    setups = ("payload", "orientation")
+    labels = LABELS
+    rooms = ROOMS
 
     pump_position = State("m", 1e-9, 1e-3, text="travel of the pump motor's nut")
     pump_velocity = State("m/s", 1e-6, 0.01, text="speed of the pump motor's nut")
@@ -201,11 +205,17 @@ class PumpJoint(Plant):
         return plant_parameters(config)
 
     @classmethod
+    def blocked(cls, config: Mapping[str, Any]) -> bool:
+        """Return whether the configured joint is the blocked one of 4.4."""
+        joint = config.get("joint")
+        return isinstance(joint, Mapping) and joint.get("name") == "blocked"
+
+    @classmethod
     def courses(cls) -> Mapping[str, Course]:
         """Return the motions of the pump on which an effect is tried out."""
         from hjcamp.plants.pump_joint.menu import pump_courses
 
-        return pump_courses()
+        return pump_courses(cls)
 
     @staticmethod
     def equations(state, parameter, drive, rate):  # type: ignore[no-untyped-def]

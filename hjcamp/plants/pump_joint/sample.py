@@ -1,7 +1,7 @@
 """One sample of the pump joint, and the loop of a test, copied into generated kernels.
 
 A sample is sensed, decided and acted on: ``sense``, ``decide`` and ``act`` serve the simulator (``closed_loop``) and the virtual
-rig (`hjcamp.backends.virtual_rig.tick`); the rig has its own sensors and outputs, and ``decide``.
+rig (`hjcamp.plants.pump_joint.virtual_rig.tick`); the rig has its own sensors and outputs, and ``decide``.
 """
 
 from __future__ import annotations

@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.report.dot_plot import Dots
-from hjcamp.report.figures import BLUE, GRID, INK, RED
+from hjcamp.report.followed import ERROR, FOLLOWED, UNIT, WANTED
 from hjcamp.report.names import readable
+from hjcamp.report.pictures.conditions import BLUE, GRID, INK, RED
+from hjcamp.report.pictures.dot_plot import Dots
 from hjcamp.report.spread import Condition
+from hjcamp.report.units import label
 from hjcamp.storage import whole_file
 
 FORMATS = ("pdf", "svg", "pgf")
@@ -134,20 +136,20 @@ def means_painter(conditions: Sequence[str], indicators: Sequence[str], kinds: S
 
 
 def course_painter(condition: Condition) -> Callable[[Any], None]:
-    """Return what paints reference, mean and range of the arm, and the error below."""
+    """Return what paints reference, mean and range of what follows it, and the error below."""
 
     def paint(figure: Any) -> None:
         top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1.0])
-        for panel, signal, label in ((top, "arm_deg", "arm angle (deg)"), (bottom, "error_deg", "error (deg)")):
+        for panel, signal, text in ((top, FOLLOWED, f"{label(FOLLOWED)} ({UNIT})"), (bottom, ERROR, f"error ({UNIT})")):
             spread = condition.signals[signal]
             panel.plot(condition.time, spread.mean, color=BLUE, label="mean")
             if condition.tests > 1:
                 panel.fill_between(
                     condition.time, spread.lowest, spread.highest, color=BLUE, alpha=0.25, linewidth=0.0, label="range"
                 )
-            panel.set_ylabel(label)
+            panel.set_ylabel(text)
         top.plot(
-            condition.time, condition.signals["reference_deg"].mean, "--", color=INK, linewidth=0.8, label="reference"
+            condition.time, condition.signals[WANTED].mean, "--", color=INK, linewidth=0.8, label="reference"
         )
         top.legend(frameon=False)
         bottom.set_xlabel("time (s)")
@@ -158,4 +160,4 @@ def course_painter(condition: Condition) -> Callable[[Any], None]:
 def drawable(condition: Condition) -> bool:
     """Return whether a condition has the signals of `course_painter`."""
     signals: Mapping[str, Any] = condition.signals
-    return {"arm_deg", "error_deg", "reference_deg"} <= set(signals) and bool(len(condition.time))
+    return {FOLLOWED, ERROR, WANTED} <= set(signals) and bool(len(condition.time))

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import DEFAULT
 from hjcamp.report.against_run import Tests, tests_of
 from hjcamp.report.declared import declared_tables
-from hjcamp.report.dot_plot import dots_of
-from hjcamp.report.indicators import INDICATORS, frame_with_varied, row_of
+from hjcamp.report.indicators import INDICATORS, row_of
 from hjcamp.report.origin import read_origin
 from hjcamp.report.paper.answers import quantities_of, read_answer, sheet_of
 from hjcamp.report.paper.cite import bibliography
@@ -19,10 +19,12 @@ from hjcamp.report.paper.figures import Style, course_painter, drawable, means_p
 from hjcamp.report.paper.names import MACROS, distinct, macro
 from hjcamp.report.paper.numbers import Quantity, macros, of_mean
 from hjcamp.report.paper.tables import paper_table
+from hjcamp.report.pictures.dot_plot import dots_of
 from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
 from hjcamp.report.spread import Condition, Gathering
 from hjcamp.report.store import replace_file
 from hjcamp.report.tables import build_table, by_condition
+from hjcamp.report.varied import frame_with_varied
 
 #: From names of effects, and of a plant, to what has their docstrings.
 Documented = Callable[[str, set[str]], Sequence[object]]
@@ -82,7 +84,7 @@ def write_paper(
         used |= {str(name) for name in answer.get("effects") or ()}
         plants.add(str(answer.get("plant") or ""))
     sources = [one for plant in sorted(plants) for one in documented(plant, used)]
-    entries = bibliography(sources, bool(plants & {"", "pump_joint"}))
+    entries = bibliography(sources, bool(plants & {"", DEFAULT}))
     paper.cite = list(entries)
     replace_file(folder / "references.bib", "\n".join(entries.values()))
     replace_file(folder / "numbers.tex", macros(paper.numbers))

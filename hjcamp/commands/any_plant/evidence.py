@@ -1,0 +1,159 @@
+"""The evidence of a diagnosis of any plant for its page: what is missing, the law, the worst test, chance, correlations."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from hjcamp.commands.any_plant.verdict_words import Words
+    from hjcamp.prediction.selection import Scored
+    from hjcamp.prediction.unknowns import Unknown
+    from hjcamp.report.pictures.evidence import Branch, Missing
+
+POINTS = 1500
+
+
+def evidence_pictures(words: Words) -> dict[str, str]:
+    """Return the pictures of the evidence by name, in order."""
+    from hjcamp.records.log import observed
+    from hjcamp.report.pictures.evidence import draw_correlations, draw_gains, draw_missing, draw_worst_test
+
+    analysis, verdict = words.analysis, words.verdict
+    found: dict[str, str] = {}
+    if analysis.search.steps and analysis.search.steps[0].unknown:
+        found |= {f"missing_{name}": svg for name, svg in draw_missing(missing_of(words)).items()}
+    models = {"calibrated": analysis.base}
+    if verdict.effects:
+        models["with what was found"] = verdict.model
+    errors = {name: _without_starts(words, model) for name, model in models.items()}
+    found["worst_test"] = draw_worst_test(
+        *_worst_test(words, errors), observed=observed(test.log for test in analysis.measured.tests)
+    )
+    if analysis.search.steps:
+        first = analysis.search.steps[0]
+        found["gains"] = draw_gains(first.chance, first.gain, "residuals moved in time")
+    return found | draw_correlations(_correlations(words, errors))
+
+
+def _without_starts(words: Words, model: Scored) -> Any:
+    """Return a model's residuals (n, sensors), SI, without what another start of each window would explain.
+
+    Their smooth part is that of the features, from which the starts' part is gone; what is faster is as it is.
+    """
+    windows = words.analysis.windows
+    layout, windows.place = windows.layout, model.place
+    raw = windows.errors(model.fitted.candidate)
+    shape = (len(layout.of_test), raw.shape[1], layout.basis.shape[1])
+    less = model.fitted.features.reshape(shape) - layout.coefficients(raw)
+    smooth = np.einsum("wso,to->wts", less, layout.basis).reshape(raw.shape)
+    return raw + smooth * layout.measured.noise
+
+
+def missing_of(words: Words) -> Missing:
+    """Return what the calibrated model misses over the driver of the freest law, the named law there, and what is left."""
+    from hjcamp.prediction.answer import curve_of
+    from hjcamp.prediction.law_curve import law_curves
+    from hjcamp.report.pictures.evidence import BOTH, Missing
+
+    analysis, verdict = words.analysis, words.verdict
+    first = analysis.search.steps[0].unknown[0]
+    [name] = [one for one in first.names if one in analysis.search.unknowns]
+    known = analysis.search.unknowns[name]
+    curve = curve_of(analysis, first, name)
+    law: tuple[Branch, ...] = ()
+    after: tuple[Branch, ...] = ()
+    added = verdict.model.beyond(analysis.base)
+    if added:
+        curves = law_curves(analysis, verdict.model, known, first.fitted.candidate)
+        law = tuple(_law_branch(words, one) for one in curves)
+        rest = _after(words, known)
+        after = (_branch(curve_of(analysis, rest, name)),) if rest is not None else ()
+    against = ", against the motion" if known.quantity == "friction" else ""
+    return Missing(
+        known.signal.replace("_", " "), curve["x_unit"], f"{known.quantity} at {known.place}{against}".replace("_", " "),
+        curve["y_unit"], (_branch(curve, BOTH),), law, after, " and ".join(added),
+    )  # fmt: skip
+
+
+def _branch(curve: dict[str, Any], way: str = "both ways") -> Branch:
+    from hjcamp.report.pictures.evidence import Branch
+
+    return Branch(way, *(np.array(curve[key]) for key in ("x", "y", "low", "high")))
+
+
+def _law_branch(words: Words, curve: Any) -> Branch:
+    """Return a law with the band of its amplitude: an interval of that scales the whole curve."""
+    from hjcamp.report.pictures.evidence import BACKWARD, BOTH, FORWARD, Branch
+
+    added = words.verdict.model.beyond(words.analysis.base)
+    low, high = amplitude_band(words.content["candidates"], added, words.analysis.search.library)
+    way = {1.0: FORWARD, -1.0: BACKWARD}.get(curve.sign, BOTH)
+    ends = np.sort(np.stack([low * curve.y, high * curve.y]), axis=0)
+    return Branch(way, curve.x, curve.y, ends[0], ends[1])
+
+
+def amplitude_band(candidates: list[dict[str, Any]], effects: Any, library: Any) -> tuple[float, float]:
+    """Return the ends of the 95 % interval of the first amplitude of one named effect, as factors; 1 and 1 for several."""
+    if len(effects) != 1:
+        return 1.0, 1.0
+    rows: dict[str, Any] = next((row["parameters"] for row in candidates if row["effect"] == effects[0]), {})
+    items = library[effects[0]].parameters
+    name = next((name for name in rows if items[name].off is not None), None)
+    if name is None or not rows[name]["value"] or items[name].off != 0.0:
+        return 1.0, 1.0
+    ends = [end / rows[name]["value"] for end in rows[name]["ci95"]]
+    return min(ends), max(ends)
+
+
+def _after(words: Words, known: Unknown) -> Scored | None:
+    """Return the same free law beside the model with what was named, from the last look or fitted now."""
+    search, model = words.analysis.search, words.verdict.model
+    for step in reversed(search.steps):
+        if step.before is model:
+            for one in step.unknown:
+                if known.effect.name in one.names:
+                    return one
+    ends = {"low": known.low, "high": known.high, **dict.fromkeys(known.amplitudes, 0.0)}
+    fitted = search.fitted(model.fitted.candidate.with_effect(known.effect.name, ends))
+    return fitted if np.isfinite(fitted.left_out) else None
+
+
+def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:
+    """Return the arguments of the picture of the test and channel that the calibrated model predicts worst."""
+    from hjcamp.report.names import readable
+
+    layout = words.analysis.windows.layout
+    measured = layout.measured
+    of_row = np.repeat(layout.of_test, layout.width)
+    over = np.nan_to_num(errors["calibrated"]) / measured.noise
+    worst = {test: np.mean(over[of_row == test] ** 2, axis=0) for test in np.unique(layout.of_test)}
+    test = max(worst, key=lambda one: float(worst[one].max()))
+    k = int(np.argmax(worst[test]))
+    rows = np.flatnonzero(of_row == test)
+    rows = rows[:: max(1, len(rows) // POINTS)]
+    sensor = measured.sensors[k]
+    shown = [(name, (layout.readings[rows, k] - one[rows, k]) * sensor.scale) for name, one in errors.items()]
+    title = f"worst test: {readable(measured.tests[test].name)}"
+    return (
+        title, sensor.quantity.replace("_", " "), sensor.unit, layout.time[rows],
+        layout.readings[rows, k] * sensor.scale, shown,
+    )  # fmt: skip
+
+
+def _correlations(words: Words, errors: dict[str, Any]) -> list[tuple[str, Any]]:
+    """Return the correlations of each model's errors in the first sensor, with the inputs that change."""
+    from hjcamp.report.correlations import correlations
+
+    layout = words.analysis.windows.layout
+    of_row = np.repeat(layout.of_test, layout.width)
+    edges = [np.flatnonzero(of_row == test) for test in np.unique(of_row)]
+    parts = [slice(int(rows[0]), int(rows[-1]) + 1) for rows in edges]
+    names = [name for name in layout.measured.plant.inputs if name not in ("time", "direction")]
+    inputs = {name.replace("_", " "): layout.inputs[:, k] for k, name in enumerate(names)}
+    some = dict(list(inputs.items())[:1])
+    return [
+        (name, correlations(np.nan_to_num(one[:, 0]), some, parts, layout.measured.period))
+        for name, one in errors.items()
+    ]

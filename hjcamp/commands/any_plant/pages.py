@@ -1,0 +1,167 @@
+"""The pages of compare and diagnose for any plant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from hjcamp.analyses.plant_comparison import PlantComparison
+    from hjcamp.commands.any_plant.verdict_words import Words
+    from hjcamp.prediction.analysis import Analysis
+
+WINDOWS = 3
+EVIDENCE = {
+    "missing_before": "What the calibrated model misses over what drives it, and the named law through it",
+    "missing_after": "The same with what was found added",
+    "worst_test": "The worst test before and after",
+    "gains": "The gains of surrogate data, and the real one",
+}
+CORRELATIONS = {"correlation_1": "Residual autocorrelation", "correlation_2": "Residual and input: cross-correlation"}
+BAND = (
+    "Residual autocorrelation, and cross-correlation with what was given before. By chance alone one value in twenty "
+    "leaves the band."
+)
+
+
+def write_diagnosis(words: Words, folder: Path) -> list[Path]:
+    """Write the pictures and the page of a diagnosis; return their paths, the page last."""
+    from hjcamp.commands._corner import how_well_known
+    from hjcamp.commands._effect_links import equations_of, links, write_effect_pages
+    from hjcamp.commands.any_plant import words as said
+    from hjcamp.commands.any_plant.corner import fitted_parameters
+    from hjcamp.commands.any_plant.evidence import evidence_pictures
+    from hjcamp.commands.any_plant.verdict_words import CANDIDATES
+    from hjcamp.records.log import observed
+    from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.names import readable
+    from hjcamp.report.pictures.prediction import draw_windows
+
+    analysis, verdict = words.analysis, words.verdict
+    library = analysis.search.library
+    pictures = evidence_pictures(words)
+    shown = {"calibrated": analysis.base.fitted.candidate}
+    if verdict.effects:
+        shown["with what was found"] = verdict.model.fitted.candidate
+    pictures["windows"] = draw_windows(*_worst(analysis, shown), observed=observed(test.log for test in analysis.measured.tests))
+    parts = [
+        page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
+        page.bullets(words.sentences()),
+        equations_of(verdict.effects, library),
+    ]
+    if rows := words.candidates():
+        parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows)]
+        parts.append(
+            page.note(
+                "t: of the paired differences over chapters left out. Left: the error of left-out chapters that stays."
+            )
+        )
+    parts += [page.heading("Error"), page.table_of(said.CHANNELS, said.channel_table(words.content["channels"]))]
+    parts.append(page.note(f"{said.FLOORS[analysis.floor.source]}."))
+    parts.append(page.picture("The worst windows", pictures["windows"]))
+    parts += [
+        page.heading("What is left in the residuals"),
+        page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
+        page.note(BAND),
+    ]
+    if worst := words.content["worst"]:
+        rows = [[readable(one["condition"]), channel_label(one["channel"]), f"{one['over_floor']:.2f}"] for one in worst]
+        parts += [page.heading("Worst conditions"), page.table_of(("condition", "channel", "over the floor"), rows)]
+    parts += [
+        page.heading("Calibrated first"),
+        page.table_of(said.CALIBRATED, said.calibration_table(words.content["calibration"])),
+    ]
+    known, drawn = how_well_known(*fitted_parameters(words))
+    pictures |= drawn
+    parts += [*known, links(folder)]
+    write_effect_pages(folder, [row["effect"] for row in words.content["candidates"]], library)
+    return _written(folder, pictures, page.discrepancy_page(words.title, "", parts))
+
+
+def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
+    """Write the pictures and the page of a comparison; return their paths, the page last."""
+    from hjcamp.commands.any_plant import words as said
+    from hjcamp.commands.any_plant.explorer import exploration_of
+    from hjcamp.records.log import observed
+    from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.exploration import channel_label, names_of
+    from hjcamp.report.explorer import explorer_html
+    from hjcamp.report.names import readable
+    from hjcamp.report.pictures.prediction import draw_model_bars, draw_windows
+    from hjcamp.report.units import told
+
+    analysis = found.analysis
+    layout = analysis.windows.layout
+    floor = analysis.floor.of_sensors(layout)
+    everything = (*found.models, found.calibrated)
+    pictures, captions = {}, {}
+    for k, one in enumerate(layout.measured.sensors):
+        captions[f"error_{one.field}"] = f"Error in {channel_label(one.field)}"
+        bars = [(model.name, float(model.rms[k] * one.scale)) for model in everything]
+        pictures[f"error_{one.field}"] = draw_model_bars(
+            channel_label(one.field), one.unit, bars, float(floor[k] * one.scale)
+        )
+    errors = {model.name: model.errors for model in everything}
+    pictures["windows"] = draw_windows(
+        *_stretch(analysis, errors, errors[found.calibrated.name]), observed=observed(test.log for test in layout.measured.tests)
+    )
+    head, rows = said.comparison_table(found)
+    last = found.models[-1]
+    width = f"{layout.width * layout.measured.period:.3g} s"
+    parts = [
+        page.table_of(head, rows),
+        page.note(f"Error over windows of {width}. {said.FLOORS[analysis.floor.source]}."),
+        page.bullets(said.notes_on(found)),
+        explorer_html(exploration_of(found)),
+        page.note(f"Predictions begin anew every {width}, where each fits best; the table has errors without what those starts do."),
+        *(page.picture(caption, pictures[name]) for name, caption in captions.items()),
+        page.picture("The worst windows", pictures["windows"]),
+        page.heading("Tests"),
+        page.table_of(
+            ("test", *(f"{channel_label(one.field)} ({last.name})" for one in layout.measured.sensors)),
+            [
+                [readable(name), *(told(last.by_test[place, k] * s.scale, s.unit) for k, s in enumerate(layout.measured.sensors))]
+                for place, name in enumerate(names_of([test.log for test in layout.measured.tests]))
+            ],
+        ),
+    ]  # fmt: skip
+    return _written(folder, pictures, page.discrepancy_page(f"Models of plant {layout.measured.plant.name}", "", parts))
+
+
+def _written(folder: Path, pictures: dict[str, str], html: str) -> list[Path]:
+    from hjcamp.storage import whole_file
+
+    files = [folder / f"{name}.svg" for name in pictures]
+    for file, svg in zip(files, pictures.values(), strict=True):
+        with whole_file(file) as stream:
+            stream.write(svg.encode())
+    path = folder / "index.html"
+    with whole_file(path) as stream:
+        stream.write(html.encode())
+    return [*files, path]
+
+
+def _worst(analysis: Analysis, models: dict[str, Any]) -> tuple[Any, ...]:
+    """Return the arguments of the picture of the windows that the first model predicts worst."""
+    errors = {name: analysis.windows.errors(candidate) for name, candidate in models.items()}
+    return _stretch(analysis, errors, next(iter(errors.values())))
+
+
+def _stretch(analysis: Analysis, errors: dict[str, Any], judged: Any) -> tuple[Any, ...]:
+    layout = analysis.windows.layout
+    measured = layout.measured
+    features = (judged / measured.noise).reshape(len(layout.of_test), layout.width, -1)
+    squares = np.nan_to_num(np.mean(features**2, axis=1))
+    window, k = np.unravel_index(int(np.argmax(squares)), squares.shape)
+    mates = np.flatnonzero(layout.of_test == layout.of_test[window])
+    first = int(np.clip(window - WINDOWS // 2, mates[0], max(mates[-1] - WINDOWS + 1, mates[0])))
+    last = min(first + WINDOWS, int(mates[-1]) + 1)
+    rows = slice(first * layout.width, last * layout.width)
+    sensor = measured.sensors[k]
+    shown = [(name, (layout.readings[rows, k] - one[rows, k]) * sensor.scale) for name, one in errors.items()]
+    edges = np.arange(1, last - first) * layout.width
+    name = sensor.quantity.replace("_", " ")
+    return name, sensor.unit, layout.time[rows], layout.readings[rows, k] * sensor.scale, shown, edges

@@ -1,0 +1,255 @@
+"""What a diagnosis of any plant says to people: its verdict, in a title and in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.commands.any_plant.words import (
+    CALIBRATED,
+    CHANNELS,
+    FLOORS,
+    calibration_table,
+    channel_table,
+    end_words,
+    held_by_bounds,
+    print_head,
+    table,
+)
+from hjcamp.report.units import plain, told, told_interval
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from hjcamp.model.effect import Effect
+    from hjcamp.prediction.analysis import Analysis
+    from hjcamp.prediction.verdict import Verdict
+
+SHOWN = 6
+TITLES = {
+    "nothing_missing": "NOTHING MISSING",
+    "effect": "EFFECT",
+    "one_of": "ONE OF",
+    "outside_library": "OUTSIDE THE LIBRARY",
+    "cannot_tell": "CANNOT TELL",
+}
+STYLES = {"nothing_missing": "green", "effect": "bold", "one_of": "bold"}
+CANDIDATES = ("effect", "t", "left", "parameter", "value", "95 %")
+# What kind of test tells laws over these drivers apart.
+TELLING = {
+    "velocity": "the same moves at other speeds, equal speeds in both directions",
+    "speed": "slow moves at several constant speeds",
+    "position": "moves about other positions, and a hold at each",
+    "travel": "moves about other positions",
+    "time": "the same move at the beginning and at the end of a long test",
+    "load": "the same moves with another mass or load",
+    "level": "holds at several levels without inflow",
+    "upstream": "emptying from several levels",
+    "demand": "steps of several sizes, small ones among them, in both directions",
+    "true": "holds at several values, with another instrument beside the sensor",
+}
+
+
+@dataclass(frozen=True)
+class Words:
+    """What a diagnosis says to people."""
+
+    analysis: Analysis
+    verdict: Verdict
+    content: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The verdict in one line."""
+        names = ", ".join(self.verdict.effects)
+        drivers = self.content["drivers"]
+        place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
+        of_place = f" of {place.replace('_', ' ')}" if place and place != local else ""
+        said = names or (f"depends on {local}{of_place}" if drivers else "")
+        if self.verdict.word == "nothing_missing" and self.far_off:
+            said = "that these tests can name"
+        return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
+
+    @property
+    def far_off(self) -> tuple[str, Mapping[str, Any]] | None:
+        """The channel that errs most over its floor (its noise where none is known), where most of it is above that."""
+        from hjcamp.prediction.levels import MOST_OF_IT
+
+        rows = self.content["floor"]
+        worst = max(rows, key=lambda name: rows[name]["high"] / _least(rows[name]))
+        return (worst, rows[worst]) if rows[worst]["high"] * (1.0 - MOST_OF_IT) > _least(rows[worst]) else None
+
+    @property
+    def named_places(self) -> set[str]:
+        """The places on which the effects act that are named."""
+        from hjcamp.model.vocabulary import read_vocabulary
+
+        library = self.analysis.search.library
+        slots = {slot for name in self.verdict.effects for slot in library[name].terms}
+        return {port.name for port in read_vocabulary(self.analysis.measured.plant).ports.values() if slots & set(port.names.values())}
+
+    def sentences(self) -> list[str]:
+        """The answer in sentences."""
+        verdict, error = self.verdict, self.content["error"]
+        found = []
+        library = self.analysis.search.library
+        if verdict.word == "cannot_tell":
+            found += [f"{one[:1].upper()}{one[1:]}." for one in verdict.lacking]
+        if verdict.word == "effect":
+            found += [f"{name}: {library[name].sentence()}" for name in verdict.effects]
+        if verdict.word == "one_of":
+            sets = "; ".join(" with ".join(names) for names in verdict.confidence_set)
+            found.append(f"These tests do not rule out: {sets}.")
+        if verdict.word == "outside_library" and self.content["unknowns"]:
+            found.append(
+                f"A {_free_law(self.content['unknowns'][0])}, of a form that no effect of the library has, predicts better. Its curve "
+                "is on the page."
+            )
+        if verdict.follows:
+            found.append(
+                f"{100.0 * verdict.follows:.0f} % of the error can be told from the motion and the inputs of its moment (a "
+                "regression, on chapters left out), but no effect of the library and no law of one quantity takes it: it may "
+                "depend on several, or on what was before."
+            )
+            told_most = [one.replace("_", " ") for one in self.content["follows_motion"]["quantities"]]
+            if told_most:
+                found.append(f"What tells most of it: {', '.join(told_most)}.")
+        elif verdict.word == "outside_library" and not self.content["unknowns"]:
+            repeated = self.analysis.floor.source == "repetitions" and verdict.law_left == 1.0
+            found.append(
+                "An effect of the library predicts better than none, but takes less than half of what is missing: it is not that."
+                if not repeated
+                else "Repetitions share most of what the model leaves, in most windows, but no effect of the library and no free law "
+                "takes it."
+            )
+        if verdict.word == "nothing_missing":
+            found.append(
+                "No effect and no unknown takes a share of the error that matters (10 %) on chapters left out."
+            )
+        if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
+            first = self.content["unknowns"][0] if self.content["unknowns"] else None
+            left = 100.0 * min(verdict.law_left, 1.0)
+            if first and first["port"] not in self.named_places:
+                found.append(
+                    f"Something outside the library is missing as well: a {_free_law(first)} takes {left:.0f} % of what both take "
+                    "together. Its curve is on the page."
+                )
+            else:
+                freest = f"a free law over {first['driver'].replace('_', ' ')}" if first else "a regression on the motion"
+                found.append(f"The law leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
+        if verdict.word != "cannot_tell":
+            found.append(
+                f"Error on chapters left out, over the floor: {error['baseline']:.2f} calibrated"
+                + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects else ".")
+            )
+            if verdict.word == "nothing_missing" and (far := self.far_off):
+                found.append(self._remains(*far))
+            elif verdict.word == "nothing_missing" and verdict.p_value <= 0.05:
+                found.append(
+                    f"What is left is more than chance (p = {plain(verdict.p_value, 2)}): something may be there that is small, or "
+                    "that the library does not describe."
+                )
+            elif verdict.p_value <= 0.05 or verdict.effects:
+                found.append(f"Chance: p = {plain(verdict.p_value, 2)} (residuals moved in time, whole library).")
+        found += held_by_bounds(self.content["calibration"]) + end_words(self.content["ends"])
+        return found + self.telling()
+
+    def _remains(self, name: str, row: Mapping[str, Any]) -> str:
+        """What a channel still errs by, beside chance, and what may be the reason."""
+        from hjcamp.report.exploration import channel_label
+
+        p, kind = self.verdict.p_value, "its noise" if row["value"] is None else "its floor"
+        chance = (
+            f"and more than chance (p = {plain(p, 2)}): something may be there that neither the library nor a free law describes."
+            if p <= 0.05
+            else f"though the library takes no more of it than chance (p = {plain(p, 2)})."
+        )
+        scatter = (
+            "Repetitions share it in few windows alone."
+            if row["source"] == "repetitions"
+            else "A repeated test would tell whether it is scatter of the rig."
+        )
+        times = row["high"] / _least(row)
+        return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}, {times:.2g} times {kind}, {chance} {scatter}"
+
+    def telling(self) -> list[str]:
+        """What kind of test would tell more, in words."""
+        if self.verdict.word not in ("one_of", "outside_library"):
+            return []
+        said = telling_tests(self.verdict.effects, self.content["unknowns"], self.analysis.search.library)
+        return [f"Tests that would tell: {'; '.join(said)}."] if said else []
+
+    def candidates(self) -> list[list[str]]:
+        """Rows: effect, t, error left, parameter, value, 95 %."""
+        rows: list[list[str]] = []
+        for one in (row for k, row in enumerate(self.content["candidates"]) if k < SHOWN or row.get("asked")):
+            first = [one["effect"], f"{one['t']:.1f}", f"{100 * one['heldout_error_ratio']:.0f} %"]
+            for name, row in one["parameters"].items():
+                bound = "  at its bound" if row["at_bound"] else ""
+                rows.append(
+                    [*first, name.replace("_", " "), told(row["value"], row["unit"]), told_interval(row) + bound]
+                )
+                first = ["", "", ""]
+        return rows
+
+    def next_commands(self, paths: str, model: str, folder: str = "diagnose") -> list[str]:
+        """The commands that go on from the answer."""
+        own = "" if model == "published" else f" --model {model}"
+        if self.verdict.word == "effect":
+            added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)
+            rest = self.content["unknowns"] and self.content["unknowns"][0]["port"] not in self.named_places
+            beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if rest else []
+            return [f"hjcamp add {added} {paths}{own} --as with_{named}", *beside]
+        if self.verdict.word == "one_of":
+            return [f"hjcamp next {paths}{own}"] + [
+                f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}"
+                for one in self.verdict.confidence_set[:2]
+            ]
+        if self.verdict.word == "outside_library":
+            begun = f" --from {folder}" if self.content["unknowns"] else ""
+            return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
+        return [f"hjcamp compare {paths}{own}"]
+
+
+def _free_law(row: Mapping[str, Any]) -> str:
+    """Return what a free law adds, where, and what it depends on."""
+    place, driver = row["port"], row["driver"].rpartition("_")[2]
+    where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
+    return f"{row['quantity']} {where} {driver}"
+
+
+def _least(row: Mapping[str, Any]) -> float:
+    """Return the floor of a channel, or its noise where none is known."""
+    return float(row["low"] if row["value"] is None else row["value"])
+
+
+def telling_tests(
+    effects: Iterable[str], unknowns: Sequence[Mapping[str, Any]], library: Mapping[str, type[Effect]]
+) -> list[str]:
+    """Return in words which kinds of test tell effects, and the best unknown, apart: by what drives them."""
+    drivers = {one["driver"].rpartition("_")[2] for one in unknowns[:1]}
+    for name in effects:
+        if name not in library:
+            continue
+        for driver in TELLING:
+            if any(driver in argument for term in library[name].terms.values() for argument in term.arguments):
+                drivers.add(driver)
+    return [TELLING[one] for one in TELLING if one in drivers]
+
+
+def print_diagnosis(console: Console, words: Words) -> None:
+    """Print the answer."""
+    from hjcamp.commands._wrapped import print_wrapped
+
+    analysis, layout = words.analysis, words.analysis.windows.layout
+    print_head(console, analysis)
+    table(console, CALIBRATED, calibration_table(words.content["calibration"]))
+    style = "yellow" if words.far_off and words.verdict.word == "nothing_missing" else STYLES.get(words.verdict.word, "yellow")
+    console.print(words.title, style=style, markup=False, highlight=False)
+    print_wrapped(console, words.sentences(), 8)
+    if rows := words.candidates():
+        table(console, CANDIDATES, rows)
+    console.print(f"error   over windows of {layout.width * layout.measured.period:.3g} s", markup=False)
+    table(console, CHANNELS, channel_table(words.content["channels"]))
+    print_wrapped(console, [FLOORS[analysis.floor.source] + "."], 8)

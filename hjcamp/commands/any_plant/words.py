@@ -1,0 +1,195 @@
+"""The tables and notes of compare, diagnose, add and calibrate for any plant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.report.units import told, told_interval
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from hjcamp.prediction.addition import Addition
+    from hjcamp.prediction.analysis import Analysis
+    from hjcamp.prediction.comparison import Comparison
+
+FLOORS = {
+    "repetitions": "floor: what repetitions do not share",
+    "near_replicates": "floor: by which alike moments differ (Gamma test; no test was repeated)",
+    "sensor": "floor unknown: no repetitions and too few alike moments; the sensor's noise is shown, a lower bound",
+}
+
+
+def channel_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
+    """Rows of a channel's error: before, after, floor, with the unit."""
+    from hjcamp.report.exploration import channel_label
+
+    return [
+        [channel_label(name), *(told(row[key], row["unit"]) for key in ("baseline", "augmented", "floor"))]
+        for name, row in rows.items()
+    ]  # fmt: skip
+
+
+def calibration_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
+    """Rows of a base parameter: declared, here, 95 %."""
+    return [
+        [name.replace("_", " ").replace("delay.", "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
+         told_interval(row) + ("  at its bound" if _held(row) else "")]
+        for name, row in rows.items()
+    ]  # fmt: skip
+
+
+def _held(row: Mapping[str, Any]) -> bool:
+    """Whether a parameter stands at a bound that is no natural one: none has less friction or delay than 0."""
+    return bool(row.get("at_bound") and row["value"])
+
+
+def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Return a sentence for each base parameter that its bounds keep away from what is declared: often a wrong sign."""
+    return [
+        f"{name.replace('_', ' ')} is held by its bound, {told(row['value'], row['unit'])}, far from what is declared: is a sign or "
+        "a unit wrong in the plant's file or in the import map? What is named may stand for that."
+        for name, row in rows.items()
+        if _held(row) and not name.startswith("delay.") and not row["ci95"][0] <= row["published"] <= row["ci95"][1]
+    ]
+
+
+CHANNELS = ("channel", "calibrated", "with what was found", "floor")
+CALIBRATED = ("parameter", "declared", "here", "95 %")
+
+
+def print_comparison(console: Console, found: Comparison) -> None:
+    """Print the errors of the models."""
+    from hjcamp.commands._wrapped import print_wrapped
+
+    print_head(console, found.analysis)
+    table(console, *comparison_table(found))
+    print_wrapped(console, [FLOORS[found.analysis.floor.source] + "."], 8)
+    print_wrapped(console, notes_on(found), 8)
+    worse = [one.name for one in found.models if any(one.explained < 0.0)]
+    if worse:
+        print_wrapped(
+            console, [f"{', '.join(worse)}: worse than the mean of each window in a channel (explained below 0)."], 8
+        )
+
+
+def end_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Return in words where sensors end, and what that means for a model."""
+    from hjcamp.report.exploration import channel_label
+
+    return [
+        f"{channel_label(name)} reads no {word} than {told(row[key], row['unit'])}: predictions are held there, and "
+        f"{100.0 * row['share']:.2g} % of its samples, which read an end, are left out of every fit and score."
+        for name, row in rows.items()
+        for key, word in (("low", "lower"), ("high", "higher"))
+        if row[key] is not None
+    ]
+
+
+def notes_on(found: Comparison) -> list[str]:
+    """Return in words where sensors end, and where the last model is the worse for being calibrated."""
+    from hjcamp.prediction.answer import end_rows
+
+    return [*end_words(end_rows(found.analysis.windows.layout)), *further_off(found)]
+
+
+def further_off(found: Comparison) -> list[str]:
+    """Return in words where the last model is the worse for being calibrated."""
+    from hjcamp.report.floor_words import worse_calibrated
+
+    last = found.models[-1]
+    why = "the fit weighs what scatters more for less, this number counts all alike; use it as it stands"
+    return worse_calibrated(last.name, last.score, found.calibrated.score, why)
+
+
+def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:
+    """Return the head and rows of a comparison: model, each channel's rms with the share explained, over the floor."""
+    from hjcamp.report.exploration import channel_label
+
+    layout = found.analysis.windows.layout
+    sensors = layout.measured.sensors
+    head = (
+        "model",
+        *(channel_label(one.field) for one in sensors),
+        *(f"{channel_label(one.field)} explained" for one in sensors),
+        "over the floor",
+    )
+    rows = [
+        [one.name, *(told(one.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
+         *(f"{100 * one.explained[k]:.2f} %" for k in range(len(sensors))), f"{one.score:.2f}"]
+        for one in (*found.models, found.calibrated)
+    ]  # fmt: skip
+    floor = found.analysis.floor.of_sensors(layout)
+    rows.append(
+        [
+            "floor",
+            *(told(floor[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
+            *("" for _ in sensors),
+            "1.00",
+        ]
+    )
+    return head, rows
+
+
+def print_addition(console: Console, found: Addition, names: Sequence[str], path: Path) -> None:
+    """Print what was fitted and how the error fell."""
+    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.prediction.addition import answer
+
+    content = answer(found, path.stem, str(path))
+    print_head(console, found.analysis)
+    rows = [
+        [name, parameter.replace("_", " "), told(row["value"], row["unit"]), told_interval(row)]
+        for name in names
+        for parameter, row in content["parameters"].get(name, {}).items()
+    ]
+    table(console, ("effect", "parameter", "value", "95 %"), rows)
+    table(console, CHANNELS, channel_table(content["channels"]))
+    error = content["error"]
+    said = f"Error on chapters left out, over the floor: {error['before']:.2f} -> {error['after']:.2f}."
+    more = (
+        []
+        if found.helps
+        else ["The error does not fall by a share that matters: this model explains these tests no better."]
+    )
+    print_wrapped(console, [said, *more, *end_words(content["ends"])], 8)
+    console.print(f"model   {path}", markup=False)
+
+
+def print_calibration(console: Console, analysis: Analysis, rows: Mapping[str, Mapping[str, Any]]) -> None:
+    """Print the base parameters as declared and as fitted."""
+    from hjcamp.commands._wrapped import print_wrapped
+
+    print_head(console, analysis)
+    table(console, CALIBRATED, calibration_table(rows))
+    print_wrapped(console, held_by_bounds(rows), 8)
+
+
+def print_head(console: Console, analysis: Analysis) -> None:
+    """Print what the tests are, and the windows that they are cut into."""
+    layout, measured = analysis.windows.layout, analysis.measured
+    count = f"{len(measured.tests)} test{'s' if len(measured.tests) > 1 else ''}, {len(measured.conditions)} condition"
+    console.print(
+        f"plant {measured.plant.name}: {count}{'s' if len(measured.conditions) > 1 else ''}, "
+        f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s"
+        + (f" of {sum(layout.whole)}, evenly spread" if layout.every > 1 else "")
+        + ", each begun from its own start",
+        markup=False,
+    )  # fmt: skip
+
+
+def table(console: Console, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a plain table."""
+    from rich.table import Table
+    from rich.text import Text
+
+    found = Table(box=None, pad_edge=False, header_style="dim")
+    for index, heading in enumerate(headings):
+        found.add_column(
+            f"  {heading}" if index == 0 else heading, justify="left" if index == 0 else "right", no_wrap=index == 0
+        )
+    for row in rows:
+        found.add_row(*(Text(f"  {cell}" if index == 0 else cell) for index, cell in enumerate(row)))
+    console.print(found)

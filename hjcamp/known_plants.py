@@ -1,0 +1,59 @@
+"""The plants by name: one file (or folder) each, ours in ``hjcamp/plants`` and the user's in a folder ``plants``; there is no list."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from hjcamp.errors import unknown
+from hjcamp.model.catalogue import class_in, files_in, scan
+from hjcamp.model.plant import Plant
+from hjcamp.model.user_folders import extension_folders
+
+DEFAULT = "pump_joint"
+PACKAGE = "hjcamp.plants"
+OWN_PLANTS = Path(__file__).parent / "plants"
+
+
+def load_plants(folders: Sequence[Path] | None = None) -> dict[str, type[Plant]]:
+    """Return every plant by name, ours and the user's; a faulty file is refused, saying what is allowed."""
+    chosen = extension_folders("plants") if folders is None else list(folders)
+    return scan(OWN_PLANTS, PACKAGE, Plant, chosen)
+
+
+def usual_plant() -> type[Plant]:
+    """Return the plant of logs and configurations that name none; no other plant's file is looked at."""
+    found = class_in(OWN_PLANTS / DEFAULT / "plant.py", Plant, f"{PACKAGE}.{DEFAULT}", DEFAULT)
+    assert found is not None
+    return found
+
+
+def folders_in_plants(name: str) -> list[tuple[Path, str]]:
+    """Return the folders called ``name`` of our plants, each with its package: ``plants/PLANT/controllers``."""
+    return [(folder, f"{PACKAGE}.{folder.parent.name}.{name}") for folder in sorted(OWN_PLANTS.glob(f"*/{name}"))]
+
+
+def plant_names(folder: Path) -> list[str]:
+    """Return the plants of a folder by name; a user's files are not run for it."""
+    if folder == OWN_PLANTS:
+        return sorted(load_plants([]))
+    return sorted({name for name, _ in files_in(folder, "plant.py")})
+
+
+def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | None = None) -> type[Plant]:
+    """Return the plant called ``name``; ``where`` says what names it. Raises ``UsageError`` with the nearest match."""
+    plants = load_plants(folders)
+    if name not in plants:
+        raise unknown("plant", name, plants, where)
+    return plants[name]
+
+
+def plant_called(name: str, where: str = "") -> type[Plant]:
+    """Return the plant called ``name``; for the usual one no other plant's file is run."""
+    return usual_plant() if name == DEFAULT else find_plant(name, where)
+
+
+def plant_of(config: Mapping[str, Any]) -> type[Plant]:
+    """Return the plant of a resolved configuration; the usual one where it names none."""
+    return plant_called(str((config.get("plant") or {}).get("name") or DEFAULT), "plant")

@@ -1,0 +1,159 @@
+"""The pictures and the page of a comparison."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hjcamp.errors import counted
+from hjcamp.plants.pump_joint.answers.error_words import in_unit, worse_than_mean
+
+if TYPE_CHECKING:
+    from hjcamp.plants.pump_joint.diagnosis.compare import Compared, Comparison
+    from hjcamp.plants.pump_joint.figures.discrepancy import Overlay
+
+NOT_CALIBRATED = "not calibrated on these tests: friction and stiffness of another specimen count here"
+FITTED_TO = "what is fitted are short windows, pressures and forces, what is told here are whole tests; use it as it stands"
+HEADINGS = ("model", "channel", "error", "floor", "error / floor", "r2")
+
+
+def error_cells(one: Compared, name: str) -> list[str]:
+    """Return the cells of one channel of one model: what it is, error, floor, error over floor, r2."""
+    from hjcamp.report.units import label
+
+    error = one.errors[name]
+    if error is None:
+        return [label(name), "not logged", "", "", ""]
+    floor = "none" if error.floor is None else in_unit(error.floor, name)
+    over = "" if error.ratio is None else f"{error.ratio:.1f}"
+    return [
+        label(name),
+        in_unit(error.rms, name),
+        floor,
+        over,
+        "" if error.r2 is None else f"{error.r2:.3f}",
+    ]
+
+
+def calibrated_in_words(found: Comparison) -> list[str]:
+    """Return the sentences of the places that the calibrated model leaves, first of all where it is the worse one."""
+    from hjcamp.report.floor_words import worse_calibrated
+
+    if not found.calibrated:
+        return []
+    last = found.models[-1]
+    worse = worse_calibrated(last.replay.name, last.score, found.calibrated.score, FITTED_TO)
+    return [*worse, *places_in_words(found.calibrated)]
+
+
+def places_in_words(one: Compared) -> list[str]:
+    """Return the sentences of one model's places; without repetitions nothing says how much of the error is left."""
+    from hjcamp.plants.pump_joint.answers.where_words import where_sentences
+
+    said = where_sentences(one.places, one.score if one.replay.evidence.repeated else None)
+    return [*worse_than_mean(one.errors), *said]
+
+
+def write_pictures(found: Comparison, folder: Path) -> list[Path]:
+    """Write overlay, where, horizon and the page that holds them; return their paths, the page last."""
+    from hjcamp.plants.pump_joint.answers.compare_explorer import exploration_of
+    from hjcamp.plants.pump_joint.figures.discrepancy import HorizonCurve, draw_horizon, draw_overlay
+    from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.explorer import explorer_html
+    from hjcamp.report.floor_words import NO_FLOOR
+    from hjcamp.report.names import readable
+    from hjcamp.storage import whole_file
+
+    models, last, calibrated = found.models, found.models[-1], found.calibrated
+    overlay = worst_overlay(models)
+    shown = [*models, calibrated] if calibrated else models
+    curves = [HorizonCurve(one.replay.name, one.horizon.time, one.horizon.rms) for one in shown]
+    pictures = {
+        "overlay": draw_overlay(overlay),
+        "where": draw_where(last),
+        "horizon": draw_horizon(curves, last.horizon.floor),
+    }
+    if calibrated:
+        pictures["where_calibrated"] = draw_where(calibrated)
+    files = [folder / f"{name}.svg" for name in pictures]
+    for file, svg in zip(files, pictures.values(), strict=True):
+        with whole_file(file) as stream:
+            stream.write(svg.encode())
+    rows = [[one.replay.name, *error_cells(one, name)] for one in models for name in one.errors]
+    force = "Force on the sliding arm that the model lacks, over speed and angle"
+    parts = [
+        page.table_of(HEADINGS, rows),
+        page.note(
+            "The floor is what repetitions of one test do not share: no model goes below it. 1.0 is perfect."
+            if last.replay.evidence.repeated
+            else NO_FLOOR
+        ),
+        explorer_html(exploration_of(found)),
+        page.picture(f"Overlay: {readable(overlay.name)}, where {models[0].replay.name} is furthest off", pictures["overlay"]),
+        page.heading(f"Where: {last.replay.name}" + (", as it stands" if calibrated else "")),
+        page.note(NOT_CALIBRATED.capitalize() + ".") if calibrated else "",
+        page.bullets(places_in_words(last)),
+        page.place_table([place.row() for place in last.places]),
+        page.picture(force, pictures["where"]),
+    ]  # fmt: skip
+    if calibrated:
+        parts += [
+            page.heading("Where: after calibrating its base parameters on these tests"),
+            page.bullets(calibrated_in_words(found)),
+            page.place_table([place.row() for place in calibrated.places]),
+            page.picture(force, pictures["where_calibrated"]),
+        ]
+    parts += [
+        page.heading("When: error against horizon"),
+        page.picture("Error of the arm against the time since a restart from measured states", pictures["horizon"]),
+    ]
+    path = folder / "index.html"
+    with whole_file(path) as stream:
+        title = "Comparison: " + ", ".join(one.replay.name for one in models)
+        stream.write(page.discrepancy_page(title, lead_of(models), parts).encode())
+    return [*files, path]
+
+
+def lead_of(models: list[Compared]) -> str:
+    """Return the answer in one line."""
+    told = " -> ".join(f"{one.score:.2f}" for one in models)
+    evidence = models[0].replay.evidence
+    tests = f"{counted(len(evidence.tests), 'test')}, {counted(len(evidence.conditions), 'condition')}, driven by the measured pump"
+    if not evidence.repeated:
+        return f"Error over the spread of the measurement {told}; no test was repeated, so there is no floor. {tests}."
+    return f"Error over floor, geometric mean of arm and lines: {told}. {tests}."
+
+
+def worst_overlay(models: list[Compared]) -> Overlay:
+    """Return the first test of the condition in which the arm of the first model is furthest off, with all models."""
+    import numpy as np
+
+    from hjcamp.plants.pump_joint.figures.discrepancy import Overlay
+    from hjcamp.records.log import observed
+
+    first = models[0].replay
+    evidence = first.evidence
+    parts = {
+        name: slice(int(evidence.edges[tests[0]]), int(evidence.edges[tests[0] + 1]))
+        for name, tests in evidence.conditions.items()
+    }
+    errors = {name: np.mean((first.predicted[p, 0] - first.measured[p, 0]) ** 2) for name, p in parts.items()}
+    name = max(errors, key=lambda one: float(errors[one]))
+    part = parts[name]
+    time = evidence.tests[evidence.conditions[name][0]].time
+    predicted = {one.replay.name: one.replay.predicted[part] for one in models}
+    return Overlay(name, time, first.measured[part], predicted, observed(test.log for test in evidence.tests))
+
+
+def draw_where(one: Compared) -> str:
+    """Return the map of the missing force and the bars of one model."""
+    from hjcamp.plants.pump_joint.answers.where_words import grouped_bars
+    from hjcamp.plants.pump_joint.diagnosis.localisation.where import SLIDING
+    from hjcamp.plants.pump_joint.figures.discrepancy import draw_map
+
+    evidence = one.replay.evidence
+    slides = evidence.sliding
+    velocity, arm = evidence.joined("velocity")[slides] * 1e3, one.replay.measured[slides, 0]
+    bars = grouped_bars([place.row() for place in one.places])
+    # The residual is push less friction: a force on the arm that the model lacks has the other sign.
+    return draw_map(velocity, arm, -one.residuals[slides, SLIDING], bars)

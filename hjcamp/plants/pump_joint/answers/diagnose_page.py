@@ -1,0 +1,98 @@
+"""The pictures and the page of a diagnosis."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from hjcamp.plants.pump_joint.answers.diagnose_words import Told
+
+EVIDENCE = {
+    "missing_before": "What the calibrated model misses over what drives it, and the named law through it",
+    "missing_after": "The same with what was found added",
+    "worst_test": "The worst test before and after",
+    "gains": "The gains of twins with nothing missing, and the real one",
+}
+DETECTABLE = ("effect", "parameter", "smallest that would have been seen")
+
+
+def write_pictures(told: Told, folder: Path) -> list[Path]:
+    """Write the evidence, the errors, what is unexplained, and the page that holds them; return their paths, the page last."""
+    from hjcamp.commands._corner import how_well_known
+    from hjcamp.commands._effect_links import write_effect_pages
+    from hjcamp.plants.pump_joint.answers.corner import fitted_parameters
+    from hjcamp.plants.pump_joint.answers.error_words import over
+    from hjcamp.plants.pump_joint.answers.evidence import evidence_pictures
+    from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
+    from hjcamp.report.pictures.drawing import draw_errors
+    from hjcamp.storage import whole_file
+
+    pictures = evidence_pictures(told.found, told.shown)
+    pictures["errors"] = draw_errors(told.scores(), over(told.judging.scale), told.judging.scale.repeated)
+    if (curve := told.unexplained) is not None:
+        horizontal = f"{curve.driver.replace('_', ' ').capitalize()} ({curve.driver_unit})".replace(" ()", "")
+        vertical = f"Unexplained {curve.quantity} ({curve.unit})"
+        pictures["unexplained"] = draw_unexplained(horizontal, vertical, curve.centres, curve.forward, curve.backward)
+    known, drawn = how_well_known(*fitted_parameters(told.judging.best))
+    pictures |= drawn
+    files = [folder / f"{name}.svg" for name in pictures]
+    for file, svg in zip(files, pictures.values(), strict=True):
+        with whole_file(file) as stream:
+            stream.write(svg.encode())
+    write_effect_pages(folder, [row["effect"] for row in told.content["candidates"]], told.library)
+    path = folder / "index.html"
+    with whole_file(path) as stream:
+        stream.write(_page(told, pictures, known, folder).encode())
+    return [*files, path]
+
+
+def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) -> str:
+    from hjcamp.commands._effect_links import equations_of, links
+    from hjcamp.commands.any_plant.pages import BAND, CORRELATIONS
+    from hjcamp.plants.pump_joint.answers.diagnose_words import CALIBRATED, CANDIDATES, LEFT
+    from hjcamp.plants.pump_joint.answers.error_words import error_table, over
+    from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.floor_words import NO_FLOOR
+    from hjcamp.report.units import label
+    from hjcamp.report.units import told as told_value
+
+    answer = told.answer()
+    scale = told.judging.scale
+    scores = " -> ".join(f"{value:.2f} ({name})" for name, value in told.scores())
+    fall = [f"{over(scale).capitalize()}: {scores}.", *told.further_off()]
+    parts = [
+        page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
+        page.bullets([*answer[1:], *fall]),
+        equations_of(told.content["effects"], told.library),
+        page.picture("Error before and after", pictures["errors"]),
+        page.table_of(*error_table(told.errors(), scale)),
+        page.note("On tests that were not used for the fit." + ("" if scale.repeated else f" {NO_FLOOR}")),
+    ]
+    if told.unexplained is not None:
+        parts += [page.heading("What no effect explains"), page.picture(answer[1], pictures["unexplained"])]
+    parts += [page.heading("Where"), page.bullets(told.where()), page.place_table(told.content["where"])]
+    if rows := told.candidates():
+        parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows)]
+        parts.append(page.note(LEFT))
+    parts += [
+        page.heading("What is left in the residuals"),
+        page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
+        page.note(f"The arm, over windows that begin at measured states: neighbours within a window are alike. {BAND}"),
+    ]
+    if told.content["minimum_detectable"]:
+        least = [
+            [name, label(row["parameter"]), told_value(row["value"], row["unit"], 2)]
+            for name, row in told.content["minimum_detectable"].items()
+        ]
+        parts += [page.heading("What these tests would have shown"), page.table_of(DETECTABLE, least)]
+    hidden, pairs = told.confounded()
+    if hidden or pairs:
+        rows = [[name, "hidden by the base parameters", ""] for name in hidden]
+        rows += [[names, "look alike", f"{cosine:.2f}"] for names, cosine in pairs]
+        parts += [page.heading("Effects that these tests cannot tell apart or cannot see")]
+        parts += [page.table_of(("effects", "why", "cosine"), rows)]
+        parts += [page.note("Cosine: between the responses that the base parameters cannot take up; 1 is the same.")]
+    parts += [page.heading("Calibrated first"), page.table_of(CALIBRATED, told.calibration(every=True))]
+    parts += [*known, links(folder)]
+    return page.discrepancy_page(told.title, answer[0], parts)

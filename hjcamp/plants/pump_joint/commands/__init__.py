@@ -1,0 +1,1 @@
+"""Commands that are about this joint alone: ``hjcamp budget``, ``rig``, ``sizing`` and ``tour``."""

@@ -1,0 +1,1 @@
+"""Control laws of this plant: one file each, found by its name."""

@@ -1,0 +1,1 @@
+"""Figures of the joint and of chapter 3."""

@@ -1,0 +1,78 @@
+"""The end of the tour: what hides in the sample logs beside what the diagnosis said."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.plants.pump_joint.tour.samples import sealed_answer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+VERDICTS = {
+    "nothing_missing": "nothing is missing",
+    "one_of": "one of",
+    "outside_library": "something outside the library",
+    "cannot_tell": "these tests cannot tell",
+}
+
+
+def print_answer(console: Console, diagnosis: dict[str, Any] | None) -> None:
+    """Print the sealed answer; ``diagnosis`` is the answer of step 2, None where it has not been done."""
+    from rich.table import Table
+
+    hidden = sealed_answer()
+    console.print(f"hidden      {', '.join(hidden['effects'])}", style="bold", markup=False)
+    if diagnosis is None:
+        console.print("diagnosed   nothing yet: hjcamp tour", markup=False)
+    else:
+        console.print(f"diagnosed   {said(diagnosis)}   {judged(hidden, diagnosis)}", style="bold", markup=False)
+    table = Table(box=None, pad_edge=False, header_style="dim")
+    for heading in ("", "published", "hidden", "found", "95 %", ""):
+        table.add_column(heading, justify="left" if not heading else "right")
+    for cells in rows(hidden, diagnosis or {}):
+        table.add_row(*cells)
+    console.print(table)
+    for line in textwrap.wrap(hidden["note"], min(console.width, 100)):
+        console.print(line, markup=False)
+    console.print(f"made by     {hidden['made_by']}", markup=False)
+
+
+def said(diagnosis: dict[str, Any]) -> str:
+    """Return the verdict in words."""
+    names = ", ".join(diagnosis["effects"])
+    verdict = str(diagnosis["verdict"])
+    return names if verdict == "effect" else f"{VERDICTS.get(verdict, verdict)} {names}".rstrip()
+
+
+def judged(hidden: dict[str, Any], diagnosis: dict[str, Any]) -> str:
+    """Return whether the diagnosis is right."""
+    same = sorted(diagnosis["effects"]) == sorted(hidden["effects"])
+    if diagnosis["verdict"] == hidden["verdict"] and same:
+        return "right"
+    if set(hidden["effects"]) & set(diagnosis["effects"]):
+        return "partly right"
+    return "not what was hidden"
+
+
+def rows(hidden: dict[str, Any], diagnosis: dict[str, Any]) -> list[tuple[str, ...]]:
+    """Return the cells of the table: name, published, hidden, found, interval, unit."""
+    found = []
+    candidates = {row["effect"]: row["parameters"] for row in diagnosis.get("candidates") or []}
+    for effect, parameters in hidden["parameters"].items():
+        for name, value in parameters.items():
+            row = candidates.get(effect, {}).get(name)
+            found.append(_cells(f"{effect}.{name}", "none", value, row))
+    calibration = diagnosis.get("calibration") or {}
+    for name, value in hidden["base"].items():
+        row = calibration.get(name)
+        found.append(_cells(name, "" if row is None else f"{row['published']:.3g}", value, row))
+    return found
+
+
+def _cells(name: str, published: str, value: float, row: dict[str, Any] | None) -> tuple[str, ...]:
+    if row is None:
+        return name, published, f"{value:.3g}", "", "", ""
+    low, high = row["ci95"]
+    return name, published, f"{value:.3g}", f"{row['value']:.3g}", f"{low:.3g} to {high:.3g}", row["unit"]

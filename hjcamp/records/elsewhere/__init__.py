@@ -1,0 +1,1 @@
+"""Measurements from elsewhere, made into test logs."""

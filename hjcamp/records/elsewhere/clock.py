@@ -1,0 +1,89 @@
+"""Put the rows of another program's table on the steady clock of a test log."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from hjcamp.errors import UsageError
+from hjcamp.records.elsewhere.import_map import HIGHEST_SAMPLING_HZ, LOWEST_SAMPLING_HZ
+from hjcamp.records.log import COMMAND_PHASE
+from hjcamp.records.of_plant import LONGEST_PERIOD_S, span
+
+LONGEST_STEP = 1.5  # of the usual one
+RATE_TOLERANCE = 0.01
+STEADY = 0.01  # of a period: rows this near to a steady clock are taken as they are
+DIGITS = 9  # of a period that is read off the rows
+
+
+def usual_step(time: np.ndarray, where: str) -> float:
+    """Return the usual time between rows, s; raises UsageError where time stands still, jumps or is too fast or slow."""
+    steps = np.diff(time)
+    if (steps <= 0).any():
+        row = int(np.argmax(steps <= 0)) + 1
+        raise UsageError(
+            f"{where}: time does not increase at row {row + 1}: {time[row - 1]:.6g} s, then {time[row]:.6g} s"
+        )
+    usual = float(np.median(steps))
+    if 1 / usual > HIGHEST_SAMPLING_HZ:
+        raise UsageError(
+            f"{where}: {1 / usual:.4g} rows a second, the whole table is {time[-1] - time[0]:.4g} s; no logger is faster than "
+            f"{HIGHEST_SAMPLING_HZ:g} Hz (is the unit of time_s right? s read as ms are 1000 times too short)"
+        )
+    if usual > LONGEST_PERIOD_S:
+        raise UsageError(
+            f"{where}: rows are {usual:.4g} s apart, at most {LONGEST_PERIOD_S:g} s (is the unit of time_s right?)"
+        )
+    if (steps > LONGEST_STEP * usual).any():
+        row = int(np.argmax(steps > LONGEST_STEP * usual))
+        raise UsageError(f"{where}: gap of {span(steps[row])} after row {row + 1} (time {time[row]:.6g} s)")
+    return usual
+
+
+def refuse_slow(usual: float, where: str) -> None:
+    """Raise UsageError for a table with too few rows a second to be resampled to 1 kHz."""
+    if 1 / usual < LOWEST_SAMPLING_HZ * (1 - RATE_TOLERANCE):
+        raise UsageError(
+            f"{where}: {1 / usual:.4g} rows a second; below {LOWEST_SAMPLING_HZ:g} Hz too little is left of a test "
+            "(is the unit of time_s right?)"
+        )
+
+
+def steady_period(time: np.ndarray, given: float | None) -> float:
+    """Return the period of the log, s: what the map gives, else the mean time between rows."""
+    mean = float(time[-1] - time[0]) / (len(time) - 1)
+    return given or float(f"{mean:.{DIGITS}g}")
+
+
+def resample(
+    columns: Mapping[str, np.ndarray], time: np.ndarray, period: float, held: Collection[str], where: str
+) -> dict[str, np.ndarray]:
+    """Return columns of shape (samples,), one sample each ``period`` (s), of columns of shape (rows,) at ``time`` (s).
+
+    Time 0 is the first row of phase 3, or the first of all where there is no phase. Rows on such a clock are taken as they
+    are; between others lies a straight line, or the value before for the fields in ``held``. Raises UsageError without a phase 3.
+    """
+    phase = columns.get("phase")
+    first = 0
+    if phase is not None:
+        if not (phase == COMMAND_PHASE).any():
+            raise UsageError(f"{where}: no row of the command phase (phase 3)")
+        first = int(np.argmax(phase == COMMAND_PHASE))
+    rows = len(time)
+    time = time - time[first]
+    clock = (np.arange(rows) - first) * period
+    if np.abs(time - clock).max() <= STEADY * period:
+        return {"time_s": clock} | {name: values for name, values in columns.items() if name != "time_s"}
+    tolerance = 1e-6  # of a sample: what rounding may cost at either end
+    begin = int(np.ceil(time[0] / period - tolerance))
+    end = int(np.floor(time[-1] / period + tolerance))
+    clock = np.arange(begin, end + 1) * period
+    before = np.searchsorted(time, clock + tolerance * period, side="right") - 1
+    resampled = {"time_s": clock}
+    for name, values in columns.items():
+        if name in held or name == "phase":
+            resampled[name] = values[np.clip(before, 0, rows - 1)]
+        elif name != "time_s":
+            resampled[name] = np.interp(clock, time, values)
+    return resampled

@@ -1,0 +1,297 @@
+"""The mapping file of an import: which column of a table is which field of a plant's logs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.known_plants import DEFAULT, find_plant, load_plants
+from hjcamp.model.field_table import FieldTable, fields_of
+from hjcamp.model.field_unit import unit_of_field
+from hjcamp.model.parameter import Parameter, finite_number
+from hjcamp.model.plant import Plant
+from hjcamp.model.plant_checks import check_users_plant
+from hjcamp.records.check import check_names
+from hjcamp.records.of_plant import LONGEST_PERIOD_S, PERIOD_KEY, PLANT_KEY
+from hjcamp.records.units import conversion_to_field
+from hjcamp.yaml_file import read_yaml
+
+LOWEST_SAMPLING_HZ = 200.0  # of the usual plant: its logs have one sample each ms
+HIGHEST_SAMPLING_HZ = 100e3
+KEYS = (
+    "plant", "separator", "decimal_comma", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "fields",
+    "metadata", "files",
+)  # fmt: skip
+FIELD_KEYS = ("column", "unit", "scale", "offset", "sign")
+FILE_WORD = "{file}"
+MOST_SKIPPED = 100_000
+
+
+@dataclass(frozen=True)
+class ColumnRule:
+    """``field = (sign * (scale * column + offset) + shift) * factor``: shift and factor are those of the unit."""
+
+    column: str
+    scale: float = 1.0
+    offset: float = 0.0
+    sign: float = 1.0
+    shift: float = 0.0
+    factor: float = 1.0
+
+
+@dataclass(frozen=True)
+class ImportMap:
+    """What a mapping file says; ``period`` (s) may be None where ``time_s`` is mapped or messages have times.
+
+    ``by_rate`` where it stands there as ``sampling_hz``; ``files`` are the metadata of single files.
+    """
+
+    plant: type[Plant]
+    table: FieldTable
+    rules: dict[str, ColumnRule]
+    metadata: dict[str, str]
+    period: float | None
+    by_rate: bool
+    where: str
+    files: dict[str, dict[str, str]] = field(default_factory=dict)
+    topic: str = ""
+    separator: str | None = None
+    decimal_comma: bool | None = None
+    skip_lines: int = 0
+    comment: str | None = None
+
+    def metadata_for(self, file: Path) -> dict[str, str]:
+        """Return the metadata of one file.
+
+        Raises UsageError where ``files`` does not know it, and for a value that a parameter of the plant cannot have.
+        """
+        own: dict[str, str] = {}
+        if self.files:
+            name = file.name if file.name in self.files else file.stem
+            if name not in self.files:
+                raise unknown("file", file.name, self.files, f"the files of {self.where}")
+            own = self.files[name]
+        found = {key: value.replace(FILE_WORD, file.stem) for key, value in (self.metadata | own).items()}
+        for item in self.plant.parameters.values():
+            if item.given and item.given in found:
+                _given_value(found[item.given], item.given, item.unit, item.bounds, f"{file} by {self.where}")
+        return found
+
+    def lacking(self, tests: Iterable[Mapping[str, str]]) -> list[str]:
+        """Return what the plant expects in the metadata of each of ``tests`` and some of them do not say."""
+        given = dict.fromkeys(item.given for item in self.plant.parameters.values() if item.given)
+        known = list(tests)
+        return [name for name in given if any(name not in metadata for metadata in known)]
+
+
+def read_import_map(path: Path) -> ImportMap:
+    """Return the mapping in a YAML file; raises UsageError for every key, field, unit or number that cannot be."""
+    where = str(path)
+    content = read_yaml(path)
+    _only_known(content, KEYS, "key", where)
+    plant = find_plant(_text(content, "plant", where) or DEFAULT, where)
+    check_users_plant(plant)
+    table = fields_of(plant)
+    fields = content.get("fields")
+    _only_fields(fields, table, where)
+    rules = {name: _rule(name, fields[name], table, where) for name in table.names if name in fields}
+    topic = _text(content, "topic", where)
+    period = _period(content, plant, where)
+    if period is None and "time_s" not in rules and not topic:
+        raise UsageError(
+            f"{where}: give period_s or sampling_hz, or map a column to time_s (of an MCAP file: its topic)"
+        )
+    check_names({"time_s", *rules}, table, where)
+    metadata = _metadata(content.get("metadata"), "metadata", where)
+    return ImportMap(
+        plant=plant,
+        table=table,
+        rules=rules,
+        metadata=metadata,
+        period=period,
+        by_rate="sampling_hz" in content,
+        where=where,
+        files=_files(content.get("files"), where),
+        topic=topic,
+        separator=_separator(content["separator"], where) if "separator" in content else None,
+        decimal_comma=content["decimal_comma"] is True if "decimal_comma" in content else None,
+        skip_lines=_lines(content.get("skip_lines", 0), where),
+        comment=str(content["comment"]) if content.get("comment") else None,
+    )
+
+
+def example_map(plant: type[Plant]) -> str:
+    """Return a mapping file for a plant whose columns are called as its fields are; what a log may lack is a comment."""
+    table = fields_of(plant)
+    lines = [f"plant: {plant.name}", "# period_s: 0.001   instead of time_s, or sampling_hz", "fields:"]
+    for known in table.fields:
+        needed = known.required or known.name in table.one_of[:1]
+        meaning = known.text + (f" (one of {', '.join(table.one_of)})" if known.name in table.one_of else "")
+        text = f"  {'' if needed else '# '}{known.name}: {{column: {known.name}, unit: {_quoted(known.unit)}}}"
+        lines.append(f"{text}  # {meaning}" if meaning else text)
+    lines += [
+        "# scale, offset and sign beside unit: sign * (scale * column + offset)",
+        "metadata:",
+        '  condition: "{file}"',
+    ]
+    given = {item.given: item for item in plant.parameters.values() if item.given}
+    for name, item in given.items():
+        lines.append(f"  {name}: {_example_value(name, item):g}  # {item.text or item.name}")
+    return "\n".join(lines)
+
+
+def _quoted(unit: str) -> str:
+    return f'"{unit}"' if unit in ("1", "%") else unit
+
+
+def _example_value(name: str, item: Parameter) -> float:
+    return item.default * _scale_of(name, item.unit)[0]
+
+
+def _text(content: Mapping[str, Any], key: str, where: str) -> str:
+    value = content.get(key)
+    if value is not None and not isinstance(value, str):
+        raise UsageError(f"{where}: {key} is {shown(value)}; a name is needed")
+    return value or ""
+
+
+def _only_fields(fields: Any, table: FieldTable, where: str) -> None:
+    """Raise UsageError for a field that the plant's logs have not; it says of which plant it is, where one has it."""
+    here = f"{where} (a log of plant {table.plant})"
+    try:
+        _only_known(fields, table.names, "field", here)
+    except UsageError as refusal:
+        strange = [str(name) for name in fields or {} if name not in table.names] if isinstance(fields, Mapping) else []
+        others = _plants_with(strange[0]) if strange else []
+        if not others:
+            raise
+        several = " and ".join(others)
+        raise UsageError(f"{refusal}; '{strange[0]}' is a field of plant {several}: write plant: {others[0]}") from None
+
+
+def _plants_with(name: str) -> list[str]:
+    found = []
+    for plant in load_plants().values():
+        with suppress(UsageError):  # another plant's file may be at fault; that is not what is asked
+            if name in fields_of(plant).names and name not in ("time_s", "phase"):
+                found.append(plant.name)
+    return found
+
+
+def _rule(name: str, content: Any, table: FieldTable, where: str) -> ColumnRule:
+    place = f"'{name}' of {where}"
+    if isinstance(content, str):
+        content = {"column": content}
+    _only_known(content, FIELD_KEYS, "key", place)
+    if isinstance(content.get("column"), bool):
+        said = "true" if content["column"] else "false"
+        raise UsageError(f"{place}: YAML reads this column as {said}; write its name in quotes")
+    if content.get("column") is None or isinstance(content["column"], dict | list):
+        raise UsageError(f"{place}: give the column that holds it")
+    numbers = {key: _number(content[key], key, place) for key in ("scale", "offset", "sign") if key in content}
+    if numbers.get("sign", 1.0) not in (1.0, -1.0):
+        raise UsageError(f"{place}: sign is {numbers['sign']:g}; allowed: 1, -1")
+    if numbers.get("scale", 1.0) == 0.0:
+        raise UsageError(f"{place}: a scale of 0 leaves nothing of the column")
+    known = table.field(name)
+    unit = conversion_to_field(known, str(content.get("unit", known.unit)), where)
+    return ColumnRule(column=str(content["column"]), shift=unit.shift, factor=unit.factor, **numbers)
+
+
+def _period(content: Mapping[str, Any], plant: type[Plant], where: str) -> float | None:
+    """Return the time between two rows, s, as ``period_s`` or ``sampling_hz`` say."""
+    if "period_s" in content and "sampling_hz" in content:
+        raise UsageError(f"{where}: give period_s or sampling_hz, not both")
+    if content.get("period_s") is not None:
+        period = _number(content["period_s"], "period_s", where)
+        if not 1.0 / HIGHEST_SAMPLING_HZ <= period <= LONGEST_PERIOD_S:
+            allowed = f"allowed: {1.0 / HIGHEST_SAMPLING_HZ:g} to {LONGEST_PERIOD_S:g}"
+            raise UsageError(f"{where}: period_s is {period:g}; {allowed}")
+        rate = 1.0 / period
+    elif content.get("sampling_hz") is not None:
+        rate = _number(content["sampling_hz"], "sampling_hz", where)
+        if rate > HIGHEST_SAMPLING_HZ:
+            raise UsageError(f"{where}: sampling_hz is {rate:g}; at most {HIGHEST_SAMPLING_HZ:g} Hz")
+        if rate * LONGEST_PERIOD_S < 1.0:
+            raise UsageError(f"{where}: sampling_hz is {rate:g}; at least {1.0 / LONGEST_PERIOD_S:.3g} Hz")
+        period = 1.0 / rate
+    else:
+        return None
+    if plant.name == DEFAULT and rate < LOWEST_SAMPLING_HZ * (1 - 1e-9):
+        said = "sampling_hz is" if "sampling_hz" in content else "period_s is given for"
+        raise UsageError(f"{where}: {said} {rate:g} Hz; below {LOWEST_SAMPLING_HZ:g} Hz too little is left of a test")
+    return period
+
+
+def _metadata(content: Any, place: str, where: str) -> dict[str, str]:
+    content = content or {}
+    if not isinstance(content, Mapping) or any(isinstance(value, dict | list) for value in content.values()):
+        raise UsageError(f"{where}: {place} must be names with one value each")
+    found = {str(key): str(value) for key, value in content.items() if value is not None}
+    for key in (PLANT_KEY, PERIOD_KEY):
+        if key in found:
+            raise UsageError(
+                f"{where}: {place}: {key} is written by the import; give it beside fields, as '{key}: ...'"
+            )
+    return found
+
+
+def _given_value(text: str, name: str, si: str, bounds: tuple[float, float], place: str) -> None:
+    """Raise UsageError where what a test is said to have (a mass, a supply) is no number within its bounds."""
+    scale, unit = _scale_of(name, si)
+    try:
+        value = float(text) / scale
+    except ValueError:
+        value = math.nan
+    if not bounds[0] <= value <= bounds[1]:
+        low, high = (end * scale for end in bounds)
+        raise UsageError(f"{place}: {name} is {text!r:.40}; a number from {low:g} to {high:g} {unit} is needed")
+
+
+def _scale_of(name: str, si: str) -> tuple[float, str]:
+    """Return the unit that the end of a name says, with its number for one SI unit; the SI unit where it says none."""
+    with suppress(UsageError):
+        if (known := unit_of_field(name, name)).si == si:
+            return known.scale, known.shown
+    return 1.0, si
+
+
+def _files(content: Any, where: str) -> dict[str, dict[str, str]]:
+    if content is None:
+        return {}
+    if not isinstance(content, Mapping) or not content:
+        raise UsageError(f"{where}: files must be file names, each with its metadata: FILE: {{condition: ...}}")
+    return {str(name): _metadata(one, f"files: {name}", where) for name, one in content.items()}
+
+
+def _only_known(content: Any, allowed: Sequence[str], kind: str, where: str) -> None:
+    if not isinstance(content, Mapping) or not content:
+        raise UsageError(f"{where}: expected a mapping with the {kind}s {', '.join(allowed)}")
+    for name in content:
+        if name not in allowed:
+            raise unknown(kind, str(name), allowed, where)
+
+
+def _number(value: Any, name: str, where: str) -> float:
+    number = finite_number(value)
+    if number is None:
+        raise UsageError(f"{where}: {name} is {shown(value)}, not a finite number")
+    return number
+
+
+def _lines(value: Any, where: str) -> int:
+    number = _number(value, "skip_lines", where)
+    if not 0 <= number <= MOST_SKIPPED or number != int(number):
+        raise UsageError(f"{where}: skip_lines is {number:g}; a whole number from 0 to {MOST_SKIPPED} is needed")
+    return int(number)
+
+
+def _separator(value: Any, where: str) -> str:
+    if not isinstance(value, str) or len(value.encode()) != 1:
+        raise UsageError(f"{where}: separator is {shown(value)}; give one character, such as ',' or ';' or \"\\t\"")
+    return value

@@ -1,0 +1,138 @@
+"""Measurements from elsewhere become test logs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hjcamp.errors import UsageError, counted
+from hjcamp.known_plants import DEFAULT
+from hjcamp.model.field_unit import field_of
+from hjcamp.records.check import check_finite, check_phase
+from hjcamp.records.elsewhere.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, usual_step
+from hjcamp.records.elsewhere.import_map import ImportMap, read_import_map
+from hjcamp.records.elsewhere.tables import read_table
+from hjcamp.records.log import TestLog
+from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, USUAL_PERIOD_S
+from hjcamp.records.plausible import Finding, refuse_implausible
+from hjcamp.records.read import read_log
+from hjcamp.records.write import write_log
+
+
+@dataclass(frozen=True)
+class Imported:
+    """A log that an import wrote: how much it holds (duration in s), and what in it is doubtful."""
+
+    path: Path
+    samples: int
+    duration: float
+    fields: tuple[str, ...]
+    metadata: dict[str, str]
+    doubtful: list[Finding]
+
+
+def import_file(file: str | Path, mapping: str | Path, out: str | Path) -> TestLog:
+    """Write ``file`` as the test log ``out`` by the YAML file ``mapping``, and return the log; see ``import_files``."""
+    import_files([file], mapping, [out])
+    return read_log(out)
+
+
+def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequence[str | Path]) -> list[Imported]:
+    """Write each of ``files`` as the test log of ``outs`` by the YAML file ``mapping``, and return what was written.
+
+    A column becomes a field as ``sign * (scale * column + offset)`` in ``unit``. The end of a file's name says what it
+    is: ``.mat`` (a column is a variable: ``q``, ``data.q``, ``q(:,2)``), ``.parquet``, ``.mcap`` (a column is a name in
+    the messages on ``topic``: ``q``, ``pose.x``; JSON or protobuf), anything else is a table of text::
+
+        plant: axis             # the usual one where it is absent; its fields: hjcamp plants axis
+        skip_lines: 2           # before the header; also: comment, and separator, decimal_comma where the file misleads
+        period_s: 0.001         # or sampling_hz; neither is needed where time_s is mapped
+        fields:
+          time_s: {column: t, unit: ms}
+          position_m: {column: x, unit: mm, sign: -1, offset: 12.5}
+          voltage_v: {column: u_raw, scale: 2.5}
+        metadata: {condition: "{file}", mass_kg: 95}      # {file}: the name of the file without its ending
+        files:                  # metadata of single files, where they differ; then every file is named
+          train.csv: {condition: train}
+          pulses.csv: {condition: pulses, mass_kg: 120}
+
+    A log has one sample each period: that of the map, else the mean one of the rows; rows that jitter are interpolated
+    (an input that holds its value, and the phase, keep the value before). Logs of the usual plant have one each 1 ms.
+    Time 0 is the first row of phase 3, or the first of all. Nothing is written where one of the files cannot be.
+
+    Raises UsageError for a file or a mapping that is unusable, for values that the fields cannot have, and where one of
+    ``outs`` exists or stands for two files.
+    """
+    pairs = [(Path(file), Path(out)) for file, out in zip(files, outs, strict=True)]
+    for number, (source, target) in enumerate(pairs):
+        if target.exists():
+            raise UsageError(f"{target}: exists already; give the imported log another name")
+        for other, taken in pairs[:number]:
+            if taken == target:
+                raise UsageError(f"{target}: would be the log of {other} and of {source}; import them one by one")
+    rules = read_import_map(Path(mapping))
+    written: list[Imported] = []
+    try:
+        for source, target in pairs:
+            written.append(_import(source, target, rules, Path(mapping)))
+    except BaseException:
+        for one in written:
+            one.path.unlink(missing_ok=True)
+        raise
+    return written
+
+
+def _import(source: Path, target: Path, rules: ImportMap, mapping: Path) -> Imported:
+    log = _log(source, target, rules, mapping)
+    doubtful = refuse_implausible(log, f"{source} by {mapping}")
+    write_log(target, log)
+    return Imported(target, log.samples, log.duration, tuple(log.columns), log.metadata, doubtful)
+
+
+def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> TestLog:
+    where = str(source)
+    metadata = rules.metadata_for(source)
+    fields, times = _fields(source, rules)
+    rows = len(next(iter(fields.values())))
+    if rows < 2:
+        raise UsageError(f"{where}: {counted(rows, 'row is', 'rows are')} no test")
+    if rules.period is not None and "time_s" not in fields:
+        times = np.arange(rows) * rules.period
+    if times is None:
+        raise UsageError(
+            f"{rules.where}: give period_s or sampling_hz, or map a column to time_s; {source} has no times"
+        )
+    usual = usual_step(times, where)
+    if rules.period is not None and abs(usual / rules.period - 1) > RATE_TOLERANCE:
+        given = f"sampling_hz is {1 / rules.period:g}" if rules.by_rate else f"period_s is {rules.period:g}"
+        raise UsageError(f"{where}: the time column has {1 / usual:.5g} rows a second, {given}")
+    if rules.plant.name == DEFAULT:
+        refuse_slow(usual, where)
+        period, held = USUAL_PERIOD_S, []
+    else:
+        period, held = steady_period(times, rules.period), _held(rules)
+        metadata |= {PLANT_KEY: rules.plant.name, PERIOD_KEY: repr(period)}
+    columns = resample(fields, times, period, held, where)
+    check_phase(columns, where)
+    return TestLog(columns, metadata, {"import.yaml": mapping.read_bytes()}, target)
+
+
+def _held(rules: ImportMap) -> list[str]:
+    """Return the fields of inputs that hold their value between samples."""
+    given = rules.plant.given_inputs().values()
+    return [one.field or field_of(one.name, one.unit, rules.where) for one in given if one.hold == "previous"]
+
+
+def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
+    """Return the mapped columns in the units of their fields, in the order of the table, and the times of the rows, s."""
+    table = read_table(source, rules)
+    fields: dict[str, np.ndarray] = {}
+    for name, rule in rules.rules.items():
+        values = table.columns[rule.column]
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below, with its place
+            fields[name] = (rule.sign * (rule.scale * values + rule.offset) + rule.shift) * rule.factor
+    check_finite(fields, str(source))
+    return fields, fields.get("time_s", table.times)

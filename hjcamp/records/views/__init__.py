@@ -1,0 +1,1 @@
+"""Logs for other programs: tables, viewers, models beside what was measured."""

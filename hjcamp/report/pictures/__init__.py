@@ -1,0 +1,1 @@
+"""Pictures: how they are drawn, and what is in them."""

@@ -1,0 +1,71 @@
+"""Pictures of a prediction-error analysis: the worst windows, and models side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.report.pictures.conditions import BLUE, GREEN, INK, RED
+from hjcamp.report.pictures.drawing import draw, dress
+from hjcamp.report.units import shown
+
+Array = NDArray[np.float64]
+SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def readable(name: str, unit: str, *values: Array) -> tuple[str, list[Array]]:
+    """Return a label with its unit, and the values in it: as people read it, in thousandths where all are below one."""
+    factor, called = shown(1.0, unit) if unit != "kg" else (1.0, unit)
+    top = max((float(np.nanmax(np.abs(one))) for one in values if np.size(one)), default=0.0) * factor
+    power = 0
+    while 0.0 < top < 1.0 and power < 12:
+        power, top = power + 3, top * 1e3
+    tens = f"10⁻{str(power).translate(SUPERSCRIPT)} " if power else ""
+    inside = f"{tens}{called}".strip()
+    scale = factor * 10.0**power
+    return f"{name} ({inside})" if inside else name, [np.asarray(one) * scale for one in values]
+
+
+def draw_windows(
+    name: str, unit: str, time: Array, measured: Array, models: Sequence[tuple[str, Array]], edges: Array,
+    *, observed: str = "measured",
+) -> str:
+    """Return a stretch of one channel: measured and predicted above, residuals below; gaps at the windows' ``edges``."""
+    colours = (RED, GREEN, BLUE, INK)
+    label, scaled = readable(name, unit, measured, *(values for _, values in models))
+    residual, left = readable("residual", unit, *(measured - values for _, values in models))
+
+    def paint(figure: Any) -> None:
+        above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+        above.plot(time, scaled[0], color=INK, linewidth=1.0, label=observed)
+        inside = edges[(edges > 0) & (edges < len(time))]
+        for (called, _), values, error, colour in zip(models, scaled[1:], left, colours, strict=False):
+            values[inside - 1] = error[inside - 1] = np.nan
+            above.plot(time, values, color=colour, linewidth=1.0, label=called)
+            below.plot(time, error, color=colour, linewidth=0.9)
+        below.axhline(0.0, color=INK, linewidth=0.6)
+        above.legend(fontsize=8, frameon=False, ncols=4)
+        dress(above, label)
+        dress(below, residual)
+        below.set_xlabel("time (s)", color=INK, fontsize=8.5)
+
+    return draw((9.6, 4.2), "windows", paint)
+
+
+def draw_model_bars(quantity: str, unit: str, rows: Sequence[tuple[str, float]], floor: float) -> str:
+    """Return the error of each model in a channel as bars, and its floor as a line."""
+    label, [bars, line] = readable(quantity, unit, np.array([value for _, value in rows]), np.array([floor]))
+
+    def paint(figure: Any) -> None:
+        axis = figure.subplots()
+        names = [name for name, _ in rows][::-1]
+        axis.barh(names, bars[::-1], color=BLUE, height=0.6)
+        axis.axvline(line[0], color=INK, linewidth=0.9, linestyle="--")
+        axis.text(line[0], len(rows) - 0.45, " floor", fontsize=8, color=INK)
+        dress(axis, "")
+        axis.set_xlabel(label, color=INK, fontsize=8.5)
+
+    return draw((9.6, 0.5 * len(rows) + 1.0), "models", paint)
