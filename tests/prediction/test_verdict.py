@@ -97,6 +97,8 @@ def test_few_tests_cannot_tell(axis: Path) -> None:
         ("follows", "effect", 200, "effect"),
         ("follows", "nothing_missing", 100, "outside_library"),
         ("nothing_missing", "follows", 200, "outside_library"),
+        # names that take less than a regression still finds in short windows are not given by long ones
+        ("refused", "effect", 100, "outside_library"),
     ],
 )
 def test_where_nothing_is_seen_longer_windows_are_looked_at(
@@ -113,7 +115,11 @@ def test_where_nothing_is_seen_longer_windows_are_looked_at(
     def judged(one):  # type: ignore[no-untyped-def]
         levels.append(one.search.claims)
         word = said[one.windows.layout.width]
-        return SimpleNamespace(word=word.replace("follows", "outside_library"), follows=0.5 * (word == "follows"))
+        follows, refused = word in ("follows", "refused"), ("spring",) if word == "refused" else ()
+        effects = ("spring",) if word == "effect" else ()
+        return SimpleNamespace(
+            word="outside_library" if follows else word, follows=0.5 * follows, effects=effects, refused=refused
+        )
 
     monkeypatch.setattr(verdict, "judged", judged)
     analysis, found = verdict.agreed(of(100), of)
