@@ -198,7 +198,7 @@ class Search:
         best = best_promises(promises)
         usual = float(np.median(chance)) if len(chance) else 0.0
         chosen = FITTED if p_value(gain, chance) <= LEVEL else FITTED_BY_CHANCE
-        sure = [name for name in names if name in self.begins or self.hidden_by_delay(name, fitted.candidate)]
+        sure = [name for name in names if name in self.begins or self.hidden_by_base(name, fitted.candidate)]
         able = [name for name, one in best.items() if name in self.library and one.gain > 0.0 and name not in sure]
         able = [name for k, name in enumerate(able[: 2 * chosen]) if k < chosen // 2 or best[name].gain > usual]
         begun = self.each(
@@ -236,13 +236,21 @@ class Search:
             law and law == law_of(self.library[one]) for one in present if one in self.library
         )
 
-    def hidden_by_delay(self, name: str, candidate: Candidate) -> bool:
-        """Whether an effect is a lag, and the base has the delay of an input in its place: nothing of it is promised beside that."""
-        if name not in self.library or not self.library[name].states:
+    def hidden_by_base(self, name: str, candidate: Candidate) -> bool:
+        """Whether the base has something in the place of an effect, beside which little of it is promised.
+
+        Of a lag that is the delay of an input; of what depends on a state that nothing measures the starts of that state.
+        """
+        effect = self.library.get(name)
+        if effect is None:
             return False
-        generic = (getattr(self.library[name], "made_of", None) or (None,))[0]
+        states = [*self.windows.layout.measured.plant.states]
+        unseen = {one for one, hidden in zip(states, self.windows.unseen, strict=True) if hidden}
+        if any(unseen & set(term.arguments) for term in effect.terms.values()):
+            return True
+        generic = (getattr(effect, "made_of", None) or (None,))[0]
         late = any(value > 0.0 for key, value in candidate.base.items() if key.startswith(DELAY))
-        return late and getattr(generic, "acts_on", "") in ("actuator", "sensor")
+        return late and bool(effect.states) and getattr(generic, "acts_on", "") in ("actuator", "sensor")
 
     def beside(self, fitted: Fitted) -> Beside:
         """Return the model beside which effects are probed, made once for each fit."""
