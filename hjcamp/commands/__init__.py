@@ -25,6 +25,14 @@ FOLDER = Path(__file__).parent
 COMPLETING = "_HJCAMP_COMPLETE"
 
 
+# Boxes around a help text would take longer to import than all else that it needs.
+PLAIN: dict[str, Any] = {
+    "pretty_exceptions_enable": False,
+    "rich_markup_mode": None,
+    "context_settings": {"max_content_width": 110},
+}
+
+
 @cache
 def command_files() -> dict[str, Path]:
     """Return the name and file of every command."""
@@ -70,7 +78,7 @@ class Commands(TyperGroup):
 def load(path: Path) -> Any:
     """Import a command's file and return its command."""
     module = importlib.import_module(f"{__name__}.{path.stem}")
-    app = typer.Typer(pretty_exceptions_enable=False)
+    app = typer.Typer(**PLAIN)
     module.register(app)
     if COMPLETING in os.environ:
         importlib.import_module(f"{__name__}._complete").add_completions(app)
