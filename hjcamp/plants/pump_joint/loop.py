@@ -121,8 +121,7 @@ class JointSimulator(Simulator):
                 "2 rest, 3 control, 4 release); check procedure.preload_mpa, the adjustment and procedure.phase_limit_s"
             )
         record = record[:count]
-        # a sum of squares is finite only where all is, and taken in a thirtieth of the time
-        if not np.isfinite(np.vdot(record, record)) and not np.all(np.isfinite(record)):
+        if not np.isfinite(record).all():
             where = int(np.argmax(~np.all(np.isfinite(record), axis=1)))
             raise HjcampError(f"the simulation left its valid range after {where * PERIOD:.3f} s; check the parameters")
         columns: dict[str, Any] = {name: record[:, index] for index, name in enumerate(RECORDED)}
