@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 import typer
 
-from hjcamp.commands import COMPLETING, Commands
+from hjcamp.commands import COMPLETING, PLAIN, Commands
 from hjcamp.commands._session import free_standard_output
 from hjcamp.errors import HjcampError
 from hjcamp.storage import shown_path
@@ -33,10 +33,10 @@ def show_version(asked: bool) -> None:
 
 
 app = typer.Typer(
+    **PLAIN,
     cls=Commands,
-    pretty_exceptions_enable=False,
     help="Test campaigns for a water-hydraulic servo joint, and the search for what its model misses.",
-    epilog="First:  hjcamp plan campaign=robustness_vertical   then   hjcamp run campaign=robustness_vertical",
+    epilog="\b\nFirst  hjcamp plan campaign=robustness_vertical\nthen   hjcamp run campaign=robustness_vertical",
 )
 
 

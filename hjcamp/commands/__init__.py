@@ -27,6 +27,14 @@ FOLDERS = (PACKAGE / "commands", *sorted(PACKAGE.glob("plants/*/commands")))
 COMPLETING = "_HJCAMP_COMPLETE"
 
 
+# Boxes around a help text would take longer to import than all else that it needs.
+PLAIN: dict[str, Any] = {
+    "pretty_exceptions_enable": False,
+    "rich_markup_mode": None,
+    "context_settings": {"max_content_width": 110},
+}
+
+
 @cache
 def command_files() -> dict[str, Path]:
     """Return the name and file of every command."""
@@ -73,7 +81,7 @@ def load(path: Path) -> Any:
     """Import a command's file and return its command."""
     parts = path.relative_to(PACKAGE).with_suffix("").parts
     module = importlib.import_module(".".join((PACKAGE.name, *parts)))
-    app = typer.Typer(pretty_exceptions_enable=False)
+    app = typer.Typer(**PLAIN)
     module.register(app)
     if COMPLETING in os.environ:
         importlib.import_module(f"{__name__}._complete").add_completions(app)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.commands import PLAIN
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import HjcampError, counted
 
@@ -19,7 +20,7 @@ def register(app: typer.Typer) -> None:
         name="log",
         help="Look at, check, recover, export and view test logs.",
         no_args_is_help=True,
-        pretty_exceptions_enable=False,
+        **PLAIN,
     )
     group.command("info")(info)
     group.command("verify")(verify)

@@ -49,6 +49,7 @@ class Variations:
         self._shared: Parts = {} if shared is None else shared
         # what a plant brings is made by its Python file
         self._of_plants: Parts = {}
+        self._resolved: dict[tuple[str, ...], Any] = {}
 
     def compose(self, overrides: Sequence[Override]) -> Loaded:
         """Return the resolved configuration and the choices; raises ``NotJoinedError`` and Hydra's errors."""
@@ -77,7 +78,7 @@ class Variations:
         config = copy.deepcopy(config)
         for override in values:
             _set(config, override)
-        return Loaded(resolved(config), {name: choice for found in choices.values() for name, choice in found.items()})
+        return Loaded(resolved(config, self._resolved), {name: choice for found in choices.values() for name, choice in found.items()})
 
     def _together(self, plant: list[Override], chosen: Mapping[str, list[Override]]) -> list[list[str]]:
         """Return the groups whose choices change the same part of the configuration, together; others alone."""
@@ -144,17 +145,33 @@ def _set(config: dict[str, Any], override: Override) -> None:
     place[name] = value
 
 
-def resolved(config: dict[str, Any]) -> dict[str, Any]:
-    """Return the configuration with its interpolations resolved; only the parts that hold or name one pass OmegaConf."""
+def resolved(config: dict[str, Any], known: dict[tuple[str, ...], Any]) -> dict[str, Any]:
+    """Return the configuration with its interpolations resolved.
+
+    OmegaConf gets each part that holds one, with the parts that it names, once: ``known`` keeps the results by the texts of
+    these parts.
+    """
     texts = {key: _text(part) for key, part in config.items()}
-    holding = {key for key, text in texts.items() if INTERPOLATED in text}
-    named = {
-        word
-        for key in holding
-        for found in re.findall(r"\$\{[^}]*\}", texts[key])
-        for word in re.findall(r"\w+", found)
-    }
-    concerned = {key: part for key, part in config.items() if key in holding | named}
-    part = OmegaConf.to_container(OmegaConf.create(concerned), resolve=True)
-    assert isinstance(part, dict)
-    return {key: part.get(key, value) for key, value in config.items()}
+    found = dict(config)
+    for key, text in texts.items():
+        if INTERPOLATED not in text:
+            continue
+        concerned = _concerned(key, texts)
+        place = (key, *(f"{name}: {texts[name]}" for name in concerned))
+        if place not in known:
+            part = OmegaConf.to_container(OmegaConf.create({name: config[name] for name in concerned}), resolve=True)
+            assert isinstance(part, dict)
+            known[place] = part[key]
+        found[key] = copy.deepcopy(known[place])
+    return found
+
+
+def _concerned(key: str, texts: Mapping[str, str]) -> list[str]:
+    """Return the parts that an interpolation in the part ``key`` can lead to, itself among them."""
+    reached, waiting = {key}, [key]
+    while waiting:
+        for found in re.findall(r"\$\{[^}]*\}", texts[waiting.pop()]):
+            new = {word for word in re.findall(r"\w+", found) if word in texts} - reached
+            reached |= new
+            waiting += new
+    return [name for name in texts if name in reached]

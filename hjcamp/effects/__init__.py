@@ -63,6 +63,8 @@ def chosen_effects(
     ``where`` is the path of ``values`` in the configuration; an effect without parameters has its defaults. A model
     that was fitted to logs of another ``period`` (s) than the plant's has its times within the bounds of those.
     """
+    if not values and not extension_folders("effects"):
+        return [], {}  # ours are right: without a file of the user's there is nothing to read
     chosen = find_plant(plant) if isinstance(plant, str) and period else plant
     library = library_of(chosen, imposed=True)
     bounded = library if isinstance(chosen, str) or not period else library_of(chosen.sampled(period), imposed=True)

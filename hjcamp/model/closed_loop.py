@@ -136,7 +136,7 @@ class LoopSimulator(Simulator):
             z, self.inputs(), p, *self.propagators(z, p), period, test.first, test.last, test.control,
             self.law.fresh_memory(), ap, am, test.reference, test.inputs, test.late, test.counts, test.phases, test.noise, record, work,
         )  # fmt: skip
-        if not np.isfinite(record.sum()) and not np.all(np.isfinite(record)):
+        if not np.isfinite(record).all():
             where = int(np.argmax(~np.all(np.isfinite(record), axis=1)))
             raise HjcampError(
                 f"the simulation left the finite numbers {where * period:.4g} s after its begin; check the parameters and the start"

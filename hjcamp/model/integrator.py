@@ -287,6 +287,14 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
                 level += 1
                 searching = True
                 continue
+        if length == ticks and ended == 0 and not bent and not kink:
+            # A whole sample on which only the linear part acts: nothing is left to do but to look at what passes rest.
+            for i in range(N):
+                z[i] = a[i]
+            counter[1] += 1.0
+            if CONTACT and direction != 0.0 and shifted(end, direction, z, u, p, counter):
+                direction = arrive(end, direction, z, u, p, plan, space, steps, h, before, counter)
+            return direction
         if level == LEVELS:
             # No step is short enough for what is no number: each further one would be tried at every level.
             for i in range(N):

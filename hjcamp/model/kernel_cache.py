@@ -75,9 +75,14 @@ def kernel_name(source: str) -> str:
 def is_compiled(source: str, last: str = "follow") -> bool:
     """Return whether a process has compiled the kernel before, up to the function that is compiled ``last``.
 
-    Numba keeps an index of each function in the cache folder.
+    Numba keeps an index of each function in the cache folder: of what it compiled in which version and for which processor.
     """
-    return any((cache_folder() / "__pycache__").glob(f"{kernel_name(source)}.{last}-*.nbi"))
+    found = list((cache_folder() / "__pycache__").glob(f"{kernel_name(source)}.{last}-*.nbi"))
+    if not found:
+        return False
+    from hjcamp.model.kernel_objects import serves  # numba takes its time to import
+
+    return any(map(serves, found))
 
 
 @functools.lru_cache(maxsize=64)
@@ -95,6 +100,8 @@ def load_kernel(source: str) -> types.ModuleType:
 
 
 def _loaded(name: str, source: str) -> types.ModuleType:
+    from hjcamp.model.kernel_objects import guard  # numba takes its time to import
+
     text = source.replace("{decorator}", NUMBA.format(cache=True))
     try:
         module = _executed(name, text, str(_written(name, text)))
@@ -102,8 +109,6 @@ def _loaded(name: str, source: str) -> types.ModuleType:
         reason = getattr(problem, "strerror", None) or problem
         say_once(f"the cache folder {cache_folder()} cannot be written ({reason})")
         return _executed(name, source.replace("{decorator}", NUMBA.format(cache=False)), f"<{name}>")
-    from hjcamp.model.kernel_objects import guard  # numba takes its time to import
-
     guard(module, say_once)
     return module
 

@@ -13,14 +13,18 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
+import numba
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
+from numba.core.registry import cpu_target
 
 from hjcamp.model.kernel_cache import remove
 
 # Another process that holds a lock may be stopped, or its machine slow: then the function is compiled twice.
 PATIENCE_S = 60.0
+# Asked for while this file is imported: two threads that ask numba first would get a compiler each.
+PROCESSOR = cpu_target.target_context.codegen().magic_tuple()
 SEAL = b"hjcamp"  # stands before the hash at the end of an object file; numba itself reads no further than its pickle
 
 
@@ -32,6 +36,18 @@ def guard(module: types.ModuleType, say_once: Callable[[str], None]) -> None:
         if isinstance(function._cache, FunctionCache) and not isinstance(function._cache, KernelCache):
             function._cache = KernelCache(function._cache, say_once)
             function.compile = _one_process(function)
+
+
+def serves(index: Path) -> bool:
+    """Return whether what an index of numba's names is there, and was compiled by this version for this processor."""
+    try:
+        with index.open("rb") as stream:
+            if pickle.load(stream) != numba.__version__:
+                return False
+            _, overloads = pickle.load(stream)
+        return any(made_for == PROCESSOR and (index.parent / name).exists() for (_, made_for, _), name in overloads.items())
+    except Exception:  # pickle raises almost anything; what cannot be read is compiled again
+        return False
 
 
 def _one_process(function: Any) -> Callable[[Any], Any]:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import io
+import pickle
 from pathlib import Path
 from typing import Any
 
+import numba
 import pytest
+from numba.core.registry import cpu_target
 from rich.console import Console
 from rich.progress import Progress
 
@@ -31,9 +34,12 @@ def configured(composer: Composer, *overrides: str) -> dict[str, Any]:
 
 def compiled(text: str, last: str) -> None:
     """Leave what numba leaves once ``last`` of a kernel has been compiled."""
-    folder = cache_folder() / "__pycache__"
+    folder, name = cache_folder() / "__pycache__", f"{kernel_name(text)}.{last}-12.py311"
     folder.mkdir(exist_ok=True)
-    (folder / f"{kernel_name(text)}.{last}-12.py311.nbi").write_bytes(b"")
+    key = ("signature", cpu_target.target_context.codegen().magic_tuple(), ("code", "closure"))
+    index = pickle.dumps(numba.__version__) + pickle.dumps(("stamp", {key: f"{name}.1.nbc"}))
+    (folder / f"{name}.1.nbc").write_bytes(b"")
+    (folder / f"{name}.nbi").write_bytes(index)
 
 
 def in_terminal(width: int = 200) -> tuple[Console, io.StringIO]:

@@ -15,7 +15,9 @@ from hjcamp.errors import HjcampError, RigStopped
 if TYPE_CHECKING:
     from conftest import Call
 
-HEAVY = ("hydra", "omegaconf", "numba", "numpy", "polars", "matplotlib", "scipy", "mcap", "nidaqmx", "joblib")
+HEAVY = (
+    "hydra", "omegaconf", "numba", "numpy", "polars", "matplotlib", "scipy", "mcap", "nidaqmx", "joblib", "rich", "pygments",
+)  # fmt: skip
 ROOT = Path(__file__).parents[2]
 
 
@@ -32,6 +34,11 @@ def test_help_lists_every_command(call: Call) -> None:
     for name in ("run", "plan", "ls", "show", "resume", "report", "doctor", "log", "import"):
         assert name in out
     assert call().out == out
+
+
+def test_the_first_commands_can_be_copied_from_the_help(call: Call) -> None:
+    lines = [line.split("hjcamp ", 1)[1] for line in call("--help").out.splitlines() if "hjcamp plan " in line]
+    assert lines == ["plan campaign=robustness_vertical"]
 
 
 @pytest.mark.parametrize("name", sorted(commands.command_files()))

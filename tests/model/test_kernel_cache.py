@@ -13,12 +13,13 @@ import types
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import hjcamp
 from hjcamp.model import kernel_cache
-from hjcamp.model.kernel_cache import cache_folder, kernel_name, load_kernel
+from hjcamp.model.kernel_cache import cache_folder, is_compiled, kernel_name, load_kernel
 
 TINY = '''"""A kernel that takes its time to load."""
 import time
@@ -148,6 +149,31 @@ def test_what_a_killed_process_left_does_not_hinder_and_goes(own_cache: Path) ->
     assert fresh().prepare(1.0) == 2.0
     fresh(TINY + "\n# another\n")
     assert not any(path.exists() for path in old) and new.exists()
+
+
+def test_a_cache_of_another_version_or_processor_is_known_as_none() -> None:
+    assert not is_compiled(TINY, "prepare")
+    assert fresh().prepare(1.0) == 2.0
+    assert is_compiled(TINY, "prepare")
+    index = made_of("*.nbi")
+    with index.open("rb") as stream:
+        version, (stamp, overloads) = pickle.load(stream), pickle.load(stream)
+
+    def kept(by: str, made: dict[Any, str]) -> bool:
+        index.write_bytes(pickle.dumps(by) + pickle.dumps((stamp, made)))
+        return is_compiled(TINY, "prepare")
+
+    assert kept(version, overloads)
+    assert not kept("0.1.0", overloads)
+    (signature, (triple, _, features), code), name = next(iter(overloads.items()))
+    elsewhere = {(signature, (triple, "another processor", features), code): name}
+    assert not kept(version, elsewhere)
+    assert kept(version, elsewhere | overloads)
+    made_of("*.nbc").unlink()
+    assert not is_compiled(TINY, "prepare")
+    index.write_bytes(b"cut off")
+    assert not is_compiled(TINY, "prepare")
+    assert fresh().prepare(1.0) == 2.0
 
 
 def test_two_processes_compile_one_kernel(own_cache: Path) -> None:

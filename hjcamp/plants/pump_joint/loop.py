@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 FUNCTIONS = ("measure", "sense", "decide", "act", "closed_loop")
 BENCH = ("measure", "sense", "act")
 RECORDED = ("phase", "reference", "command", "pid", "feedforward", "dither")
-FRESH = np.array([0.0, -1.0, 0.0, 0.0])  # what `sample.sense` remembers before the first sample
+FRESH = np.array([0.0, -1.0, 0.0, 0.0, 0.0])  # what `sample.sense` remembers before the first sample
 
 
 class NotEndedError(HjcampError):
@@ -121,8 +121,7 @@ class JointSimulator(Simulator):
                 "2 rest, 3 control, 4 release); check procedure.preload_mpa, the adjustment and procedure.phase_limit_s"
             )
         record = record[:count]
-        # a sum is finite where all is, and taken in a tenth of the time
-        if not np.isfinite(record.sum()) and not np.all(np.isfinite(record)):
+        if not np.isfinite(record).all():
             where = int(np.argmax(~np.all(np.isfinite(record), axis=1)))
             raise HjcampError(f"the simulation left its valid range after {where * PERIOD:.3f} s; check the parameters")
         columns: dict[str, Any] = {name: record[:, index] for index, name in enumerate(RECORDED)}

@@ -38,10 +38,11 @@ def measure(time, direction, z, u, p, counts, phases, noise, out):  # type: igno
 def sense(k, z, u, p, h, counts, phases, noise, scatter, memory, seen):  # type: ignore[no-untyped-def]
     """Begin sample ``k``: fill ``seen`` with what the sensors deliver.
 
-    ``memory``: friction regime, first sample of the command phase or -1, time of the present sample, its phase.
+    ``memory``: friction regime, first sample of the command phase or -1, time of the present sample, its phase, where the
+    next command goes in ``history``.
     """
     memory[2] = (k - memory[1]) * h if memory[1] >= 0.0 else 0.0
-    row = k % scatter.shape[0]
+    row = k if k < scatter.shape[0] else k % scatter.shape[0]  # a division takes as long as the rest of this
     u[SCATTER] = scatter[row]
     measure(memory[2], memory[0], z, u, p, counts, phases, noise[row], seen)
 
@@ -84,17 +85,19 @@ def act(  # type: ignore[no-untyped-def]
 ):
     """End sample ``k``: move the plant on under pump command (rad), dither (V) and preload speed (m/s).
 
-    ``delay``: whole samples and the fraction of one; ``history`` keeps more samples of the command than that.
+    ``delay``: whole samples and the fraction of one; ``history`` is a ring of more samples of the command than that, 0 at first.
     """
     if memory[3] == 3.0 and memory[1] < 0.0:
         memory[1] = k
         memory[2] = 0.0
     whole = int(delay[0])
     size = history.shape[0]
-    history[k % size] = command
-    late = history[(k - whole) % size] if k >= whole else 0.0
-    later = history[(k - whole - 1) % size] if k > whole else 0.0
-    u[COMMAND] = (1.0 - delay[1]) * late + delay[1] * later
+    place = int(memory[4])
+    history[place] = command
+    memory[4] = place + 1 if place + 1 < size else 0
+    late = place - whole if place >= whole else place - whole + size
+    later = late - 1 if late > 0 else size - 1
+    u[COMMAND] = (1.0 - delay[1]) * history[late] + delay[1] * history[later]
     u[DITHER] = shake
     u[PRELOAD] = speed * preload_area
     remember(memory[2], memory[0], z, u, p)

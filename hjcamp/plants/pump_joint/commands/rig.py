@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from hjcamp.commands import PLAIN
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import HjcampError
 
@@ -21,7 +22,7 @@ def register(app: typer.Typer) -> None:
         name="rig",
         help="Serve a virtual rig, check a real one, see who uses it.",
         no_args_is_help=True,
-        pretty_exceptions_enable=False,
+        **PLAIN,
     )
     group.command("serve")(serve)
     group.command("check")(check)
