@@ -6,7 +6,7 @@ import errno
 import os
 import re
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -155,3 +155,10 @@ def _atomic(path: Path, suffix: str = "part") -> Iterator[IO[bytes]]:
         with suppress(OSError):
             part.unlink(missing_ok=True)
         raise
+
+
+def remove_files(paths: Iterable[Path]) -> None:
+    """Remove files, as far as the disk lets."""
+    for path in paths:
+        with suppress(OSError):
+            path.unlink()

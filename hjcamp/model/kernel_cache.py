@@ -15,11 +15,10 @@ import tempfile
 import threading
 import time
 import types
-from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from hjcamp.storage import user_folder, write_whole
+from hjcamp.storage import remove_files, user_folder, write_whole
 
 TEMPORARY = "hjcamp_kernels_"
 # The hot functions do without numba's reference counts (``_nrt``): with them a sample costs 100 ns instead of 20. Only what
@@ -127,10 +126,10 @@ def _written(name: str, text: str) -> Path:
     with suppress(FileNotFoundError):
         if path.read_bytes() == text.encode():
             return path
-        remove(path.parent.glob(f"__pycache__/{name}.*"))
+        remove_files(path.parent.glob(f"__pycache__/{name}.*"))
     write_whole(path, text, shared=True)
     left_over = [*path.parent.glob("*.part"), *path.parent.glob("__pycache__/*.tmp.*")]
-    remove(one for one in left_over if _age(one) > LEFT_OVER_S)
+    remove_files(one for one in left_over if _age(one) > LEFT_OVER_S)
     return path
 
 
@@ -139,10 +138,3 @@ def _age(path: Path) -> float:
         return time.time() - path.stat().st_mtime
     except OSError:
         return 0.0
-
-
-def remove(paths: Iterable[Path]) -> None:
-    """Remove files, as far as the disk lets."""
-    for path in paths:
-        with suppress(OSError):
-            path.unlink()

@@ -19,7 +19,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 from numba.core.registry import cpu_target
 
-from hjcamp.model.kernel_cache import remove
+from hjcamp.storage import remove_files
 
 # Another process that holds a lock may be stopped, or its machine slow: then the function is compiled twice.
 PATIENCE_S = 60.0
@@ -74,7 +74,7 @@ def _held(path: Path) -> Iterator[None]:
     finally:
         if descriptor >= 0:
             # who comes later has no need of it: what was compiled is there
-            remove([path])
+            remove_files([path])
             os.close(descriptor)
 
 
@@ -106,7 +106,7 @@ class KernelCache(FunctionCache):
         try:
             return super().load_overload(sig, target_context)
         except Exception:  # pickle raises almost anything; whatever it is, the text is there to be compiled
-            remove(Path(self._cache_path).glob(f"{self._impl.filename_base}.*"))
+            remove_files(Path(self._cache_path).glob(f"{self._impl.filename_base}.*"))
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
