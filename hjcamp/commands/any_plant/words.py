@@ -175,9 +175,17 @@ def print_head(console: Console, analysis: Analysis) -> None:
         f"plant {measured.plant.name}: {count}{'s' if len(measured.conditions) > 1 else ''}, "
         f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s"
         + (f" of {sum(layout.whole)}, evenly spread" if layout.every > 1 else "")
-        + ", each begun from its own start",
+        + ", each begun from its own start"
+        + _carried(analysis),
         markup=False,
     )  # fmt: skip
+
+
+def _carried(analysis: Analysis) -> str:
+    """Return in words which states begin a window where the one before left them."""
+    layout, unseen = analysis.windows.layout, analysis.windows.unseen
+    names = [name for name, hidden in zip(layout.measured.plant.states, unseen, strict=True) if hidden]
+    return f"; {', '.join(names)}, which nothing measures, where the window before left it" if names and layout.goes_on.any() else ""
 
 
 def table(console: Console, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
