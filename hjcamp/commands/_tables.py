@@ -131,10 +131,11 @@ def compare_tables(words: Sequence[str], names: Sequence[str], json: Path | None
     check_answer_file(json)
     console = make_console()
     with progress_of(console) as report:
+        from hjcamp.tabulated.cells import SIMULATED
         from hjcamp.tabulated.comparison import compare
         from hjcamp.tabulated.question import asked
 
-        content = compare(asked(words), names, 7, 1, report)
+        content = compare(asked(words), names, SIMULATED, 1, report)
         write_answer(json, content)
     print_errors(console, content, "")
 

@@ -47,7 +47,7 @@ def indicators_of(log: TestLog) -> dict[str, Any]:
     row |= choices_of(log)
     row["repetition"] = _whole_number(log.metadata.get("repetition"))
     row["seed"] = _whole_number(log.metadata.get("seed"))
-    row |= _error_indicators(log, row["trajectory"] or "")
+    row |= error_indicators(log.command_phase, row["trajectory"] or "")
     row |= line_indicators(log, configuration(log.attachments.get("config.yaml", b"")))
     from hjcamp.report.published import cell_key
 
@@ -56,9 +56,9 @@ def indicators_of(log: TestLog) -> dict[str, Any]:
     return row | {STANDING: _standing(log.attachments.get("config.yaml", b""), *cell_key(row | bare))}
 
 
-def _error_indicators(log: TestLog, trajectory: str) -> dict[str, float | None]:
+def error_indicators(command: Mapping[str, Any], trajectory: str) -> dict[str, float | None]:
+    """Return the four indicators (deg) from the columns of a command phase; those that cannot be had are None."""
     values: dict[str, float | None] = dict.fromkeys(INDICATORS)
-    command = log.command_phase
     if not {"reference_deg", "arm_deg"} <= set(command) or not len(command["time_s"]):
         return values
     time, reference = command["time_s"], command["reference_deg"]

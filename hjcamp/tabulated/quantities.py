@@ -49,6 +49,12 @@ class Quantity:
         return min(max(value, low), high)
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """The places of its bounds."""
+        low, high = self.parameter.bounds
+        return self.forth(low), self.forth(high)
+
+    @property
     def start(self) -> float:
         """The place of the published or usual value."""
         return self.forth(self.parameter.default)
@@ -78,7 +84,10 @@ def base_quantities() -> list[Quantity]:
 def candidate_quantities(name: str) -> list[Quantity]:
     """Return what a candidate adds to the base: one factor or constant, or the parameters of one effect."""
     if name in FACTORS or name in CONSTANTS:
-        return [Quantity(name, FACTORS.get(name) or PumpJoint.parameters[name], SPREAD, logarithmic=True)]
+        parameter = FACTORS.get(name) or PumpJoint.parameters[name]
+        if parameter.off is not None:
+            return [Quantity(name, parameter)]
+        return [Quantity(name, parameter, SPREAD, logarithmic=True)]
     found = []
     for key, parameter in load_effects()[name].parameters.items():
         if key not in KNOWN:
