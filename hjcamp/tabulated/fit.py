@@ -152,13 +152,14 @@ def fit(
     seed: int,
     polish: int = 0,
 ) -> Fit:
-    """Return the best fit from any of ``starts``, each with about ``budget`` simulated tables, then with ``polish`` more.
+    """Return the best fit from the best of ``starts`` with about ``budget`` simulated tables, then with ``polish`` more.
 
     Quantities without a place in a start begin as published.
     """
     fitting = Fitting(rig, cells, names)
-    ends = [fitting.descended(fitting.begun(start), budget) for start in starts]
-    best, lowest = min(ends, key=lambda one: one[1])
+    begins = [fitting.begun(start) for start in starts]
+    begin = min(begins, key=lambda one: fitting.loss(fitting.errors(one), one)) if len(begins) > 1 else begins[0]
+    best, lowest = fitting.descended(begin, budget)
     if polish:
         best, lowest = fitting.evolved(best, lowest, polish, seed)
     values = {one.name: float(value) for one, value in zip(fitting.quantities, best, strict=True)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,8 @@ from hjcamp.tabulated.rig import Rig
 LEVEL = 0.05
 #: Candidates are refitted whose predicted loss is within this of the best: Akaike's weight of the last is then a twentieth.
 RIVALS = 6.0
+#: Candidates of a step that the answer names.
+SHOWN = 5
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,8 @@ EFFORTS = {
 class Step:
     """One step: the model before, the control (refitted alike), its rivals with a candidate each, the twins' gains.
 
-    ``predicted`` is the gain that the linear prediction promised, by which the twins are judged alone.
+    ``promised`` is what the linear prediction says of the best candidates, and ``predicted`` the gain of the first, by
+    which alone the twins are judged. Where that much is chance nothing is refitted: there are no rivals.
     """
 
     before: Fit
@@ -55,11 +58,12 @@ class Step:
     rivals: Sequence[Fit]
     twins: Sequence[float]
     predicted: float = math.inf
+    promised: Sequence[Promise] = ()
 
     @property
     def gain(self) -> float:
-        """The fall of the loss by the best rival, less the cost of its quantities."""
-        return max((self.control.loss - penalised(one, self.control) for one in self.rivals), default=0.0)
+        """The fall of the loss by the best rival, less the cost of its quantities; as predicted where none was refitted."""
+        return max((self.control.loss - penalised(one, self.control) for one in self.rivals), default=self.predicted)
 
     @property
     def p_value(self) -> float:
@@ -113,18 +117,21 @@ class Search:
         looked = look(
             self.rig, self.cells, model, names, self.crew, lambda at: self.report(doing, begin + 0.4 * share * at)
         )
-        promised = looked.predicted(self.cells)
+        promise = looked.predicted(self.cells)
         generator = np.random.default_rng([self.seed, number])
         twins = [looked.predicted(self.cells.drawn(looked.simulated, generator)).gain for _ in range(self.effort.twins)]
+        found = Step(model, model, (), twins, promise.gain, promise.candidates[:SHOWN])
+        if found.p_value > LEVEL:
+            return found
         self.report(f"step {number + 1}: fitting what promises most", begin + 0.4 * share)
-        near = [one for one in promised.candidates if one.loss <= promised.candidates[0].loss + RIVALS]
+        near = [one for one in promise.candidates if one.loss <= promise.candidates[0].loss + RIVALS]
         control, *rivals = self.crew.together(
-            lambda one: self._refitted(f"step {number}", model, one), [promised.alone, *near[: self.effort.refitted]]
+            lambda one: self._refitted(f"step {number}", model, one), [promise.alone, *near[: self.effort.refitted]]
         )
-        return Step(model, control, rivals, twins, promised.gain)
+        return replace(found, control=control, rivals=rivals)
 
     def _refitted(self, key: str, model: Fit, promise: Promise) -> Fit:
-        """Refit the model with what a promise adds: from where the model is, and from where the promise is; all alike."""
+        """Refit the model with what a promise adds, from where the model or where the promise is; all alike."""
         names = (*model.names, *([promise.name] if promise.name else []))
         starts = [{**promise.places, **model.places}, promise.places]
         return self._fit(f"{key} {promise.name or 'control'}", names, starts, self.effort.short)
@@ -144,7 +151,7 @@ class Search:
         for number in range(self.effort.steps):
             found = self.step(number, model)
             steps.append(found)
-            if found.gain <= 0.0 or found.p_value > LEVEL:
+            if not found.rivals or found.gain <= 0.0 or found.p_value > LEVEL:
                 return min(model, found.control, key=lambda one: one.loss), steps
             model = self.longer(number, min(found.rivals, key=lambda one: penalised(one, found.control)))
         return model, steps
