@@ -78,6 +78,7 @@ def _step(step: Step) -> dict[str, Any]:
         "p_value": step.p_value,
         "gains_of_twins": list(step.twins),
         "predicted": promised,
+        "form": step.form,
         "candidates": [
             {"name": one.names[-1], "loss": one.loss, "gain": step.control.loss - penalised(one, step.control)}
             for one in rivals

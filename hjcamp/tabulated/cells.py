@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from hjcamp.report.indicators import INDICATORS
 
@@ -16,6 +17,8 @@ Array = NDArray[np.float64]
 FORM_SHARE, FORM_ANGLE = 0.10, 0.10
 #: From here on an error counts by its size, not by its square: some cells may be errors of print.
 HUBER = 2.0
+#: Least share of that error that is left where a model meets every cell.
+LEAST_FORM = 0.01
 #: Tests that are simulated for each condition, to fit and to judge.
 SIMULATED = 5
 #: No indicator is compared below this, deg: a tenth of the encoder's count.
@@ -28,7 +31,7 @@ class Cells:
 
     ``error_of_mean`` (deg) holds the scatter of the measured tests and the rounding, ``error_of_simulated`` (deg) that of
     the `SIMULATED` tests, which scatter as the measured ones do. RMSE and largest error are compared as logarithms, the
-    steady state error in degrees.
+    steady state error in degrees. ``form`` is the share of the allowed error of form that these cells are judged by.
     """
 
     tables: tuple[str, ...]
@@ -39,6 +42,7 @@ class Cells:
     error_of_mean: Array
     step: float
     error_of_simulated: Array | float = 0.0
+    form: float = 1.0
 
     def __len__(self) -> int:
         return len(self.means)
@@ -56,7 +60,9 @@ class Cells:
         """
         known = np.hypot(self.error_of_mean, self.error_of_simulated)
         share = known / np.maximum(np.abs(self.means), LEAST)
-        return np.where(self.logarithmic, np.hypot(share, FORM_SHARE), np.hypot(known, FORM_ANGLE))
+        return np.where(
+            self.logarithmic, np.hypot(share, self.form * FORM_SHARE), np.hypot(known, self.form * FORM_ANGLE)
+        )
 
     def of(self, indicators: Array) -> Array:
         """Return the simulated mean (cells,) of each cell from (conditions, repetitions, indicators)."""
@@ -65,6 +71,22 @@ class Cells:
     def errors(self, simulated: Array) -> Array:
         """Return (simulated - measured) / sigma of each cell."""
         return (self._scaled(simulated) - self._scaled(self.means)) / self.sigma
+
+    def known_by(self, simulated: Array, fitted: int) -> Cells:
+        """Return the same cells with the error of form that a model of ``fitted`` quantities leaves, where that is less.
+
+        As in a least-squares fit whose scatter is not known before: the loss is then that of as many cells as are free.
+        """
+        free = max(len(self) - fitted, 1)
+
+        def left(form: float) -> float:
+            return float(robust(replace(self, form=form).errors(simulated)).sum()) - free
+
+        if left(1.0) >= 0.0:
+            return self
+        return replace(
+            self, form=float(brentq(left, LEAST_FORM, 1.0, xtol=1e-4)) if left(LEAST_FORM) > 0.0 else LEAST_FORM
+        )
 
     def with_means(self, means: Array) -> Cells:
         """Return the same cells, known as well on their scales, with other means: a twin."""

@@ -22,7 +22,7 @@ DAMPING, EASED, TRIALS = 1.0, 5.0, 4
 #: A fall of the loss by less than this is none; 2 is what one further quantity has to bring.
 SMALL = 0.2
 #: First step of the evolution strategy.
-SPREAD_OUT = 0.15
+SPREAD_OUT = 0.05
 
 
 @dataclass(frozen=True)

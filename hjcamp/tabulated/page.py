@@ -113,6 +113,9 @@ def _steps(found: Mapping[str, Any]) -> Iterator[str]:
         "refitted. In each step:",
         "",
     )
+    if (form := found["steps"][0].get("form", 1.0)) < 1.0:
+        yield f"The base leaves less than 10 % to the form of a model, so gains are judged by {10.0 * form:.1f} %."
+        yield ""
     for number, step in enumerate(found["steps"], start=1):
         yield f"{number}. promised: {_gains(step.get('predicted', ()))}; refitted: {_gains(step['candidates'])}"
     yield ""

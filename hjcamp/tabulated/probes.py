@@ -80,13 +80,22 @@ class Prediction:
 
 @dataclass(frozen=True)
 class Looked:
-    """The responses about a model: simulated means, slopes (cells, quantities) of its own quantities, probes of the others."""
+    """The responses about a model: simulated means, slopes (cells, quantities) of its own quantities, probes of the others.
+
+    ``freed`` names the candidates that the base has already, within a tolerance.
+    """
 
     model: Fit
     fitting: Fitting
     simulated: Array
     slopes: Array
     probes: Sequence[Probe]
+    freed: Sequence[str] = ()
+
+    @cached_property
+    def surprises(self) -> Array:
+        """What the place of each probe costs."""
+        return np.array([one.surprise for one in self.probes])
 
     @cached_property
     def changes(self) -> Array:
@@ -101,45 +110,66 @@ class Looked:
     def predicted(self, cells: Cells) -> Prediction:
         """Return what a linear refit to ``cells`` promises, with the weights of the robust loss as they are now.
 
-        A candidate has its own share of each place that it was looked at.
+        A candidate has its own share of each place that it was looked at, or what the base has is freed of its tolerance.
         """
-        errors = cells.errors(self.simulated)
-        weighed = self.slopes.T * weights(errors)
-        held = np.maximum(self.fitting.known, HELD)
-        inverse: Array = np.asarray(np.linalg.inv(weighed @ self.slopes + np.diag(held**2)), dtype=np.float64)
-        pulled = (held * self.fitting.known * (self.at - self.fitting.start))[:, None]
-        losses, moves = self._refitted(errors[:, None], weighed, inverse, pulled)
-        alone = Promise("", float(losses[0]), self._moved(moves[:, 0]))
-        if not self.probes:
-            return Prediction(alone, ())
-        # the share by least squares beside the model's own quantities, which are eliminated first
-        across, scaled = weighed @ self.changes, self.changes * weights(errors)[:, None]
-        known = np.array([one.surprise for one in self.probes])
-        curved = (scaled * self.changes).sum(axis=0) + known - (across * (inverse @ across)).sum(axis=0)
-        steep = scaled.T @ errors - (across * (inverse @ (weighed @ errors[:, None] + pulled))).sum(axis=0)
-        share = np.clip(-steep / np.maximum(curved, 1e-9), LEAST_SHARE, 1.0)
-        losses, moves = self._refitted(errors[:, None] + self.changes * share, weighed, inverse, pulled)
-        losses = losses + known * share**2
+        errors, known = cells.errors(self.simulated), self.fitting.known
+        scale = weights(errors)
+        usual = Refit(self, scale, known)
+        losses, moves = usual.to(errors[:, None])
+        alone = Promise("", float(losses[0]), self.moved(moves[:, 0]))
         best: dict[str, Promise] = {}
-        for number in np.argsort(losses, kind="stable"):
-            probe = self.probes[number]
-            if probe.name not in best:
-                places = {**self._moved(moves[:, number]), **probe.shared(float(share[number]))}
-                loss = float(losses[number]) + COST * len(probe.quantities)
-                best[probe.name] = Promise(probe.name, loss, places)
+        if self.probes:
+            share = usual.shares(errors)
+            losses, moves = usual.to(errors[:, None] + self.changes * share)
+            losses = losses + self.surprises * share**2
+            for number in np.argsort(losses, kind="stable"):
+                probe = self.probes[number]
+                if probe.name not in best:
+                    places = {**self.moved(moves[:, number]), **probe.shared(float(share[number]))}
+                    loss = float(losses[number]) + COST * len(probe.quantities)
+                    best[probe.name] = Promise(probe.name, loss, places)
+        for name in self.freed:
+            own = [one.name for one in self.fitting.quantities].index(name)
+            [one] = candidate_quantities(name)
+            free = known.copy()
+            free[own] = 1.0 / one.spread
+            losses, moves = Refit(self, scale, free).to(errors[:, None])
+            best[name] = Promise(name, float(losses[0]) + COST, self.moved(moves[:, 0]))
         return Prediction(alone, sorted(best.values(), key=lambda one: one.loss))
 
-    def _refitted(self, errors: Array, weighed: Array, inverse: Array, pulled: Array) -> tuple[Array, Array]:
-        """Return loss and moves of the model's own quantities for each column of ``errors`` (cells, cases)."""
-        fitting, at = self.fitting, self.at
-        least = np.clip(fitting.low - at, -FARTHEST, 0.0)[:, None]
-        most = np.clip(fitting.high - at, 0.0, FARTHEST)[:, None]
-        moves = np.clip(-inverse @ (weighed @ errors + pulled), least, most)
-        away = fitting.known[:, None] * ((at - fitting.start)[:, None] + moves)
-        return robust(errors + self.slopes @ moves).sum(axis=0) + (away**2).sum(axis=0), moves
-
-    def _moved(self, moves: Array) -> dict[str, float]:
+    def moved(self, moves: Array) -> dict[str, float]:
+        """Return the places of the model's quantities after ``moves``."""
         return {one.name: float(place) for one, place in zip(self.fitting.quantities, self.at + moves, strict=True)}
+
+
+class Refit:
+    """Weighted linear refits of a model's own quantities, each known to ``1 / known``."""
+
+    def __init__(self, looked: Looked, scale: Array, known: Array) -> None:
+        self.looked, self.scale, self.known = looked, scale, known
+        self.away = looked.at - looked.fitting.start
+        self.weighed = looked.slopes.T * scale
+        held = np.maximum(known, HELD)
+        whole = self.weighed @ looked.slopes + np.diag(held**2)
+        self.inverse: Array = np.asarray(np.linalg.inv(whole), dtype=np.float64)
+        self.pulled = (held * known * self.away)[:, None]
+        self.least = np.clip(looked.fitting.low - looked.at, -FARTHEST, 0.0)[:, None]
+        self.most = np.clip(looked.fitting.high - looked.at, 0.0, FARTHEST)[:, None]
+
+    def to(self, errors: Array) -> tuple[Array, Array]:
+        """Return loss and moves for each column of ``errors`` (cells, cases)."""
+        moves = np.clip(-self.inverse @ (self.weighed @ errors + self.pulled), self.least, self.most)
+        away = self.known[:, None] * (self.away[:, None] + moves)
+        return robust(errors + self.looked.slopes @ moves).sum(axis=0) + (away**2).sum(axis=0), moves
+
+    def shares(self, errors: Array) -> Array:
+        """Return the share of each probe's change that least squares asks for, the own quantities eliminated first."""
+        changes, scaled = self.looked.changes, self.looked.changes * self.scale[:, None]
+        across = self.weighed @ changes
+        curved = (scaled * changes).sum(axis=0) + self.looked.surprises - (across * (self.inverse @ across)).sum(axis=0)
+        pull = self.inverse @ (self.weighed @ errors[:, None] + self.pulled)
+        steep = scaled.T @ errors - (across * pull).sum(axis=0)
+        return np.clip(-steep / np.maximum(curved, 1e-9), LEAST_SHARE, 1.0)
 
 
 def look(rig: Rig, cells: Cells, model: Fit, names: Sequence[str], crew: Crew, done: Callable[[float], None]) -> Looked:
@@ -147,7 +177,8 @@ def look(rig: Rig, cells: Cells, model: Fit, names: Sequence[str], crew: Crew, d
     fitting = Fitting(rig, cells, model.names)
     at = fitting.begun(model.places)
     few = rig.repeated(REPETITIONS_LOOKED_AT)
-    looked = [(name, places) for name in names for places in looked_at(candidate_quantities(name))]
+    own = [one.name for one in fitting.quantities]
+    looked = [(name, places) for name in names if name not in own for places in looked_at(candidate_quantities(name))]
     here = cells.errors(cells.of(few.indicators(model.settings)))
 
     def probed(number: int) -> Probe:
@@ -159,7 +190,9 @@ def look(rig: Rig, cells: Cells, model: Fit, names: Sequence[str], crew: Crew, d
 
     probes = list(crew.together(probed, range(len(looked))))
     simulated = cells.of(rig.indicators(model.settings))
-    return Looked(model, fitting, simulated, fitting.slopes(at, WIDEST), probes)
+    return Looked(
+        model, fitting, simulated, fitting.slopes(at, WIDEST), probes, [name for name in names if name in own]
+    )
 
 
 def looked_at(quantities: Sequence[Quantity]) -> list[Array]:

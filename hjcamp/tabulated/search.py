@@ -14,7 +14,7 @@ from hjcamp.tabulated.cells import Cells, robust
 from hjcamp.tabulated.fit import Fit, fit
 from hjcamp.tabulated.ledger import Ledger
 from hjcamp.tabulated.probes import COST, Promise, look
-from hjcamp.tabulated.quantities import base_quantities
+from hjcamp.tabulated.quantities import base_quantities, candidate_quantities
 from hjcamp.tabulated.rig import Rig
 
 #: Chance of a gain as large on a table in which nothing is missing, from which on it is no reason to add anything.
@@ -27,21 +27,20 @@ SHOWN = 5
 
 @dataclass(frozen=True)
 class Effort:
-    """How long is searched: simulated tables of each fit, of its polish, candidates refitted in a step, twins, steps."""
+    """How long is searched: tables of the base's fits, of others, of the evolution of what is taken; rivals, twins, steps."""
 
     base: int
     short: int
-    long: int
+    polish: int
     refitted: int
     twins: int
     steps: int
-    polish: int = 0
 
 
 EFFORTS = {
-    "quick": Effort(base=120, short=60, long=120, refitted=3, twins=199, steps=4),
-    "standard": Effort(base=250, short=100, long=250, refitted=6, twins=199, steps=5, polish=600),
-    "thorough": Effort(base=400, short=200, long=400, refitted=10, twins=999, steps=6, polish=3000),
+    "quick": Effort(base=120, short=60, polish=200, refitted=3, twins=199, steps=4),
+    "standard": Effort(base=250, short=120, polish=1000, refitted=6, twins=199, steps=5),
+    "thorough": Effort(base=400, short=250, polish=3000, refitted=10, twins=999, steps=6),
 }
 
 
@@ -50,7 +49,8 @@ class Step:
     """One step: the model before, the control (refitted alike), its rivals with a candidate each, the twins' gains.
 
     ``promised`` is what the linear prediction says of the best candidates, and ``predicted`` the gain of the first, by
-    which alone the twins are judged. Where that much is chance nothing is refitted: there are no rivals.
+    which alone the twins are judged. Where that much is chance nothing is refitted: there are no rivals. ``form`` is the
+    share of the allowed error of form by which gains are judged.
     """
 
     before: Fit
@@ -59,6 +59,7 @@ class Step:
     twins: Sequence[float]
     predicted: float = math.inf
     promised: Sequence[Promise] = ()
+    form: float = 1.0
 
     @property
     def gain(self) -> float:
@@ -79,8 +80,9 @@ class Step:
 
 
 def penalised(rival: Fit, control: Fit) -> float:
-    """Return the loss of a rival with the cost of the quantities that it has more than the control."""
-    return rival.loss + COST * (len(rival.places) - len(control.places))
+    """Return the loss of a rival with the cost of the quantities that it has more than the control, or free of a tolerance."""
+    more = [name for name in rival.names if name not in control.names]
+    return rival.loss + COST * sum(len(candidate_quantities(name)) for name in more)
 
 
 @dataclass(frozen=True)
@@ -102,11 +104,11 @@ class Search:
         The second start is left out where the first already meets the table as tables of its own would.
         """
         self.report("fitting the base", 0.02)
-        printed = self._fit("base as printed", (), [{}], self.effort.base, self.effort.polish)
+        printed = self._fit("base as printed", (), [{}], self.effort.base)
         if printed.loss <= len(self.cells):
             return printed
         level = {one.name: one.forth(1.0) for one in base_quantities() if one.name.startswith("drop_")}
-        other = self._fit("base without a drop of friction", (), [level], self.effort.base, self.effort.polish)
+        other = self._fit("base without a drop of friction", (), [level], self.effort.base)
         return min(printed, other, key=lambda one: one.loss)
 
     def step(self, number: int, model: Fit) -> Step:
@@ -120,7 +122,7 @@ class Search:
         promise = looked.predicted(self.cells)
         generator = np.random.default_rng([self.seed, number])
         twins = [looked.predicted(self.cells.drawn(looked.simulated, generator)).gain for _ in range(self.effort.twins)]
-        found = Step(model, model, (), twins, promise.gain, promise.candidates[:SHOWN])
+        found = Step(model, model, (), twins, promise.gain, promise.candidates[:SHOWN], self.cells.form)
         if found.p_value > LEVEL:
             return found
         self.report(f"step {number + 1}: fitting what promises most", begin + 0.4 * share)
@@ -136,24 +138,29 @@ class Search:
         starts = [{**promise.places, **model.places}, promise.places]
         return self._fit(f"{key} {promise.name or 'control'}", names, starts, self.effort.short)
 
-    def longer(self, number: int, model: Fit) -> Fit:
+    def longer(self, key: str, model: Fit) -> Fit:
         """Return an accepted model searched for longer."""
-        self.report(
-            f"step {number + 1}: fitting {', '.join(model.names)} for longer",
-            0.1 + 0.8 * (number + 0.9) / self.effort.steps,
-        )
         starts: list[Mapping[str, float]] = [model.places]
-        return self._fit(f"longer {number}", model.names, starts, self.effort.long, self.effort.polish)
+        return self._fit(f"{key} for longer", model.names, starts, self.effort.short, self.effort.polish)
 
     def run(self) -> tuple[Fit, list[Step]]:
-        """Return the accepted model and every step, the one that adds nothing as the last."""
-        model, steps = self.base(), []
+        """Return the accepted model and every step, the one that adds nothing as the last.
+
+        Gains are judged by the error of form that the base leaves, where that is less than what is allowed at first.
+        """
+        base = self.base()
+        cells = self.cells.known_by(self.cells.of(self.rig.indicators(base.settings)), len(base.places))
+        return replace(self, cells=cells).forward(base)
+
+    def forward(self, base: Fit) -> tuple[Fit, list[Step]]:
+        """Return the model and the steps from a base that is fitted for longer first."""
+        model, steps = self.longer("base", base), []
         for number in range(self.effort.steps):
             found = self.step(number, model)
             steps.append(found)
             if not found.rivals or found.gain <= 0.0 or found.p_value > LEVEL:
                 return min(model, found.control, key=lambda one: one.loss), steps
-            model = self.longer(number, min(found.rivals, key=lambda one: penalised(one, found.control)))
+            model = self.longer(f"step {number + 1}", min(found.rivals, key=lambda one: penalised(one, found.control)))
         return model, steps
 
     def losses_of_twins(self, model: Fit) -> list[float]:

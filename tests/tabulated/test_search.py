@@ -64,7 +64,7 @@ def measured(rig, settings, seed=0):
 
 
 def searched(rig, cells, ledger):
-    effort = Effort(base=150, short=60, long=80, refitted=2, twins=5, steps=2)
+    effort = Effort(base=150, short=60, polish=80, refitted=2, twins=5, steps=2)
     names = ("controller_scale", "pump_bandwidth", "head_start")
     return Search(rig, cells, names, effort, 1, Crew(1), ledger, lambda text, share: None)
 
@@ -112,10 +112,10 @@ def test_tables_of_a_model_scatter_as_far_as_each_cell_is_known():
 
 def test_what_the_linear_prediction_promises_is_what_a_fit_then_gains():
     rig = LogLinearRig()
-    cells = measured(rig, {"pump_bandwidth": 1.3, "coulomb_positive": 6.5})
+    cells = measured(rig, {"controller_scale": 1.3, "coulomb_positive": 6.5})
     search = searched(rig, cells, Ledger(None, ""))
     step = search.step(0, search.base())
-    assert step.rivals[0].names == ("pump_bandwidth",)
+    assert step.rivals[0].names == ("controller_scale",)
     assert step.predicted == pytest.approx(step.gain, rel=0.15)
     assert len(step.twins) == search.effort.twins and max(step.twins) < step.gain
 
