@@ -17,12 +17,11 @@ from hjcamp.tabulated.rig import Rig
 Array = NDArray[np.float64]
 #: Half the first and half the last step of a slope: breakaways make small ones rough, long ones are no slope.
 WIDEST, NARROWEST = 0.15, 0.05
-#: Damping (Marquardt 1963): at the start, its change from trial to trial, and how many trials a slope is good for.
-DAMPING, EASED, TRIALS = 1.0, 5.0, 4
+#: Damping in shares of each quantity's own weight (Marquardt 1963): at the start, its change from trial to trial, and how
+#: many trials a slope is good for; the last step is then a hundredth of the first.
+DAMPING, EASED, TRIALS = 0.01, 10.0, 5
 #: A fall of the loss by less than this is none; 2 is what one further quantity has to bring.
 SMALL = 0.2
-#: First step of the evolution strategy.
-SPREAD_OUT = 0.05
 
 
 @dataclass(frozen=True)
@@ -96,41 +95,50 @@ class Fitting:
     def descended(self, places: Array, budget: int) -> tuple[Array, float]:
         """Return where damped least squares with the weights of the robust loss ends, and the loss there.
 
-        Source: Marquardt (1963), J. SIAM 11, 431; Holland & Welsch (1977), Communications in Statistics A6, 813.
+        Slopes are kept along a descent by secants (Broyden) and simulated anew, over less, where it comes to a stop.
+        Source: Marquardt (1963), J. SIAM 11, 431; Broyden (1965), Math. Comp. 19, 577; Holland & Welsch (1977), Communications in
+        Statistics A6, 813.
         """
         places = np.clip(places, self.low, self.high)
         errors = self.errors(places)
         lowest, half, damping = self.loss(errors, places), WIDEST, DAMPING
-        last = self.count + budget
+        slopes, fresh, last = self.slopes(places, half), True, self.count + budget
         while self.count < last:
-            slopes, before = self.slopes(places, half), lowest
+            before = lowest
             for _ in range(TRIALS):
                 point = np.clip(places + self._step(slopes, errors, places, damping), self.low, self.high)
-                there = self.errors(point)
+                there, move = self.errors(point), point - places
                 loss = self.loss(there, point)
                 if loss < lowest:
+                    slopes = slopes + np.outer(there - errors - slopes @ move, move) / (move @ move)
                     places, errors, lowest, damping = point, there, loss, damping / EASED
                     break
                 damping *= EASED
-            if before - lowest < SMALL:
-                half, damping = half / 2, DAMPING
-                if half < NARROWEST:
-                    break
+            if before - lowest >= SMALL:
+                fresh = False
+                continue
+            if fresh:
+                half /= 2
+            if half < NARROWEST:
+                break
+            slopes, fresh, damping = self.slopes(places, half), True, DAMPING
         return places, lowest
 
     def _step(self, slopes: Array, errors: Array, places: Array, damping: float) -> Array:
         root = np.sqrt(weights(errors))
-        free = np.sqrt(damping) * np.eye(len(places))
-        left = np.vstack([slopes * root[:, None], np.diag(self.known), free])
+        weighed = slopes * root[:, None]
+        free = np.sqrt(damping * ((weighed**2).sum(axis=0) + self.known**2))
+        left = np.vstack([weighed, np.diag(self.known), np.diag(free)])
         right = np.concatenate([-errors * root, (self.start - places) * self.known, np.zeros(len(places))])
         return np.asarray(np.linalg.lstsq(left, right, rcond=None)[0])
 
     def evolved(self, places: Array, lowest: float, budget: int, seed: int) -> tuple[Array, float]:
         """Return the best of an evolution strategy about ``places``: it passes over the steps that breakaways make.
 
+        It begins as wide as the slopes, and less where the cells are judged by less: the bottom is narrower there.
         Source: Hansen (2016), The CMA Evolution Strategy: a Tutorial, arXiv:1604.00772.
         """
-        best, strategy = places, CMA(places.copy(), SPREAD_OUT, seed=seed)
+        best, strategy = places, CMA(places.copy(), WIDEST * self.cells.form, seed=seed)
         for _ in range(budget // strategy.population_size):
             points = [strategy.ask() for _ in range(strategy.population_size)]
             losses = [self.loss(self.errors(point), point) for point in points]
