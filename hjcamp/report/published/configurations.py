@@ -13,6 +13,7 @@ import yaml
 
 from hjcamp.configuration.composer import Composer, as_override
 from hjcamp.configuration.search_path import packaged_root
+from hjcamp.controllers import load_controllers
 from hjcamp.plants import OWN_PLANTS
 from hjcamp.report.published import CONDITION, cell_key
 
@@ -28,6 +29,8 @@ CAMPAIGNS = {
 }
 #: What does not decide the physics of a test: who carries it out, how often, and with which draws.
 NO_PHYSICS = ("backend", "rig", "repetitions", "seed")
+#: Parameters of controllers that came later; a log without them was made as by their defaults.
+LATER = ("bumpless",)
 UNKNOWN = "the log does not hold its configuration"
 ABSENT: Any = object()
 
@@ -54,13 +57,22 @@ def difference(config: Mapping[str, Any], published: Mapping[str, Any]) -> list[
     for group in dict.fromkeys((*published, *config)):
         if group in NO_PHYSICS:
             continue
-        pairs = unequal(config.get(group), published.get(group), group)
+        pairs = unequal(_completed(group, config.get(group)), _completed(group, published.get(group)), group)
         names = next(((ours, theirs) for key, ours, theirs in pairs if key == f"{group}.name"), None)
         parts = [_in_words(key, ours, theirs) for key, ours, theirs in pairs if key != f"{group}.name"]
         if parts and names:
             parts = [_in_words(group, *names)]
         found += parts
     return found
+
+
+def _completed(group: str, given: Any) -> Any:
+    """Return a controller with the parameters that a log from before they were known leaves to their defaults."""
+    if group != "controller" or not isinstance(given, Mapping):
+        return given
+    law = load_controllers().get(str(given.get("name")))
+    usual = {name: one.default for name, one in law.parameters.items() if name in LATER} if law else {}
+    return {**usual, **given}
 
 
 def unequal(ours: Any, theirs: Any, key: str = "") -> list[tuple[str, Any, Any]]:
