@@ -25,7 +25,7 @@ from hidden_tables_page import page
 
 from hjcamp.storage import write_whole
 
-PLAN = "hidden_tables/1"
+PLAN = "hidden_tables/2"
 LEDGER = ROOT / "benchmarks" / "results" / "hidden_tables.jsonl"
 LONGEST_S = 7200.0
 KEPT = ("verdict", "effects", "p_value", "p_left", "steps", "error", "seconds")

@@ -69,12 +69,16 @@ def _finite(value: float) -> float | None:
 
 def _step(step: Step) -> dict[str, Any]:
     rivals = sorted(step.rivals, key=lambda one: penalised(one, step.control))
+    promised = [{"name": one.name, "loss": one.loss, "gain": step.predicted + step.promised[0].loss - one.loss}
+                for one in step.promised]  # fmt: skip
     return {
         "before": list(step.before.names),
         "control_loss": step.control.loss,
         "gain": step.gain,
         "p_value": step.p_value,
         "gains_of_twins": list(step.twins),
+        "predicted": promised,
+        "form": step.form,
         "candidates": [
             {"name": one.names[-1], "loss": one.loss, "gain": step.control.loss - penalised(one, step.control)}
             for one in rivals

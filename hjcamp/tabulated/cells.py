@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from hjcamp.report.indicators import INDICATORS
 
@@ -16,6 +17,10 @@ Array = NDArray[np.float64]
 FORM_SHARE, FORM_ANGLE = 0.10, 0.10
 #: From here on an error counts by its size, not by its square: some cells may be errors of print.
 HUBER = 2.0
+#: Least share of that error that is left where a model meets every cell.
+LEAST_FORM = 0.01
+#: Tests that are simulated for each condition, to fit and to judge.
+SIMULATED = 5
 #: No indicator is compared below this, deg: a tenth of the encoder's count.
 LEAST = 0.03
 
@@ -24,8 +29,9 @@ LEAST = 0.03
 class Cells:
     """Cells of one or more tables: ``rows`` are places in ``conditions``, ``columns`` places in `INDICATORS`.
 
-    ``error_of_mean`` (deg) holds the scatter of the repetitions and the rounding. RMSE and largest error are compared as
-    logarithms, the steady state error in degrees.
+    ``error_of_mean`` (deg) holds the scatter of the measured tests and the rounding, ``error_of_simulated`` (deg) that of
+    the `SIMULATED` tests, which scatter as the measured ones do. RMSE and largest error are compared as logarithms, the
+    steady state error in degrees. ``form`` is the share of the allowed error of form that these cells are judged by.
     """
 
     tables: tuple[str, ...]
@@ -35,6 +41,8 @@ class Cells:
     means: Array
     error_of_mean: Array
     step: float
+    error_of_simulated: Array | float = 0.0
+    form: float = 1.0
 
     def __len__(self) -> int:
         return len(self.means)
@@ -46,9 +54,15 @@ class Cells:
 
     @property
     def sigma(self) -> Array:
-        r"""Error of each cell on its scale: :math:`\sigma^2 = (s_m / m)^2 + 0.1^2`, for a mean error :math:`s_m^2 + (0.1°)^2`."""
-        share = self.error_of_mean / np.maximum(np.abs(self.means), LEAST)
-        return np.where(self.logarithmic, np.hypot(share, FORM_SHARE), np.hypot(self.error_of_mean, FORM_ANGLE))
+        r"""Error of each cell on its scale, with the form's share of 0.1, or 0.1 deg of a mean error.
+
+        .. math:: \sigma^2 = (s_m^2 + s_s^2) / m^2 + 0.1^2, \quad \sigma_{sse}^2 = s_m^2 + s_s^2 + (0.1°)^2
+        """
+        known = np.hypot(self.error_of_mean, self.error_of_simulated)
+        share = known / np.maximum(np.abs(self.means), LEAST)
+        return np.where(
+            self.logarithmic, np.hypot(share, self.form * FORM_SHARE), np.hypot(known, self.form * FORM_ANGLE)
+        )
 
     def of(self, indicators: Array) -> Array:
         """Return the simulated mean (cells,) of each cell from (conditions, repetitions, indicators)."""
@@ -58,24 +72,37 @@ class Cells:
         """Return (simulated - measured) / sigma of each cell."""
         return (self._scaled(simulated) - self._scaled(self.means)) / self.sigma
 
-    def log_ratio(self, simulated: Array) -> float:
-        """Return the mean of abs(log(simulated / measured)) over RMSE1, RMSE2 and largest error; NaN without any."""
-        known = self.logarithmic
-        if not known.any():
-            return float("nan")
-        return float(np.mean(np.abs(self._scaled(simulated) - self._scaled(self.means))[known]))
+    def known_by(self, simulated: Array, fitted: int) -> Cells:
+        """Return the same cells with the error of form that a model of ``fitted`` quantities leaves, where that is less.
+
+        As in a least-squares fit whose scatter is not known before: the loss is then that of as many cells as are free.
+        """
+        free = max(len(self) - fitted, 1)
+
+        def left(form: float) -> float:
+            return float(robust(replace(self, form=form).errors(simulated)).sum()) - free
+
+        if left(1.0) >= 0.0:
+            return self
+        return replace(
+            self, form=float(brentq(left, LEAST_FORM, 1.0, xtol=1e-4)) if left(LEAST_FORM) > 0.0 else LEAST_FORM
+        )
 
     def with_means(self, means: Array) -> Cells:
         """Return the same cells, known as well on their scales, with other means: a twin."""
         share = np.maximum(np.abs(means), LEAST) / np.maximum(np.abs(self.means), LEAST)
+        scale = np.where(self.logarithmic, share, 1.0)
         return replace(
-            self, means=means, error_of_mean=np.where(self.logarithmic, self.error_of_mean * share, self.error_of_mean)
+            self,
+            means=means,
+            error_of_mean=self.error_of_mean * scale,
+            error_of_simulated=self.error_of_simulated * scale,
         )
 
     def drawn(self, simulated: Array, generator: np.random.Generator) -> Cells:
-        """Return a twin: ``simulated`` means with an error of form of the stated size, rounded as the table is."""
-        draws = generator.standard_normal(len(simulated))
-        moved = np.where(self.logarithmic, simulated * np.exp(FORM_SHARE * draws), simulated + FORM_ANGLE * draws)
+        """Return a twin: ``simulated`` means moved by errors of the size that each cell may have, rounded as the table is."""
+        draws = self.sigma * generator.standard_normal(len(simulated))
+        moved = np.where(self.logarithmic, simulated * np.exp(draws), simulated + draws)
         rounded = np.round(moved / self.step) * self.step if self.step else moved
         return self.with_means(np.where(self.logarithmic, np.maximum(rounded, max(self.step, LEAST)), rounded))
 

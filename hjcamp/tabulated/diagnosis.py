@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.tabulated.cells import Cells, robust
+from hjcamp.tabulated.cells import SIMULATED, Cells, robust
 from hjcamp.tabulated.fit import Fit
 from hjcamp.tabulated.ledger import Ledger
 from hjcamp.tabulated.question import Question
@@ -23,7 +23,6 @@ Array = NDArray[np.float64]
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
 #: A rival whose weight beside the best (Akaike's) is above this is not told apart from it.
 LEAST_WEIGHT = 0.05
-REPETITIONS = 7
 
 
 @dataclass(frozen=True)
@@ -100,8 +99,8 @@ def diagnose(
             question, others, CANNOT_TELL, (), 1.0, 1.0, tuple(question.lacking), {"published": published}, {}, {}, ()
         )
     report("preparing the tests", 0.0)
-    rig = Rig.planned(question.conditions, REPETITIONS, seed, lambda at: report("preparing the tests", 0.02 * at))
-    other = Rig.planned(others.conditions, REPETITIONS, seed) if others else None
+    rig = Rig.planned(question.conditions, SIMULATED, seed, lambda at: report("preparing the tests", 0.02 * at))
+    other = Rig.planned(others.conditions, SIMULATED, seed) if others else None
     known = rig.known | (other.known if other else frozenset())
     names = [name for name in library if name not in known]
     laws = sorted({gated(place.law).source for tests in rig.tests for place in tests})
@@ -116,7 +115,7 @@ def diagnose(
         models["base"] = model
     fitted = judged(question, rig, models)
     predicted = judged(others, other, models) if others and other else {}
-    p_left = _p_left(search, model, rig, list(fitted.values())[-1].loss)
+    p_left = _p_left(search, model, list(fitted.values())[-1].loss)
     word, effects = verdict_of(model, steps, p_left)
     p_value = steps[0].p_value if steps else 1.0
     return Diagnosis(question, others, word, effects, p_value, p_left, (), models, fitted, predicted, steps)
@@ -135,9 +134,9 @@ def _asked(question: Question, laws: Sequence[str], names: Sequence[str], seed: 
     return hashlib.sha256(repr((question.sha256, laws, list(names), seed)).encode()).hexdigest()
 
 
-def _p_left(search: Search, model: Fit, rig: Rig, loss: float) -> float:
+def _p_left(search: Search, model: Fit, loss: float) -> float:
     """Return the share of the model's own tables that it meets no better than the measured one."""
-    own = search.losses_of_twins(model, rig)
+    own = search.losses_of_twins(model)
     return (1 + sum(one >= loss for one in own)) / (1 + len(own))
 
 

@@ -94,27 +94,41 @@ def _quantities(found: Mapping[str, Any]) -> Iterator[str]:
 
 def _steps(found: Mapping[str, Any]) -> Iterator[str]:
     yield from ("## The search", "")
-    yield "Each step refits what promises most, and its twins (tables drawn from the model before it) go through the same step."
+    yield "Each step predicts what every candidate would gain, on the measured table and on twins: tables drawn from the model"
+    yield "before it. What promises more than 95 % of the twins' best is refitted."
     yield from (
         "",
         "| step | model before | best | gain | largest gain of twins | twins | chance |",
         "|---:|---|---|---:|---:|---:|---:|",
     )
     for number, step in enumerate(found["steps"], start=1):
-        best = step["candidates"][0]["name"] if step["candidates"] else ""
+        best = best_of(step)
         twins = step["gains_of_twins"]
         most = f"{max(twins):.1f}" if twins else ""
         before = " + ".join(["base", *step["before"]])
         yield f"| {number} | {before} | `{best}` | {step['gain']:.1f} | {most} | {len(twins)} | {step['p_value']:.3g} |"
     yield from (
         "",
-        "Gain: fall of the loss beside a control that is refitted alike, less 2 for each quantity. Refitted in each step:",
+        "Gain: fall of the loss beside a control that is refitted alike, less 2 for each quantity; as predicted where nothing was",
+        "refitted. In each step:",
         "",
     )
+    if (form := found["steps"][0].get("form", 1.0)) < 1.0:
+        yield f"The base leaves less than 10 % to the form of a model, so gains are judged by {10.0 * form:.1f} %."
+        yield ""
     for number, step in enumerate(found["steps"], start=1):
-        told = ", ".join(f"`{one['name']}` {one['gain']:.1f}" for one in step["candidates"])
-        yield f"{number}. {told}"
+        yield f"{number}. promised: {_gains(step.get('predicted', ()))}; refitted: {_gains(step['candidates'])}"
     yield ""
+
+
+def best_of(step: Mapping[str, Any]) -> str:
+    """Return the name of a step's best candidate, fitted or promised."""
+    found = step["candidates"] or step.get("predicted", ())
+    return str(found[0]["name"]) if found else "nothing"
+
+
+def _gains(candidates: Sequence[Mapping[str, Any]]) -> str:
+    return ", ".join(f"`{one['name']}` {one['gain']:.1f}" for one in candidates) or "nothing"
 
 
 def _cells(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from hjcamp.errors import UsageError, unknown
 from hjcamp.report.indicators import INDICATORS
 from hjcamp.report.published import published_cells
-from hjcamp.tabulated.cells import Cells
+from hjcamp.tabulated.cells import SIMULATED, Cells
 
 #: What names a row of the printed tables; every other choice was the same in all measured tests.
 KEYS = ("trajectory", "controller", "payload", "orientation")
@@ -37,17 +38,19 @@ def printed_cells(tables: Sequence[str]) -> Cells:
     """Return the cells of ``tables``; their deviations divide by n (`hjcamp.plants.pump_joint.published.consistency`)."""
     frame = published_cells().filter(published_cells()["table"].is_in(list(tables)))
     conditions: list[dict[str, str]] = []
-    found: list[tuple[str, int, int, float, float]] = []
+    found: list[tuple[str, int, int, float, float, float]] = []
     for row in frame.iter_rows(named=True):
         place = {key: row[key] for key in KEYS}
         if place not in conditions:
             conditions.append(place)
-        variance = row["std"] ** 2 / (PRINTED_TESTS - 1) + PRINTED_STEP**2 / 12
-        found.append(
-            (row["table"], conditions.index(place), INDICATORS.index(row["indicator"]), row["mean"], variance**0.5)
-        )
-    table, rows, columns, means, errors = zip(*found, strict=True)
-    return Cells(table, conditions, np.array(rows), np.array(columns), np.array(means), np.array(errors), PRINTED_STEP)
+        scatter = row["std"] * (PRINTED_TESTS / (PRINTED_TESTS - 1)) ** 0.5
+        error = math.hypot(scatter / PRINTED_TESTS**0.5, PRINTED_STEP / 12**0.5)
+        indicator = INDICATORS.index(row["indicator"])
+        found.append((row["table"], conditions.index(place), indicator, row["mean"], error, scatter / SIMULATED**0.5))
+    table, rows, columns, means, errors, simulated = zip(*found, strict=True)
+    return Cells(
+        table, conditions, np.array(rows), np.array(columns), np.array(means), np.array(errors), PRINTED_STEP, np.array(simulated)
+    )  # fmt: skip
 
 
 def campaigns_of(tables: Sequence[str]) -> tuple[str, ...]:

@@ -16,8 +16,11 @@ from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.factors import FACTORS
 
 Array = NDArray[np.float64]
-#: Constants that stand in no group and may be misprinted as well: candidates like the factors.
+#: What stands in no group and may be misprinted as well: a candidate like the factors.
 CONSTANTS = ("moving_mass", "dither_gain")
+#: One sigma of constants that belong to the base beside friction and lines, logarithmic: rise time to 1 ms of 17, delay to
+#: half a sample of two, mass to a seventh.
+TOLERANCES = {"pump_bandwidth": 0.06, "pump_latency": 0.25, "moving_mass": 0.14}
 #: The same in every test of such tables, or the same thing as another parameter of its effect.
 KNOWN = ("radius", "rest_before", "settled", "arm_share", "threshold")
 #: One sigma of line stiffness and of factors, on a logarithmic scale: the compliance test of 4.4.3, one tube of a kind.
@@ -49,6 +52,12 @@ class Quantity:
         return min(max(value, low), high)
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """The places of its bounds."""
+        low, high = self.parameter.bounds
+        return self.forth(low), self.forth(high)
+
+    @property
     def start(self) -> float:
         """The place of the published or usual value."""
         return self.forth(self.parameter.default)
@@ -72,13 +81,18 @@ def base_quantities() -> list[Quantity]:
         else:
             spread = FRICTION_SPREAD if name.startswith("coulomb_") else SPREAD
             found.append(Quantity(name, parameter, spread, logarithmic=True))
-    return found
+    return found + [Quantity(name, _constant(name), spread, True) for name, spread in TOLERANCES.items()]
+
+
+def _constant(name: str) -> Parameter:
+    return FACTORS.get(name) or PumpJoint.parameters[name]
 
 
 def candidate_quantities(name: str) -> list[Quantity]:
     """Return what a candidate adds to the base: one factor or constant, or the parameters of one effect."""
     if name in FACTORS or name in CONSTANTS:
-        return [Quantity(name, FACTORS.get(name) or PumpJoint.parameters[name], SPREAD, logarithmic=True)]
+        parameter = _constant(name)
+        return [Quantity(name, parameter)] if parameter.off is not None else [Quantity(name, parameter, SPREAD, True)]
     found = []
     for key, parameter in load_effects()[name].parameters.items():
         if key not in KNOWN:
@@ -91,13 +105,15 @@ def candidate_quantities(name: str) -> list[Quantity]:
 
 def candidates() -> dict[str, Any]:
     """Return all that may be missing by name: every effect, then the factors of the loop and the open constants."""
-    constants = {name: PumpJoint.parameters[name] for name in CONSTANTS}
-    return {**dict(sorted(load_effects().items())), **FACTORS, **constants}
+    constants = {name: _constant(name) for name in (*FACTORS, *CONSTANTS)}
+    return {**dict(sorted(load_effects().items())), **constants}
 
 
 def quantities_of(names: Sequence[str]) -> list[Quantity]:
-    """Return the base quantities and those of the named candidates."""
-    return base_quantities() + [one for name in names for one in candidate_quantities(name)]
+    """Return the base quantities and those of the named candidates; one that the base has within its tolerance is freed."""
+    return [one for one in base_quantities() if one.name not in names] + [
+        one for name in names for one in candidate_quantities(name)
+    ]
 
 
 def settings_of(quantities: Sequence[Quantity], places: Array) -> dict[str, float]:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
@@ -123,18 +121,3 @@ def _count(number: int, what: str) -> str:
 def _conditions(lines: Sequence[str], composer: Composer) -> tuple[Condition, ...]:
     found = composer.compose(lines)
     return make_plan(found.config, found.choices.get("campaign"), lines, composer).conditions
-
-
-def part(question: Question, table: str) -> Question:
-    """Return the question with the cells of one of its tables alone."""
-    inside = question.cells.of_table(table)
-    cells = question.cells
-    only = replace(
-        cells,
-        tables=tuple(np.array(cells.tables)[inside].tolist()),
-        rows=cells.rows[inside],
-        columns=cells.columns[inside],
-        means=cells.means[inside],
-        error_of_mean=cells.error_of_mean[inside],
-    )
-    return replace(question, tables=(table,), cells=only)

@@ -22,12 +22,12 @@ from hjcamp.plants.pump_joint.factors import FACTORS, changed_loop, changed_valu
 from hjcamp.plants.pump_joint.loop import JointSimulator
 from hjcamp.plants.pump_joint.procedure import CONTROL
 from hjcamp.plants.pump_joint.simulation import DEGREE, PreparedTest, prepare
-from hjcamp.records.log import TestLog
 from hjcamp.records.plan import Condition, seed_of
-from hjcamp.report.indicators import CHOICES, INDICATORS, indicators_of
+from hjcamp.report.indicators import INDICATORS, error_indicators
 
 Array = NDArray[np.float64]
 Settings = Mapping[str, float]
+ARM = next(one for one in PumpJoint.channels if one.field == "arm_deg")
 #: Degrees that a test counts which does not come to its end.
 LOST = 200.0
 
@@ -105,9 +105,12 @@ def run_one(place: Place, settings: Settings) -> list[float]:
     except HjcampError:
         return [LOST] * 3 + [LOST if place.trajectory.startswith("cycloid") else np.nan]
     command = run["phase"] == float(CONTROL)
-    columns = {"time_s": np.arange(int(command.sum())) * PERIOD, "reference_deg": run["reference"][command] / DEGREE}
-    columns |= {one.field: run[one.field][command] * one.log_scale for one in PumpJoint.channels}
-    row = indicators_of(TestLog(columns, dict.fromkeys(CHOICES, "") | {"trajectory": place.trajectory}))
+    columns = {
+        "time_s": np.arange(int(command.sum())) * PERIOD,
+        "reference_deg": run["reference"][command] / DEGREE,
+        "arm_deg": run["arm_deg"][command] * ARM.log_scale,
+    }
+    row = error_indicators(columns, place.trajectory)
     return [np.nan if row[name] is None else float(row[name]) for name in INDICATORS]
 
 

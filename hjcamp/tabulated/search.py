@@ -1,66 +1,74 @@
-"""The forward search: base, then one candidate at a time while surrogate tables do not gain as much by chance."""
+"""The forward search: base, then one candidate at a time while surrogate tables do not promise as much by chance."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hjcamp.tabulated.cells import Cells, robust
 from hjcamp.tabulated.fit import Fit, fit
 from hjcamp.tabulated.ledger import Ledger
-from hjcamp.tabulated.probes import Looked, look
-from hjcamp.tabulated.quantities import base_quantities
+from hjcamp.tabulated.probes import COST, Promise, look
+from hjcamp.tabulated.quantities import base_quantities, candidate_quantities
 from hjcamp.tabulated.rig import Rig
 from hjcamp.workers.pool import Crew
 
-Array = NDArray[np.float64]
 #: Chance of a gain as large on a table in which nothing is missing, from which on it is no reason to add anything.
 LEVEL = 0.05
-#: What a further quantity costs, so that laws with many do not win by their number (Akaike 1974).
-COST = 2.0
+#: Candidates are refitted whose predicted loss is within this of the best: Akaike's weight of the last is then a twentieth.
+RIVALS = 6.0
+#: Candidates of a step that the answer names.
+SHOWN = 5
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How long is searched: simulated tables of each fit, candidates refitted in a step, twins, steps."""
+    """How long is searched: tables of the base's fits, of others, of the evolution of what is taken; rivals, twins, steps."""
 
     base: int
     short: int
-    long: int
+    polish: int
     refitted: int
     twins: int
     steps: int
 
 
 EFFORTS = {
-    "quick": Effort(base=400, short=40, long=250, refitted=2, twins=4, steps=4),
-    "standard": Effort(base=1500, short=150, long=1000, refitted=5, twins=19, steps=5),
-    "thorough": Effort(base=4000, short=400, long=3000, refitted=8, twins=39, steps=6),
+    "quick": Effort(base=120, short=60, polish=200, refitted=3, twins=199, steps=4),
+    "standard": Effort(base=250, short=120, polish=1000, refitted=6, twins=199, steps=5),
+    "thorough": Effort(base=400, short=250, polish=3000, refitted=10, twins=999, steps=6),
 }
 
 
 @dataclass(frozen=True)
 class Step:
-    """One step: the model before, the control (refitted alike), its rivals with a candidate each, the twins' gains."""
+    """One step: the model before, the control (refitted alike), its rivals with a candidate each, the twins' gains.
+
+    ``promised`` is what the linear prediction says of the best candidates, and ``predicted`` the gain of the first, by
+    which alone the twins are judged. Where that much is chance nothing is refitted: there are no rivals. ``form`` is the
+    share of the allowed error of form by which gains are judged.
+    """
 
     before: Fit
     control: Fit
     rivals: Sequence[Fit]
     twins: Sequence[float]
+    predicted: float = math.inf
+    promised: Sequence[Promise] = ()
+    form: float = 1.0
 
     @property
     def gain(self) -> float:
-        """The fall of the loss by the best rival, less the cost of its quantities."""
-        return gain_of(self.control, self.rivals)
+        """The fall of the loss by the best rival, less the cost of its quantities; as predicted where none was refitted."""
+        return max((self.control.loss - penalised(one, self.control) for one in self.rivals), default=self.predicted)
 
     @property
     def p_value(self) -> float:
-        r"""The chance of such a gain: that of a Gumbel law through mean and deviation of the twins' largest gains.
+        r"""The chance of such a gain, as fitted or as predicted, whichever is less: a Gumbel law through the twins' gains.
 
         Source: Abrams, Kulldorff & Kleinman (2010), Int. J. Health Geographics 9:61. Without twins the gain is not tested.
         """
@@ -68,17 +76,13 @@ class Step:
             return 1.0
         scale = max(float(np.std(self.twins, ddof=1)) * math.sqrt(6) / math.pi, 0.5)
         location = float(np.mean(self.twins)) - 0.5772 * scale
-        return -math.expm1(-math.exp(-(self.gain - location) / scale))
-
-
-def gain_of(control: Fit, rivals: Sequence[Fit]) -> float:
-    """Return the largest fall of the loss, less the cost of the quantities that it takes."""
-    return max((control.loss - penalised(one, control) for one in rivals), default=0.0)
+        return -math.expm1(-math.exp(-(min(self.gain, self.predicted) - location) / scale))
 
 
 def penalised(rival: Fit, control: Fit) -> float:
-    """Return the loss of a rival with the cost of the quantities that it has more than the control."""
-    return rival.loss + COST * (len(rival.places) - len(control.places))
+    """Return the loss of a rival with the cost of the quantities that it has more than the control, or free of a tolerance."""
+    more = [name for name in rival.names if name not in control.names]
+    return rival.loss + COST * sum(len(candidate_quantities(name)) for name in more)
 
 
 @dataclass(frozen=True)
@@ -93,103 +97,82 @@ class Search:
     crew: Crew
     ledger: Ledger
     report: Callable[[str, float], None]
-    looked: dict[int, Looked] = field(default_factory=dict)
-
-    @property
-    def one(self) -> Rig:
-        """One repetition of each condition: what a long search can afford."""
-        return self.rig.repeated(1)
 
     def base(self) -> Fit:
-        """Return the base fitted from the published constants, and from them without a drop of friction; the better."""
+        """Return the base fitted from the published constants, and from them without a drop of friction; the better.
+
+        The second start is left out where the first already meets the table as tables of its own would.
+        """
         self.report("fitting the base", 0.02)
+        printed = self._fit("base as printed", (), [{}], self.effort.base)
+        if printed.loss <= len(self.cells):
+            return printed
         level = {one.name: one.forth(1.0) for one in base_quantities() if one.name.startswith("drop_")}
-        starts: list[tuple[str, Mapping[str, float]]] = [("as printed", {}), ("without a drop of friction", level)]
-
-        def fitted(item: tuple[str, Mapping[str, float]]) -> Fit:
-            name, start = item
-            return self._fit(f"base {name}", self.cells, (), [start], self.effort.base)
-
-        return min(self.crew.together(fitted, starts), key=lambda one: one.loss)
+        other = self._fit("base without a drop of friction", (), [level], self.effort.base)
+        return min(printed, other, key=lambda one: one.loss)
 
     def step(self, number: int, model: Fit) -> Step:
-        """Return the candidates beside the control, and what the same search gains on twins of ``model``."""
+        """Return the candidates that promise most beside the control, and what the twins of ``model`` promise by chance."""
         begin, share = 0.1 + 0.8 * number / self.effort.steps, 0.8 / self.effort.steps
         names = [name for name in self.names if name not in model.names]
+        doing = f"step {number + 1}: looking at {len(names)} candidates"
         looked = look(
-            self.one, self.cells, model, names, lambda at: self.report(f"looking at {len(names)} candidates", begin + 0.2 * share * at)
-        )  # fmt: skip
-        self.looked[number] = looked
-        self.report(f"step {number + 1}: fitting what promises most", begin + 0.2 * share)
-        control, rivals = self._rivals(f"step {number}", looked, self.cells)
-        gains: list[float] = []
-        for twin in range(self.effort.twins):
-            if sum(gain >= gain_of(control, rivals) for gain in gains) > LEVEL * (1 + self.effort.twins):
-                break  # whatever the others gain, this is chance
-            self.report(
-                f"step {number + 1}: twin {twin + 1} of {self.effort.twins}",
-                begin + share * (0.3 + 0.7 * twin / self.effort.twins),
-            )
-            target = self.cells.drawn(looked.simulated, np.random.default_rng([self.seed, number, twin]))
-            gains.append(gain_of(*self._rivals(f"step {number} twin {twin}", looked, target)))
-        return Step(model, control, rivals, gains)
-
-    def longer(self, number: int, model: Fit) -> Fit:
-        """Return an accepted model searched for longer, first with one repetition, then with three."""
-        self.report(
-            f"step {number + 1}: fitting {', '.join(model.names)} for longer",
-            0.1 + 0.8 * (number + 0.9) / self.effort.steps,
+            self.rig, self.cells, model, names, self.crew, lambda at: self.report(doing, begin + 0.4 * share * at)
         )
+        promise = looked.predicted(self.cells)
+        generator = np.random.default_rng([self.seed, number])
+        twins = [looked.predicted(self.cells.drawn(looked.simulated, generator)).gain for _ in range(self.effort.twins)]
+        found = Step(model, model, (), twins, promise.gain, promise.candidates[:SHOWN], self.cells.form)
+        if found.p_value > LEVEL:
+            return found
+        self.report(f"step {number + 1}: fitting what promises most", begin + 0.4 * share)
+        near = [one for one in promise.candidates if one.loss <= promise.candidates[0].loss + RIVALS]
+        control, *rivals = self.crew.together(
+            lambda one: self._refitted(f"step {number}", model, one), [promise.alone, *near[: self.effort.refitted]]
+        )
+        return replace(found, control=control, rivals=rivals)
 
-        def fitted(seed: int) -> Fit:
-            return self._fit(
-                f"longer {number} seed {seed}", self.cells, model.names, [model.places], self.effort.long, seed
-            )
+    def _refitted(self, key: str, model: Fit, promise: Promise) -> Fit:
+        """Refit the model with what a promise adds, from where the model or where the promise is; all alike."""
+        names = (*model.names, *([promise.name] if promise.name else []))
+        starts = [{**promise.places, **model.places}, promise.places]
+        return self._fit(f"{key} {promise.name or 'control'}", names, starts, self.effort.short)
 
-        return min(self.crew.together(fitted, (1, 2)), key=lambda one: one.loss)
+    def longer(self, key: str, model: Fit) -> Fit:
+        """Return an accepted model searched for longer."""
+        starts: list[Mapping[str, float]] = [model.places]
+        return self._fit(f"{key} for longer", model.names, starts, self.effort.short, self.effort.polish)
 
     def run(self) -> tuple[Fit, list[Step]]:
-        """Return the accepted model and every step, the one that adds nothing as the last."""
-        model, steps = self.base(), []
+        """Return the accepted model and every step, the one that adds nothing as the last.
+
+        Gains are judged by the error of form that the base leaves, where that is less than what is allowed at first.
+        """
+        base = self.base()
+        cells = self.cells.known_by(self.cells.of(self.rig.indicators(base.settings)), len(base.places))
+        return replace(self, cells=cells).forward(base)
+
+    def forward(self, base: Fit) -> tuple[Fit, list[Step]]:
+        """Return the model and the steps from a base that is fitted for longer first."""
+        model, steps = self.longer("base", base), []
         for number in range(self.effort.steps):
             found = self.step(number, model)
             steps.append(found)
-            if found.gain <= 0.0 or found.p_value > LEVEL:
+            if not found.rivals or found.gain <= 0.0 or found.p_value > LEVEL:
                 return min(model, found.control, key=lambda one: one.loss), steps
-            model = self.longer(number, min(found.rivals, key=lambda one: penalised(one, found.control)))
+            model = self.longer(f"step {number + 1}", min(found.rivals, key=lambda one: penalised(one, found.control)))
         return model, steps
 
-    def losses_of_twins(self, model: Fit, rig: Rig) -> list[float]:
+    def losses_of_twins(self, model: Fit) -> list[float]:
         """Return the loss of a model on tables of its own: what is left where nothing is missing."""
-        simulated = self.cells.of(rig.indicators(model.settings))
+        simulated = self.cells.of(self.rig.indicators(model.settings))
         generator = np.random.default_rng([self.seed, 99])
         return [float(robust(self.cells.drawn(simulated, generator).errors(simulated)).sum()) for _ in range(199)]
 
-    def _rivals(self, key: str, looked: Looked, cells: Cells) -> tuple[Fit, list[Fit]]:
-        """Refit the model and its rivals alike: each from where the model is and from its linear refit, for as long."""
-        model, short = looked.model, self.effort.short
-        here = model.places
-        items = [("control", model.names, [here, looked.refitted(cells)])]
-        for probe in looked.promising(cells, self.effort.refitted):
-            items.append((probe.name, (*model.names, probe.name), [{**probe.places, **here}, probe.places]))
-
-        def fitted(item: tuple[str, tuple[str, ...], list[Mapping[str, float]]]) -> Fit:
-            name, names, starts = item
-            return self._fit(f"{key} {name}", cells, names, starts, short)
-
-        control, *rivals = self.crew.together(fitted, items)
-        return control, rivals
-
     def _fit(
-        self,
-        key: str,
-        cells: Cells,
-        names: Sequence[str],
-        starts: Sequence[Mapping[str, float]],
-        budget: int,
-        seed: int = 0,
+        self, key: str, names: Sequence[str], starts: Sequence[Mapping[str, float]], budget: int, polish: int = 0
     ) -> Fit:
         def compute() -> dict[str, Any]:
-            return fit(self.one, cells, tuple(names), starts, budget, self.seed * 1000 + seed).as_json()
+            return fit(self.rig, self.cells, tuple(names), starts, budget, self.seed, polish).as_json()
 
         return Fit.from_json(self.ledger.keep(f"{key}, {budget} tables", compute))

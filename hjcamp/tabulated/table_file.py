@@ -12,7 +12,7 @@ import numpy as np
 
 from hjcamp.errors import UsageError, nearest, shown, unknown
 from hjcamp.report.indicators import INDICATORS
-from hjcamp.tabulated.cells import Cells
+from hjcamp.tabulated.cells import SIMULATED, Cells
 
 DEVIATION = "_deviation"
 TESTS = "tests"
@@ -41,7 +41,7 @@ def read_table(path: Path) -> Cells:
     header, *body = lines
     keys, indicators = _columns(path, header)
     conditions: list[dict[str, str]] = []
-    found: list[tuple[int, int, float, float]] = []
+    found: list[tuple[int, int, float, float, float]] = []
     for number, line in enumerate(body, start=2):
         where = f"table {path}, line {number}"
         if len(line) != len(header):
@@ -57,9 +57,10 @@ def read_table(path: Path) -> Cells:
         found += [(len(conditions) - 1, *cell) for cell in _cells(where, row, indicators)]
     if not found:
         raise UsageError(f"table {path}: every mean is empty")
-    rows, columns, means, errors = zip(*found, strict=True)
+    rows, columns, *values = zip(*found, strict=True)
+    means, errors, simulated = map(np.array, values)
     return Cells(
-        (path.name,) * len(found), conditions, np.array(rows), np.array(columns), np.array(means), np.array(errors), 0.0
+        (path.name,) * len(found), conditions, np.array(rows), np.array(columns), means, errors, 0.0, simulated
     )
 
 
@@ -91,7 +92,8 @@ def _columns(path: Path, header: Sequence[str]) -> tuple[list[str], list[str]]:
     return keys, indicators
 
 
-def _cells(where: str, row: Mapping[str, str], indicators: Sequence[str]) -> list[tuple[int, float, float]]:
+def _cells(where: str, row: Mapping[str, str], indicators: Sequence[str]) -> list[tuple[int, float, float, float]]:
+    """Return column, mean, error of the mean and of as many simulated tests of each indicator of a row."""
     tests = _number(where, TESTS, row[TESTS])
     if tests < 2 or tests != int(tests):
         raise UsageError(f"{where}, column {TESTS}: {row[TESTS]}; give a whole number, 2 or more")
@@ -106,8 +108,8 @@ def _cells(where: str, row: Mapping[str, str], indicators: Sequence[str]) -> lis
         value, spread = _number(where, name, mean), _number(where, f"{name}{DEVIATION}", deviation)
         if spread < 0 or (value <= 0 and name != "sse_deg"):
             raise UsageError(f"{where}, column {name}: {mean} with deviation {deviation}; neither can be so")
-        found.append((INDICATORS.index(name), value, spread / math.sqrt(tests)))
-    _check_sizes(where, {INDICATORS[place]: value for place, value, _ in found})
+        found.append((INDICATORS.index(name), value, spread / math.sqrt(tests), spread / math.sqrt(SIMULATED)))
+    _check_sizes(where, {INDICATORS[place]: value for place, value, *_ in found})
     return found
 
 

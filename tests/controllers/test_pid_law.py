@@ -29,10 +29,13 @@ def transcribed(reference: np.ndarray, velocity: np.ndarray, arm: np.ndarray, fi
     return command
 
 
-def commanded(reference: np.ndarray, velocity: np.ndarray, arm: np.ndarray, first: float, n: int = 5) -> np.ndarray:
+def commanded(
+    reference: np.ndarray, velocity: np.ndarray, arm: np.ndarray, first: float, n: int = 5, bumpless: float = 0.0
+) -> np.ndarray:
     """Return the command of each sample as the rig's own call of the law gives it."""
     values = {name: parameter.default for name, parameter in Pid.parameters.items()}
-    parameter = SimpleNamespace(**values | {"first_direction": first, "derivative_samples": float(n)})
+    given = {"first_direction": first, "derivative_samples": float(n), "bumpless": bumpless}
+    parameter = SimpleNamespace(**values | given)
     memory = SimpleNamespace(direction=0.0, integral=0.0, errors=[0.0] * LONGEST_DERIVATIVE)
     found = []
     for index in range(len(reference)):
@@ -60,6 +63,19 @@ def test_law_equals_its_transcription(first: float, n: int) -> None:
     assert commanded(reference, velocity, arm, first, n) == pytest.approx(
         transcribed(reference, velocity, arm, first, n)
     )
+
+
+def test_a_bumpless_change_of_gains_sums_the_error_with_the_gain_of_each_sample() -> None:
+    time = np.arange(700) * 1e-3
+    reference, velocity = 0.8 * np.sin(9 * time), 7.2 * np.cos(9 * time)
+    arm = reference - 0.02
+    found = commanded(reference, velocity, arm, 1.0, bumpless=1.0)
+    integral = np.cumsum(np.where(velocity > 0, POSITIVE[1], NEGATIVE[1]) * 0.02) * 1e-3
+    proportional = np.where(velocity > 0, POSITIVE[0], NEGATIVE[0]) * 0.02
+    assert found == pytest.approx(8.5 * (proportional + integral))
+    # without it the output jumps by the sum times the difference of the gains
+    jumps = np.abs(np.diff(commanded(reference, velocity, arm, 1.0) - 8.5 * proportional))
+    assert jumps.max() > 30 * np.abs(np.diff(found - 8.5 * proportional)).max()
 
 
 def test_gains_at_rest_are_those_of_the_first_direction() -> None:

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 import hidden_tables  # isort: skip
-from hidden_tables_cases import TRAJECTORIES, TableCase, conditions, plan, seen, text_of  # isort: skip
+from hidden_tables_cases import BENCH, TRAJECTORIES, TableCase, conditions, plan, seen, text_of  # isort: skip
 from hidden_tables_page import outcome, page  # isort: skip
+
+from hjcamp.controllers.pid import LONGEST_DERIVATIVE, Pid
+from truth.controller import Procedure, pid_step
 
 from hjcamp.configuration.composer import Composer
 from hjcamp.tabulated.question import asked
@@ -51,9 +56,27 @@ def test_the_benches_motions_are_those_that_the_program_runs() -> None:
         assert reference * 0.0174532925 == pytest.approx(own.reference(time)[0], abs=1e-3)
 
 
+def test_the_benches_controller_is_the_programs_as_the_table_says() -> None:
+    """The truth plant's PID and the program's over one error that changes its direction twice, at rest in between."""
+    time = np.arange(900) * 1e-3
+    reference = np.sin(9.0 * time) * (time < 0.6)
+    velocity = np.gradient(reference)
+    error = 0.02 * np.cos(5.0 * time) + 0.01
+    bumpless = float(BENCH["controller.bumpless"])
+    values = {name: one.default for name, one in Pid.parameters.items()} | {"bumpless": bumpless}
+    mine, truth = SimpleNamespace(direction=0.0, integral=0.0, errors=[0.0] * LONGEST_DERIVATIVE), np.zeros(7)
+    truth[1], truth[2:] = 1.0, error[0]
+    for index in range(len(time)):
+        sample = SimpleNamespace(
+            reference=error[index], velocity=velocity[index], arm=0.0, feedforward=0.0, period=1e-3, index=index
+        )
+        found = Pid.step(sample, SimpleNamespace(**values), mine)[0]
+        assert pid_step.py_func(truth, error[index], velocity[index], Procedure()) == pytest.approx(found, rel=1e-9)
+
+
 def test_a_table_is_one_that_the_program_reads(tmp_path: Path) -> None:
     table = [
-        {"trajectory": name, "controller": "pid", "procedure.preload_mpa": preload, "tests": 5,
+        {**BENCH, "trajectory": name, "procedure.preload_mpa": preload, "tests": 5,
          "rmse1_deg": 1.5, "rmse1_deg_deviation": 0.1, "sse_deg": None, "sse_deg_deviation": None}
         for name, preload, _ in conditions()
     ]  # fmt: skip

@@ -62,6 +62,16 @@ def two_gains(repetitions: int = 2) -> list[TestLog]:
     ]
 
 
+def test_a_log_from_before_a_parameter_was_known_stands_beside_the_published_value() -> None:
+    log = make_log("ramp_pos", "pid", 1, 1.5, (), condition="ramp_pos__pid", seed="1")
+    config = yaml.safe_load(log.attachments["config.yaml"])
+    cell = cell_key({"trajectory": "ramp_pos", "controller": "pid", "payload": "none", "orientation": "horizontal"})
+    assert config["controller"].pop("bumpless") == 0
+    assert {one["differs"] for one in standing(config, cell)} == {""}
+    config["controller"]["bumpless"] = 1.0
+    assert all("controller.bumpless is 1 instead of 0" in one["differs"] for one in standing(config, cell))
+
+
 def test_the_indicators_tell_two_gains_apart(tmp_path: Path) -> None:
     axes = {"trajectory": ["ramp_pos"], "controller.positive.kp": ["kp-0.7", "kp-1.05"]}
     run_of(tmp_path, two_gains(), axes)

@@ -55,6 +55,17 @@ def test_a_factor_is_the_same_as_the_value_in_its_group(config, factor, path, va
     assert not np.array_equal(by_factor.test.control, prepare(config, 3).test.control) or factor == "head_start"
 
 
+def test_a_bumpless_change_of_gains_is_the_same_as_in_its_group(config):
+    other = copy.deepcopy(config)
+    other["controller"]["bumpless"] = 0.25
+    by_factor, by_group = prepare(with_factors(config, bumpless=0.25), 3), prepare(other, 3)
+    assert np.array_equal(by_factor.test.control, by_group.test.control)
+    assert not np.array_equal(by_factor.test.control, prepare(config, 3).test.control)
+    # what the group says already is not there twice: 0.25 + 0.2 (1 - 0.25)
+    place = np.flatnonzero(by_group.test.control != prepare(config, 3).test.control)
+    assert prepare(with_factors(other, bumpless=0.2), 3).test.control[place] == pytest.approx(0.4)
+
+
 def test_pump_bandwidth_multiplies_every_pole_and_keeps_the_gain_at_rest():
     values = {name: one.default for name, one in PumpJoint.parameters.items()}
     faster = changed_values(values, {"pump_bandwidth": 2.0})

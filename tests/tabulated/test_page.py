@@ -47,7 +47,9 @@ def test_the_answer_holds_the_log_ratios_of_rmse_and_largest_error(found):
     error = two / math.hypot(0.1, 0.1)
     assert content["error"]["accepted"]["loss"] == pytest.approx(4 * error - 4)
     assert content["error"]["accepted"]["near"] == 3
-    assert content["models"]["accepted"]["settings"]["factors"] == pytest.approx({"pump_ratio": 0.8})
+    assert content["models"]["accepted"]["settings"]["factors"] == pytest.approx(
+        {"pump_ratio": 0.8, "pump_bandwidth": 1.0, "pump_latency": 1.0}
+    )
     assert content["models"]["accepted"]["quantities"]["pump_ratio"]["sigma_from_published"] == pytest.approx(
         math.log(0.8) / 0.35
     )

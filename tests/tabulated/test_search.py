@@ -1,14 +1,17 @@
 """The search on a rig whose answers are written down here: a hidden factor is found, and nothing where nothing is hidden."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from hjcamp.tabulated.cells import Cells, robust
 from hjcamp.tabulated.diagnosis import EFFECT, NOTHING, verdict_of
-from hjcamp.tabulated.fit import fit
+from hjcamp.tabulated.fit import Fit, fit
 from hjcamp.tabulated.ledger import Ledger
+from hjcamp.tabulated.probes import Probe, looked_at
+from hjcamp.tabulated.quantities import candidate_quantities
 from hjcamp.tabulated.search import Effort, Search, Step
 from hjcamp.workers.pool import Crew
 
@@ -38,6 +41,20 @@ class LogLinearRig:
         return self.usual * np.exp(change)
 
 
+class ScatteringRig(LogLinearRig):
+    """The same, with tests of one condition that differ by 20 %."""
+
+    def __init__(self, count=5):
+        super().__init__()
+        self.scatter = np.exp(0.2 * np.random.default_rng(5).standard_normal((CONDITIONS, count, 4)))
+
+    def repeated(self, count):
+        return ScatteringRig(count)
+
+    def indicators(self, settings):
+        return super().indicators(settings) * self.scatter
+
+
 def measured(rig, settings, seed=0):
     means = rig.indicators(settings)[:, 0, :3].ravel()
     means = means * np.exp(0.05 * np.random.default_rng(seed).standard_normal(len(means)))
@@ -47,7 +64,7 @@ def measured(rig, settings, seed=0):
 
 
 def searched(rig, cells, ledger):
-    effort = Effort(base=150, short=60, long=80, refitted=2, twins=5, steps=2)
+    effort = Effort(base=150, short=60, polish=80, refitted=2, twins=5, steps=2)
     names = ("controller_scale", "pump_bandwidth", "head_start")
     return Search(rig, cells, names, effort, 1, Crew(1), ledger, lambda text, share: None)
 
@@ -69,6 +86,70 @@ def test_nothing_is_named_where_only_the_base_differs():
     assert model.names == () and len(steps) == 1 and steps[0].p_value > 0.05
     assert verdict_of(model, steps, 0.5)[0] == NOTHING
     assert verdict_of(model, steps, 0.005)[0] == "outside_library"
+
+
+def test_a_model_is_fitted_to_the_tests_that_it_is_judged_with():
+    rig = ScatteringRig()
+    cells = measured(LogLinearRig(), {"coulomb_positive": 6.5})
+    model = searched(rig, cells, Ledger(None, "")).base()
+    judged = robust(cells.errors(cells.of(rig.indicators(model.settings)))).sum()
+    assert model.loss - model.surprise == pytest.approx(judged)
+    one = robust(cells.errors(cells.of(rig.repeated(1).indicators(model.settings)))).sum()
+    assert one > 1.5 * judged
+
+
+def test_tables_of_a_model_scatter_as_far_as_each_cell_is_known():
+    rig = ScatteringRig()
+    cells = measured(LogLinearRig(), {})
+    known = replace(cells, error_of_simulated=0.2 * cells.means / math.sqrt(5))
+    own = cells.of(rig.indicators({}))
+    drawn = [known.drawn(own, np.random.default_rng(seed)) for seed in range(400)]
+    spread = np.std([np.log(one.means / own) for one in drawn], axis=0)
+    assert spread == pytest.approx(np.sqrt(0.02**2 + 0.2**2 / 5 + 0.1**2), rel=0.15)
+    # a table of the model's own is met as well as its cells are known, whatever its means are
+    assert np.mean([robust(one.errors(own)).mean() for one in drawn]) == pytest.approx(0.9, abs=0.1)
+
+
+def test_what_the_linear_prediction_promises_is_what_a_fit_then_gains():
+    rig = LogLinearRig()
+    cells = measured(rig, {"controller_scale": 1.3, "coulomb_positive": 6.5})
+    search = searched(rig, cells, Ledger(None, ""))
+    step = search.step(0, search.base())
+    assert step.rivals[0].names == ("controller_scale",)
+    assert step.predicted == pytest.approx(step.gain, rel=0.15)
+    assert len(step.twins) == search.effort.twins and max(step.twins) < step.gain
+
+
+def test_a_gain_counts_by_the_less_of_what_was_promised_and_what_was_fitted():
+    control, rival = Fit((), {}, 50.0), Fit(("pump_ratio",), {"pump_ratio": 0.1}, 30.0)
+    twins = [1.0, 3.0, 2.0, 6.0, 4.0]
+    assert Step(control, control, [rival], twins, 40.0).p_value == Step(control, control, [rival], twins).p_value < 0.01
+    assert Step(control, control, [rival], twins, 3.0).p_value > 0.3
+    # where nothing was refitted, what was promised
+    assert Step(control, control, [], twins, 3.0).p_value == Step(control, control, [rival], twins, 3.0).p_value
+
+
+def test_a_place_is_shared_from_where_its_candidate_does_nothing():
+    for name, value, half in (
+        ("leakage", 4e-15, 2e-15),
+        ("controller_scale", 2.0, math.sqrt(2.0)),
+        ("bumpless", 1.0, 0.5),
+    ):
+        more = candidate_quantities(name)
+        places = np.array([one.start for one in more])
+        places[0] = more[0].forth(value)
+        shared = Probe(name, more, places, np.zeros(1)).shared(0.5)
+        assert more[0].back(shared[more[0].name]) == pytest.approx(half)
+
+
+def test_an_angle_is_looked_at_all_round_and_an_amplitude_weak_usual_and_strong():
+    more = candidate_quantities("encoder_eccentricity")
+    found = np.array(looked_at(more))
+    cyclic = next(number for number, one in enumerate(more) if one.parameter.cyclic)
+    assert len(found) == 3 * 4
+    assert sorted(set(np.round(found[:, cyclic] * more[cyclic].unit, 3))) == pytest.approx(
+        [-math.pi / 2, 0.0, math.pi / 2, math.pi], abs=1e-3
+    )
 
 
 def test_a_search_that_was_stopped_goes_on_and_ends_alike(tmp_path):
@@ -94,8 +175,6 @@ def test_the_fit_pays_for_moves_away_from_what_is_known():
 
 def test_the_chance_of_a_gain_is_that_of_a_gumbel_law_through_the_twins():
     from scipy.stats import gumbel_r
-
-    from hjcamp.tabulated.fit import Fit
 
     control, rival = Fit((), {}, 50.0), Fit(("pump_ratio",), {"pump_ratio": 0.1}, 36.0)
     step = Step(control, control, [rival], [1.0, 3.0, 2.0, 6.0, 4.0])

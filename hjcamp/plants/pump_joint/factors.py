@@ -15,7 +15,7 @@ def _factor(low: float, high: float, text: str) -> Parameter:
     return Parameter("1", 1.0, (low, high), "log-uniform", text)
 
 
-#: What the text leaves open or may have misprinted; a model gives them as ``factors``, and 1 is what the groups say.
+#: What the text leaves open or may have misprinted; a model gives them as ``factors``. 1 is what the groups say, or ``off``.
 FACTORS: dict[str, Parameter] = {
     "controller_scale": _factor(0.1, 4.0, "factor on the scale of the PID output (E8)"),
     "derivative_gain": _factor(0.1, 4.0, "factor on Kd (5.2.1)"),
@@ -25,6 +25,7 @@ FACTORS: dict[str, Parameter] = {
     "pump_latency": _factor(0.2, 8.0, "factor on the pump's delay (4.3.4)"),
     "pump_ratio": _factor(0.6, 1.6, "factor on the volume that the pump moves (bores, lead)"),
     "head_start": _factor(0.2, 3.0, "factor on the initial pressure differences (5.2.4.1)"),
+    "bumpless": Parameter("1", 1.0, (0.0, 1.0), text="share of the integral's jump that is absent (E10)", off=0.0),
 }
 #: Powers of the pump's speed in the coefficients of its transfer function.
 OF_BANDWIDTH = {"pump_gain": 3, "pump_a2": 1, "pump_a1": 2, "pump_a0": 3}
@@ -49,6 +50,8 @@ def changed_loop(test: ClosedLoop, law: type[Controller], factors: Mapping[str, 
         ("kd", "derivative_gain"), ("ki", "integral_gain"))}  # fmt: skip
     for place, gain in enumerate(law.parameters):
         control[place] *= factors.get(named.get(gain, ""), 1.0)
+        if gain == "bumpless":
+            control[place] += factors.get(gain, 0.0) * (1.0 - control[place])
     procedure[list(Procedure.parameters).index("difference")] *= factors.get("head_start", 1.0)
     reference[:, 3] *= factors.get("feedforward_gain", 1.0)
     return replace(test, control=control, procedure=procedure, reference=reference)

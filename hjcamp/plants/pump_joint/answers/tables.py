@@ -85,7 +85,7 @@ def folder_of(
 def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
     from hjcamp.analyses.data import free_model_name
     from hjcamp.commands._wrapped import print_wrapped
-    from hjcamp.tabulated.page import verdict_told
+    from hjcamp.tabulated.page import best_of, verdict_told
 
     word, told = content["verdict"].upper(), verdict_told(content)
     console.print(word, style="bold", markup=False, highlight=False)
@@ -93,10 +93,9 @@ def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
     if not content["lacking"]:
         print_errors(console, content)
         for number, step in enumerate(content["steps"], start=1):
-            best = step["candidates"][0]["name"] if step["candidates"] else "nothing"
+            twins, chance = len(step["gains_of_twins"]), f"{step['p_value']:.3g}"
             console.print(
-                f"step {number}  {best} gains {step['gain']:.1f}; chance {step['p_value']:.3g}, {len(step['gains_of_twins'])} twins",
-                markup=False,
+                f"step {number}  {best_of(step)} gains {step['gain']:.1f}; chance {chance}, {twins} twins", markup=False
             )
     console.print(f"page    {folder / 'page.md'}", markup=False)
     if content["verdict"] in ("effect", "one_of", "outside_library", "nothing_missing"):
@@ -125,10 +124,11 @@ def compare_tables(words: Sequence[str], names: Sequence[str], json: Path | None
     check_answer_file(json)
     console = make_console()
     with progress_of(console) as report:
+        from hjcamp.tabulated.cells import SIMULATED
         from hjcamp.tabulated.comparison import compare
         from hjcamp.tabulated.question import asked
 
-        content = compare(asked(words), names, 7, 1, report)
+        content = compare(asked(words), names, SIMULATED, 1, report)
         write_answer(json, content)
     print_errors(console, content, "")
 

@@ -14,13 +14,16 @@ class Pid(Controller):
 
     .. math:: u_j = s\left(K_p e_j + K_i \sum e_i t_s + K_d \frac{e_j - e_{j-n}}{n t_s}\right)
 
-    While the reference rests, the last commanded direction keeps its gains. Source: thesis 5.2.1.1, 5.2.1.2, 5.2.3.1,
-    Table 5.2.1.
+    While the reference rests, the last commanded direction keeps its gains. With ``bumpless`` 1 the sum is scaled by the
+    ratio of the old to the new Ki where the direction changes. Source: thesis 5.2.1.1, 5.2.1.2, 5.2.3.1, Table 5.2.1.
     """
 
     scale = Parameter("1", 8.5, (1e-3, 1e3), text="pump motor angle for one unit of controller output")
     derivative_samples = Parameter(
         "1", 5.0, (1.0, LONGEST_DERIVATIVE - 1.0), text="samples over which the error is differenced"
+    )
+    bumpless = Parameter(
+        "1", 0.0, (0.0, 1.0), text="1: the integral part of the output stays where it is when gains change; 0: it jumps"
     )
     first_direction = Parameter("1", 1.0, (-1.0, 1.0), text="direction of the first motion")
     positive_kp = Parameter("1", 1.05, (0.0, 1e3), text="proportional gain, positive direction")
@@ -42,6 +45,7 @@ class Pid(Controller):
             memory.direction = parameter.first_direction
             for past in range(100):
                 memory.errors[past] = error
+        former = parameter.positive_ki if memory.direction > 0.0 else parameter.negative_ki
         if sample.velocity > 0.0:
             memory.direction = 1.0
         elif sample.velocity < 0.0:
@@ -50,6 +54,8 @@ class Pid(Controller):
         kp = parameter.positive_kp if forward else parameter.negative_kp
         ki = parameter.positive_ki if forward else parameter.negative_ki
         kd = parameter.positive_kd if forward else parameter.negative_kd
+        if ki != former:
+            memory.integral = memory.integral * (1.0 + parameter.bumpless * (former / max(ki, 1e-9) - 1.0))
         memory.integral = memory.integral + error * sample.period
         count = int(parameter.derivative_samples)
         place = int(sample.index) % 100

@@ -47,7 +47,7 @@ def friction_elements(figure: Any, config: Mapping[str, Any]) -> None:
                       ha="left" if sign > 0 else "right", va="center")  # fmt: skip
     axes.axhline(0.0, color=INK, linewidth=0.6)
     dress(axes, "Friction at the sliders (N)")
-    axes.legend(fontsize=8, frameon=False, loc="lower right")
+    axes.legend(fontsize=8, frameon=False, loc="upper left")
     axes.set_ylim(top=1.15 * axes.get_ylim()[1])
     axes.set_xlabel(f"Speed of the sliders (mm/s); friction={config['friction']['name']}", fontsize=8.5)
 

@@ -12,10 +12,13 @@ import yaml
 
 from hjcamp.configuration.composer import Composer, as_override
 from hjcamp.configuration.search_path import packaged_root
+from hjcamp.controllers import load_controllers
 from hjcamp.known_plants import OWN_PLANTS
 from hjcamp.plants.pump_joint.published.values import CAMPAIGNS, CONDITION, cell_key
 from hjcamp.report.settings import difference
 
+#: Parameters of controllers that came later; a log without them was made as by their defaults.
+LATER = ("bumpless",)
 UNKNOWN = "the log does not hold its configuration"
 
 
@@ -35,9 +38,18 @@ def standing(config: Mapping[str, Any], cell: tuple[str, ...]) -> list[dict[str,
 def _differs(config: Mapping[str, Any], published: Mapping[str, Any]) -> str:
     if not config:
         return UNKNOWN
-    found = difference(config, published)
+    found = difference(_completed(config), _completed(published))
     more = f", and {len(found) - 1} more" if len(found) > 1 else ""
     return f"{found[0]}{more}" if found else ""
+
+
+def _completed(config: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a configuration whose controller has the parameters that a log from before they were known leaves to their defaults."""
+    given = config.get("controller")
+    if not isinstance(given, Mapping) or (law := load_controllers().get(str(given.get("name")))) is None:
+        return config
+    usual = {name: one.default for name, one in law.parameters.items() if name in LATER}
+    return {**config, "controller": {**usual, **given}}
 
 
 @lru_cache(maxsize=256)

@@ -18,8 +18,9 @@ SHOWN = ("rmse1_deg", "rmse2_deg", "e_max_deg")
 WHY = (
     "Why the printed constants hunt: static friction is 1.4 times Coulomb friction, so every breakaway releases a push that "
     "the lines have stored, and the printed viscous friction is too small to brake the jump: the arm overshoots, sticks and "
-    "winds the loop up again, the more with a payload. The refitted constants have more viscous friction; what that stands "
-    "for is open (docs/thesis_gap.md)."
+    "winds the loop up again, the more with a payload. Where a motion turns back, the integral of the errors is multiplied with "
+    "another gain from one sample to the next, which kicks the arm as well (controller.bumpless=1: without that kick). The "
+    "refitted constants have more viscous friction; what that stands for is open (docs/thesis_gap.md)."
 )
 
 
@@ -45,8 +46,8 @@ def beside_refit(conditions: pl.DataFrame) -> Sheet | None:
         return None
     headers = ["condition", *(text for name in SHOWN for text in (TITLES[name], "refitted", "published"))]
     notes = [
-        "In deg. First: simulated in this run with the printed constants. Refitted: model refit, seven tests of the same seeds, "
-        f"simulated when it was fitted to {_tables()} alone. Published: measured on the real joint.",
+        "In deg. First: simulated in this run with the printed constants. Refitted: model refit, five tests with the first of these "
+        f"seeds, simulated when it was fitted to {_tables()} alone. Published: measured on the real joint.",
         WHY,
     ]
     return Sheet("refitted", "As printed, refitted, measured", "", headers, body, notes)
