@@ -21,7 +21,7 @@ from truth.menu import Condition, cycloids, points, sine
 
 Array = NDArray[np.float64]
 NULLS, OUTSIDE = 8, "stray_spring"
-#: Development of the search of tables looked at the rigs 3 to 6, 101 to 108 and some of 7000 to 7020.
+#: Development of the search of tables looked at the rigs 3 to 6, 101 to 108, 112 and some of 7000 to 7020.
 FIRST_SEED = 8000
 TESTS = 5
 LAST = 4
