@@ -31,8 +31,6 @@ FOR_ANY: tuple[tuple[str, ModuleType], ...] = (
 NAMES = re.compile(r"pump|pressure1|arm_deg|arm_angle", re.IGNORECASE)
 # The usual plant's name, which logs and models that name none stand for.
 NAMED_BY = {"known_plants.py", "prediction/model_file.py"}
-# Still to be moved: what judges the joint by tables.
-LEFT = "tabulated/"
 
 
 def parameters_of(function: object) -> list[str]:
@@ -117,7 +115,7 @@ def test_nothing_outside_the_plants_names_one() -> None:
         if path.relative_to(root).parts[0] not in ("plants", "effects")
         and NAMES.search(path.read_text(encoding="utf-8"))
     }
-    assert {name for name in naming if not name.startswith(LEFT)} == NAMED_BY
+    assert naming == NAMED_BY
 
 
 def test_the_equations_load_no_room() -> None:

@@ -19,7 +19,7 @@ from hjcamp.controllers.pid import LONGEST_DERIVATIVE, Pid
 from truth.controller import Procedure, pid_step
 
 from hjcamp.configuration.composer import Composer
-from hjcamp.tabulated.question import asked
+from hjcamp.plants.pump_joint.tables.question import asked
 from hjcamp.trajectories import build_trajectory
 
 TAG = "abc1234"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hjcamp.tabulated.cells import LEAST_FORM, Cells, robust
+from hjcamp.plants.pump_joint.tables.cells import LEAST_FORM, Cells, robust
 
 COUNT = 40
 

@@ -6,14 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from hjcamp.tabulated.answer import answer
-from hjcamp.tabulated.cells import Cells
-from hjcamp.tabulated.diagnosis import Diagnosis, Judged
-from hjcamp.tabulated.fit import Fit
-from hjcamp.tabulated.page import draw, page
-from hjcamp.tabulated.quantities import quantities_of
-from hjcamp.tabulated.question import Question
-from hjcamp.tabulated.search import Step
+from hjcamp.plants.pump_joint.tables.answer import answer
+from hjcamp.plants.pump_joint.tables.cells import Cells
+from hjcamp.plants.pump_joint.tables.diagnosis import Diagnosis, Judged
+from hjcamp.plants.pump_joint.tables.fit import Fit
+from hjcamp.plants.pump_joint.tables.page import draw, page
+from hjcamp.plants.pump_joint.tables.quantities import quantities_of
+from hjcamp.plants.pump_joint.tables.question import Question
+from hjcamp.plants.pump_joint.tables.search import Step
 
 
 def cells(table):

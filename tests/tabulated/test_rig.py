@@ -7,11 +7,11 @@ import pytest
 
 from hjcamp.plants.pump_joint.factors import FACTORS
 from hjcamp.plants.pump_joint.simulation import run_test
+from hjcamp.plants.pump_joint.tables import rig as rigs
+from hjcamp.plants.pump_joint.tables.question import asked
 from hjcamp.records.log import TestLog
 from hjcamp.records.plan import seed_of
 from hjcamp.report.indicators import CHOICES, INDICATORS, indicators_of
-from hjcamp.tabulated import rig as rigs
-from hjcamp.tabulated.question import asked
 
 
 @pytest.fixture

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hjcamp.tabulated.cells import Cells, robust
-from hjcamp.tabulated.diagnosis import EFFECT, NOTHING, verdict_of
-from hjcamp.tabulated.fit import Fit, fit
-from hjcamp.tabulated.ledger import Ledger
-from hjcamp.tabulated.probes import Probe, looked_at
-from hjcamp.tabulated.quantities import candidate_quantities
-from hjcamp.tabulated.search import Effort, Search, Step
+from hjcamp.plants.pump_joint.tables.cells import Cells, robust
+from hjcamp.plants.pump_joint.tables.diagnosis import EFFECT, NOTHING, verdict_of
+from hjcamp.plants.pump_joint.tables.fit import Fit, fit
+from hjcamp.plants.pump_joint.tables.ledger import Ledger
+from hjcamp.plants.pump_joint.tables.probes import Probe, looked_at
+from hjcamp.plants.pump_joint.tables.quantities import candidate_quantities
+from hjcamp.plants.pump_joint.tables.search import Effort, Search, Step
 from hjcamp.workers.pool import Crew
 
 CONDITIONS = 14

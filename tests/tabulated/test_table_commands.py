@@ -7,8 +7,8 @@ import yaml
 
 from hjcamp.cli import run
 from hjcamp.plants.pump_joint.configuration import check_model
-from hjcamp.tabulated.answer import SCHEMA
-from hjcamp.tabulated.page import page
+from hjcamp.plants.pump_joint.tables.answer import SCHEMA
+from hjcamp.plants.pump_joint.tables.page import page
 
 FOUND = {
     "schema": SCHEMA,

@@ -5,9 +5,9 @@ import math
 import pytest
 
 from hjcamp.errors import UsageError
-from hjcamp.tabulated.printed import check_names, printed_cells
-from hjcamp.tabulated.question import asked, held_out
-from hjcamp.tabulated.table_file import read_table
+from hjcamp.plants.pump_joint.tables.printed import check_names, printed_cells
+from hjcamp.plants.pump_joint.tables.question import asked, held_out
+from hjcamp.plants.pump_joint.tables.table_file import read_table
 
 HEAD = "trajectory,controller,tests,rmse1_deg,rmse1_deg_deviation,sse_deg,sse_deg_deviation\n"
 ROW = "ramp_pos,pid,4,1.7,0.2,,\n"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.tabulated.answer import is_answer as is_answer
+from hjcamp.plants.pump_joint.tables.answer import is_answer as is_answer
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -32,13 +32,13 @@ def diagnose_tables(
     check_seed(seed)
     console = make_console()
     with progress_of(console) as report:
+        from hjcamp.plants.pump_joint.tables import question as questions
+        from hjcamp.plants.pump_joint.tables.answer import NAME, answer
+        from hjcamp.plants.pump_joint.tables.diagnosis import diagnose
+        from hjcamp.plants.pump_joint.tables.page import PICTURE, draw, page
+        from hjcamp.plants.pump_joint.tables.quantities import candidates
+        from hjcamp.plants.pump_joint.tables.search import EFFORTS
         from hjcamp.storage import write_whole
-        from hjcamp.tabulated import question as questions
-        from hjcamp.tabulated.answer import NAME, answer
-        from hjcamp.tabulated.diagnosis import diagnose
-        from hjcamp.tabulated.page import PICTURE, draw, page
-        from hjcamp.tabulated.quantities import candidates
-        from hjcamp.tabulated.search import EFFORTS
         from hjcamp.workers.pool import Crew, available
 
         if effort not in EFFORTS:
@@ -85,7 +85,7 @@ def folder_of(
 def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
     from hjcamp.analyses.data import free_model_name
     from hjcamp.commands._wrapped import print_wrapped
-    from hjcamp.tabulated.page import best_of, verdict_told
+    from hjcamp.plants.pump_joint.tables.page import best_of, verdict_told
 
     word, told = content["verdict"].upper(), verdict_told(content)
     console.print(word, style="bold", markup=False, highlight=False)
@@ -124,9 +124,9 @@ def compare_tables(words: Sequence[str], names: Sequence[str], json: Path | None
     check_answer_file(json)
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.tabulated.cells import SIMULATED
-        from hjcamp.tabulated.comparison import compare
-        from hjcamp.tabulated.question import asked
+        from hjcamp.plants.pump_joint.tables.cells import SIMULATED
+        from hjcamp.plants.pump_joint.tables.comparison import compare
+        from hjcamp.plants.pump_joint.tables.question import asked
 
         content = compare(asked(words), names, SIMULATED, 1, report)
         write_answer(json, content)
@@ -140,7 +140,7 @@ def add_table(path: Path, name: str, json: Path | None) -> None:
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.configuration.saved_model import check_new_name, rounded, write_content
     from hjcamp.plants.pump_joint.configuration import check_model
-    from hjcamp.tabulated.answer import read_answer
+    from hjcamp.plants.pump_joint.tables.answer import read_answer
 
     check_answer_file(json)
     file, found = check_new_name(name), read_answer(path)

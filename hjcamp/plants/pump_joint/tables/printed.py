@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.plants.pump_joint.tables.cells import SIMULATED, Cells
 from hjcamp.report.indicators import INDICATORS
 from hjcamp.report.published import published_cells
-from hjcamp.tabulated.cells import SIMULATED, Cells
 
 #: What names a row of the printed tables; every other choice was the same in all measured tests.
 KEYS = ("trajectory", "controller", "payload", "orientation")

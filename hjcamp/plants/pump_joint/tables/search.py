@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.tabulated.cells import Cells, robust
-from hjcamp.tabulated.fit import Fit, fit
-from hjcamp.tabulated.ledger import Ledger
-from hjcamp.tabulated.probes import COST, Promise, look
-from hjcamp.tabulated.quantities import base_quantities, candidate_quantities
-from hjcamp.tabulated.rig import Rig
+from hjcamp.plants.pump_joint.tables.cells import Cells, robust
+from hjcamp.plants.pump_joint.tables.fit import Fit, fit
+from hjcamp.plants.pump_joint.tables.ledger import Ledger
+from hjcamp.plants.pump_joint.tables.probes import COST, Promise, look
+from hjcamp.plants.pump_joint.tables.quantities import base_quantities, candidate_quantities
+from hjcamp.plants.pump_joint.tables.rig import Rig
 from hjcamp.workers.pool import Crew
 
 #: Chance of a gain as large on a table in which nothing is missing, from which on it is no reason to add anything.

@@ -11,11 +11,11 @@ from typing import Any
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError, unknown
+from hjcamp.plants.pump_joint.tables.cells import Cells
+from hjcamp.plants.pump_joint.tables.printed import CAMPAIGNS, campaigns_of, check_names, printed_cells
+from hjcamp.plants.pump_joint.tables.table_file import DEVIATION, TESTS, matching, read_table
 from hjcamp.records.plan import Condition
 from hjcamp.report.indicators import CHOICES, INDICATORS
-from hjcamp.tabulated.cells import Cells
-from hjcamp.tabulated.printed import CAMPAIGNS, campaigns_of, check_names, printed_cells
-from hjcamp.tabulated.table_file import DEVIATION, TESTS, matching, read_table
 
 #: Fewer cells, or fewer conditions, do not hold the base parameters, let alone more.
 FEWEST_CELLS, FEWEST_CONDITIONS = 8, 3

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from hjcamp.errors import UsageError, nearest, shown, unknown
+from hjcamp.plants.pump_joint.tables.cells import SIMULATED, Cells
 from hjcamp.report.indicators import INDICATORS
-from hjcamp.tabulated.cells import SIMULATED, Cells
 
 DEVIATION = "_deviation"
 TESTS = "tests"

@@ -10,9 +10,9 @@ import numpy as np
 from cmaes import CMA
 from numpy.typing import NDArray
 
-from hjcamp.tabulated.cells import Cells, robust, weights
-from hjcamp.tabulated.quantities import quantities_of, settings_of, surprise
-from hjcamp.tabulated.rig import Rig
+from hjcamp.plants.pump_joint.tables.cells import Cells, robust, weights
+from hjcamp.plants.pump_joint.tables.quantities import quantities_of, settings_of, surprise
+from hjcamp.plants.pump_joint.tables.rig import Rig
 
 Array = NDArray[np.float64]
 #: Half the first and half the last step of a slope: breakaways make small ones rough, long ones are no slope.

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.tabulated.cells import SIMULATED, Cells, robust
-from hjcamp.tabulated.fit import Fit
-from hjcamp.tabulated.ledger import Ledger
-from hjcamp.tabulated.question import Question
-from hjcamp.tabulated.rig import Rig, gated
-from hjcamp.tabulated.search import EFFORTS, LEVEL, Search, Step, penalised
+from hjcamp.plants.pump_joint.tables.cells import SIMULATED, Cells, robust
+from hjcamp.plants.pump_joint.tables.fit import Fit
+from hjcamp.plants.pump_joint.tables.ledger import Ledger
+from hjcamp.plants.pump_joint.tables.question import Question
+from hjcamp.plants.pump_joint.tables.rig import Rig, gated
+from hjcamp.plants.pump_joint.tables.search import EFFORTS, LEVEL, Search, Step, penalised
 from hjcamp.workers.pool import Crew
 
 Array = NDArray[np.float64]

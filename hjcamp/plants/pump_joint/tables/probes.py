@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.tabulated.cells import Cells, robust, weights
-from hjcamp.tabulated.fit import WIDEST, Fit, Fitting
-from hjcamp.tabulated.quantities import Quantity, candidate_quantities, settings_of, surprise
-from hjcamp.tabulated.rig import Rig
+from hjcamp.plants.pump_joint.tables.cells import Cells, robust, weights
+from hjcamp.plants.pump_joint.tables.fit import WIDEST, Fit, Fitting
+from hjcamp.plants.pump_joint.tables.quantities import Quantity, candidate_quantities, settings_of, surprise
+from hjcamp.plants.pump_joint.tables.rig import Rig
 from hjcamp.workers.pool import Crew
 
 Array = NDArray[np.float64]

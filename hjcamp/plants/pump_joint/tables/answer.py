@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError
-from hjcamp.tabulated.diagnosis import Diagnosis, Judged
-from hjcamp.tabulated.fit import Fit
-from hjcamp.tabulated.quantities import model_of, quantities_of
-from hjcamp.tabulated.search import Step, penalised
+from hjcamp.plants.pump_joint.tables.diagnosis import Diagnosis, Judged
+from hjcamp.plants.pump_joint.tables.fit import Fit
+from hjcamp.plants.pump_joint.tables.quantities import model_of, quantities_of
+from hjcamp.plants.pump_joint.tables.search import Step, penalised
 
 SCHEMA = "hjcamp.table_diagnosis/1"
 NAME = "diagnosis.json"

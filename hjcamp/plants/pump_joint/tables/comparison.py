@@ -11,13 +11,13 @@ import numpy as np
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError
 from hjcamp.plants.pump_joint.simulation import run_test
+from hjcamp.plants.pump_joint.tables.answer import cell_rows, error_of
+from hjcamp.plants.pump_joint.tables.diagnosis import Judged
+from hjcamp.plants.pump_joint.tables.question import Question
+from hjcamp.plants.pump_joint.tables.rig import LOST
 from hjcamp.records.log import TestLog
 from hjcamp.records.plan import seed_of
 from hjcamp.report.indicators import CHOICES, INDICATORS, indicators_of
-from hjcamp.tabulated.answer import cell_rows, error_of
-from hjcamp.tabulated.diagnosis import Judged
-from hjcamp.tabulated.question import Question
-from hjcamp.tabulated.rig import LOST
 
 
 def compare(
