@@ -63,7 +63,8 @@ def compared(
         report(f"predicting with {name}", 0.5 + 0.4 * done / len(models))
         seen[name] = predicted_errors(analysis, whole_model(measured, model))
     analysis.windows.starts = kept
-    fitted = predicted_errors(analysis, analysis.base.fitted.candidate)
+    # its features are those of the fit, as in a diagnosis: starts that are moved once more may bend them either way
+    fitted = analysis.base.fitted.features, predicted_errors(analysis, analysis.base.fitted.candidate)[1]
     floor = analysis.floor
     for features, _ in (*seen.values(), fitted):
         floor = not_above(floor, features)

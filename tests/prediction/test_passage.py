@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from answer_schemas import check_answer
 from gauge import BETWEEN, OUTFLOW, PLANT, PUMP, measured_log
-from hjcamp.commands._plant_verdict_words import Words
 
+from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.effects import load_effects
 from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import answer

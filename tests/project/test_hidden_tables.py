@@ -15,10 +15,10 @@ import hidden_tables  # isort: skip
 from hidden_tables_cases import BENCH, TRAJECTORIES, TableCase, conditions, plan, seen, text_of  # isort: skip
 from hidden_tables_page import outcome, page  # isort: skip
 
-from hjcamp.controllers.pid import LONGEST_DERIVATIVE, Pid
 from truth.controller import Procedure, pid_step
 
 from hjcamp.configuration.composer import Composer
+from hjcamp.plants.pump_joint.controllers.pid import LONGEST_DERIVATIVE, Pid
 from hjcamp.plants.pump_joint.tables.question import asked
 from hjcamp.trajectories import build_trajectory
 
