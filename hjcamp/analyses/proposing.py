@@ -14,7 +14,7 @@ from hjcamp.analyses.diagnosing import Asked, PlantDiagnosed, chosen_and_start, 
 if TYPE_CHECKING:
     from hjcamp.prediction.analysis import Analysis
     from hjcamp.prediction.next.proposal import Proposal
-    from hjcamp.prediction.selection import Scored
+    from hjcamp.prediction.scored import Scored
 
 DIAGNOSED = 0.6
 

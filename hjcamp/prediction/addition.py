@@ -15,8 +15,8 @@ from hjcamp.prediction.contact_form import forms_among
 from hjcamp.prediction.floor import not_above
 from hjcamp.prediction.intervals import intervals
 from hjcamp.prediction.measured import Measured
+from hjcamp.prediction.scored import Scored
 from hjcamp.prediction.screening import Projection
-from hjcamp.prediction.selection import Scored
 
 
 @dataclass(frozen=True)

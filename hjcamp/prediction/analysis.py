@@ -20,7 +20,8 @@ from hjcamp.prediction.fitting import TURNS_OF_BASE, Free, settled
 from hjcamp.prediction.floor import Floor, floor_of
 from hjcamp.prediction.kernels import Kernels
 from hjcamp.prediction.measured import Measured
-from hjcamp.prediction.selection import Scored, Search
+from hjcamp.prediction.scored import Scored
+from hjcamp.prediction.selection import Search
 from hjcamp.prediction.starts import estimated
 from hjcamp.prediction.unknowns import Unknown, ranges_of, unknowns_of
 from hjcamp.prediction.windows import ZERO, Layout, Windows

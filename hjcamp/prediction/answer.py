@@ -14,7 +14,8 @@ from hjcamp.prediction.chapters import advantages
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.leading import leading
-from hjcamp.prediction.selection import Scored, Step, critical
+from hjcamp.prediction.scored import Scored, Step
+from hjcamp.prediction.selection import critical
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
 from hjcamp.prediction.windows import ZERO, Layout

@@ -20,7 +20,8 @@ from hjcamp.model.port import Port
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.fitting import Fitted
 from hjcamp.prediction.levels import GRANTED
-from hjcamp.prediction.selection import Scored, Search
+from hjcamp.prediction.scored import Scored
+from hjcamp.prediction.selection import Search
 from hjcamp.prediction.starts import rate_of
 
 # Of the usual speed: below it a contact may come to rest.

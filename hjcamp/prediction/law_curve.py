@@ -14,7 +14,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.place_checks import PlainModel
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.analysis import Analysis
-from hjcamp.prediction.selection import Scored
+from hjcamp.prediction.scored import Scored
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.windows import ZERO
 

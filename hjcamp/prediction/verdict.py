@@ -11,7 +11,7 @@ import numpy as np
 from hjcamp.prediction.analysis import SHORTEST, Analysis, what_lacks
 from hjcamp.prediction.floor import in_units, usual_size
 from hjcamp.prediction.levels import LEVEL, LONGER, MOST_OF_IT
-from hjcamp.prediction.selection import Scored, Step
+from hjcamp.prediction.scored import Scored, Step
 
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
 

@@ -8,7 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from hjcamp.commands.any_plant.verdict_words import Words
-    from hjcamp.prediction.selection import Scored
+    from hjcamp.prediction.scored import Scored
     from hjcamp.prediction.unknowns import Unknown
     from hjcamp.report.pictures.evidence import Branch, Missing
 

@@ -9,7 +9,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.intervals import covariance_of
 from hjcamp.prediction.likelihood import loss
-from hjcamp.prediction.selection import Scored
+from hjcamp.prediction.scored import Scored
 
 Array = NDArray[np.float64]
 HALVINGS = 6

@@ -13,8 +13,8 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.next.draws import draws
+from hjcamp.prediction.scored import Scored
 from hjcamp.prediction.screening import Projection
-from hjcamp.prediction.selection import Scored
 from hjcamp.prediction.verdict import CANNOT_TELL, EFFECT, NOTHING, ONE_OF
 
 NONE = "nothing"
