@@ -314,7 +314,7 @@ class Windows:
         """Move each window's start to where its readings are met best, and renew the sensitivities."""
         for _ in range(rounds):
             found = self._predicted(candidate)
-            left, passage, starts = self._left(found), self._passage_of(candidate), self.starts / self.sizes
+            left, passage, starts = self._left(found), self._passage_of(candidate, found), self.starts / self.sizes
             moved = passage.begun(left, starts, found.ends / self.sizes)[0] - starts
             tried = np.maximum(self.starts + np.clip(moved, -3.0, 3.0) * self.sizes, self.lowest)
             before = np.sum(left**2, axis=1)
@@ -327,11 +327,10 @@ class Windows:
 
     def renew(self, candidate: Candidate) -> None:
         """Renew what a change of each window's start explains."""
-        self._passage = self._passage_of(candidate)
+        self._passage = self._passage_of(candidate, self._predicted(candidate))
 
-    def _passage_of(self, candidate: Candidate) -> Passage:
-        """Return what a change of each start, by its usual size, changes of the readings and of the window's end."""
-        base = self._predicted(candidate)
+    def _passage_of(self, candidate: Candidate, base: Predicted) -> Passage:
+        """Return what a change of each start, by its usual size, changes of the readings and the ends that are predicted."""
         readings, ends = [], []
         for k, size in enumerate(self.sizes):
             moved = self.starts.copy()
