@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from math import pi, sin
+from math import expm1, pi, sin
 
 from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter
 
 
 class PositionFriction(Effect):
-    r"""Static and Coulomb friction rise and fall along the travel: a bent rod, a groove, the turns of a screw.
+    r"""Static and Coulomb friction rise and fall along the travel: a bent rod, a groove, the turns of a screw, a burr.
 
-    .. math:: F \leftarrow F\,\bigl(1 + a \sin(2\pi\,x / X + \varphi)\bigr)
+    .. math:: F \leftarrow F\,(1 + a\,w), \quad w = \frac{e^{k s} - 1}{\mathrm{sgn}(k)\,(e^{|k|} - 1)}, \quad
+              s = \sin(2\pi\,x / X + \varphi)
 
+    a sine where the concentration k is 0; above, a bump of width X / (2 pi sqrt(k)), the curve of von Mises; below, a dip.
     Seen as: a force that depends on the place and turns its sign with the direction of motion.
     Not for: a force with one sign in both directions (see spring), or change with time (see friction_drift).
     Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138,
-    doi:10.1016/0005-1098(94)90209-7.
+    doi:10.1016/0005-1098(94)90209-7; the curve: Mardia & Jupp (2000), Directional Statistics, section 3.5.4.
     """
 
     acts_on = "contact"
@@ -25,12 +27,20 @@ class PositionFriction(Effect):
     period = Parameter("travel", 1.0, (0.02, 4.0), "log-uniform", "travel of one period", shape=True)
     phase = Parameter("rad", 0.0, (-3.15, 3.15), text="phase at travel 0", shape=True)
 
-    @staticmethod
-    def static(static, travel, amplitude, period, phase):
-        """Static friction at this place."""
-        return static * (1.0 + amplitude * sin(2.0 * pi * travel / period + phase))
+    concentration = Parameter("1", 0.0, (-6.0, 6.0), text="0: a sine; above, a bump; below, a dip")
 
     @staticmethod
-    def coulomb(coulomb, travel, amplitude, period, phase):
+    def static(static, travel, amplitude, period, phase, concentration):
+        """Static friction at this place."""
+        k = concentration if abs(concentration) > 1e-6 else 1e-6
+        return static * (
+            1.0 + amplitude * expm1(k * sin(2.0 * pi * travel / period + phase)) * abs(k) / (k * expm1(abs(k)))
+        )
+
+    @staticmethod
+    def coulomb(coulomb, travel, amplitude, period, phase, concentration):
         """Coulomb friction at this place."""
-        return coulomb * (1.0 + amplitude * sin(2.0 * pi * travel / period + phase))
+        k = concentration if abs(concentration) > 1e-6 else 1e-6
+        return coulomb * (
+            1.0 + amplitude * expm1(k * sin(2.0 * pi * travel / period + phase)) * abs(k) / (k * expm1(abs(k)))
+        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, pi, sin, sqrt
+from math import exp, expm1, pi, sin, sqrt
 
 from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter, State
@@ -131,13 +131,21 @@ class PositionFriction(Effect):
     )
     phase = Parameter("rad", 0.0, (-3.15, 3.15), text="phase at arm angle 0", shape=True)
 
-    @staticmethod
-    def friction_static(friction_static, slider_angle, amplitude, period, phase):
-        return friction_static * (1.0 + amplitude * sin(2.0 * pi * slider_angle / period + phase))
+    concentration = Parameter("1", 0.0, (-6.0, 6.0), text="0: a sine; above, a bump; below, a dip")
 
     @staticmethod
-    def friction_coulomb(friction_coulomb, slider_angle, amplitude, period, phase):
-        return friction_coulomb * (1.0 + amplitude * sin(2.0 * pi * slider_angle / period + phase))
+    def friction_static(friction_static, slider_angle, amplitude, period, phase, concentration):
+        k = concentration if abs(concentration) > 1e-6 else 1e-6
+        return friction_static * (
+            1.0 + amplitude * expm1(k * sin(2.0 * pi * slider_angle / period + phase)) * abs(k) / (k * expm1(abs(k)))
+        )
+
+    @staticmethod
+    def friction_coulomb(friction_coulomb, slider_angle, amplitude, period, phase, concentration):
+        k = concentration if abs(concentration) > 1e-6 else 1e-6
+        return friction_coulomb * (
+            1.0 + amplitude * expm1(k * sin(2.0 * pi * slider_angle / period + phase)) * abs(k) / (k * expm1(abs(k)))
+        )
 
 
 class Presliding(Effect):

@@ -48,7 +48,7 @@ def test_the_docstring_tells_equation_sign_and_source(name: str) -> None:
     assert effect.equation() and all(part in text for part in ("Seen as: ", "Not for: ", "Source: "))
     assert all(parameter.text for parameter in effect.parameters.values())
     assert any(parameter.off is not None for parameter in effect.parameters.values())
-    assert 1 <= len(effect.parameters) <= 3 and effect.acts_on in KINDS
+    assert 1 <= len(effect.parameters) <= 4 and effect.acts_on in KINDS
 
 
 @pytest.mark.parametrize("plant", FITS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, pi, sin, sqrt
+from math import exp, log, pi, sin, sqrt
 from pathlib import Path
 
 import pytest
@@ -177,6 +177,15 @@ def test_friction_along_the_travel_and_with_time() -> None:
     made = model("axis", "position_friction", amplitude=0.5, period=0.2, phase=0.0)
     for position, factor in ((0.0, 1.0), (0.05, 1.5), (0.15, 0.5), (0.25, 1.5)):
         assert made.signals(MOVING | {"position": position})["friction_coulomb"] == pytest.approx(COULOMB * factor)
+    for concentration, place in ((4.0, 0.05), (-4.0, 0.15)):
+        made = model("axis", "position_friction", amplitude=0.5, period=0.2, phase=0.0, concentration=concentration)
+        sign = 1.0 if concentration > 0.0 else -1.0
+        for turn, share in ((0.0, 1.0), (0.25, 0.0), (0.5, -exp(-4.0))):
+            seen_here = made.signals(MOVING | {"position": place + 0.2 * turn})["friction_coulomb"]
+            assert seen_here == pytest.approx(COULOMB * (1.0 + sign * 0.5 * share))
+        # half of a narrow bump's height at half the width of the normal curve of 1 / sqrt(k)
+        half = made.signals(MOVING | {"position": place + 0.2 * sqrt(2.0 * log(2.0) / 4.0) / (2.0 * pi)})
+        assert abs(half["friction_coulomb"] / COULOMB - 1.0) == pytest.approx(0.25, rel=0.06)
     made = model("axis", "friction_drift", drift=0.5, settling_time=0.2, pace=2.5)
     course = [{"time": k * MILLI} for k in range(100)]
     assert seen(made, course, "friction_static")[-1] == pytest.approx(COULOMB * (1 + 0.1 * (1 - exp(-0.099 / 0.2))))

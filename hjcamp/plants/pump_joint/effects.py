@@ -122,15 +122,18 @@ class Leakage(Instance):
 
 
 class PositionFriction(Instance):
-    r"""Static and Coulomb friction rise and fall along the travel: a bent rod, a groove, an uneven seal.
+    r"""Static and Coulomb friction rise and fall along the travel: a bent rod, a groove, an uneven seal, a burr.
 
-    .. math:: F \leftarrow F\,\bigl(1 + a \sin(2\pi\,\theta / \Theta + \varphi)\bigr)
+    .. math:: F \leftarrow F\,(1 + a\,w), \quad w = \frac{e^{k s} - 1}{\mathrm{sgn}(k)\,(e^{|k|} - 1)}, \quad
+              s = \sin(2\pi\,\theta / \Theta + \varphi)
 
+    a sine where the concentration k is 0; above, a bump of width Theta / (2 pi sqrt(k)), the curve of von Mises; below, a dip.
     What depends on the angle comes again after a turn: periods are a turn or less.
     Seen as: a force that depends on arm angle and turns its sign with the direction of motion.
     Not for: a force with one sign in both directions (see gravity_load), or change with time (see friction_drift).
     Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138,
-    doi:10.1016/0005-1098(94)90209-7; thesis 3.6 (rack and pinion: position-dependent friction).
+    doi:10.1016/0005-1098(94)90209-7; thesis 3.6 (rack and pinion: position-dependent friction); the curve: Mardia & Jupp
+    (2000), Directional Statistics, section 3.5.4.
     """
 
     of = "position_friction"
