@@ -10,10 +10,13 @@ from typing import Any
 from zlib import crc32
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from numpy.random import default_rng
+from truth.case import CONTACTS
 from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS
+from truth.hidden_law import chosen_law
 
-# Results of another plan are never taken for results of this one.
-PLAN = 1
+# Results of another plan are never taken for results of this one: 1 had one contact and one law of each effect.
+PLAN = 2
 # Development used rigs 1 - 206 and 300 - 313.
 FIRST_SEED = {"single": 1000, "pair": 1400, "outside": 1500, "taken_out": 1600, "null": 2000}
 SEEDS = 2
@@ -62,13 +65,24 @@ class HiddenCase:
     without: tuple[str, ...] = ()
     small: bool = False
 
+    @property
+    def contact(self) -> str:
+        """The law of dry friction of the rig, drawn by its seed."""
+        return str(default_rng([self.seed, 127]).choice(CONTACTS))
+
+    @property
+    def laws(self) -> dict[str, str]:
+        """The law of each hidden effect that has several, drawn by the rig's seed."""
+        drawn = {effect: chosen_law(effect, "random", self.seed) for effect in self.effects}
+        return {effect: law for effect, law in drawn.items() if law}
+
     def on_rig(self, seed: int) -> HiddenCase:
         """Return the case with the same effect hidden in another rig."""
         return replace(self, seed=seed, name=f"{self.name.rsplit('-', 1)[0]}-{seed}")
 
     def row(self) -> dict[str, Any]:
         """Return the case as plain values."""
-        return asdict(self)
+        return asdict(self) | {"contact": self.contact, "laws": self.laws}
 
 
 def alike(name: str) -> frozenset[str]:

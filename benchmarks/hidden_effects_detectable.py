@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from hidden_effects_cases import HiddenCase
 from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
@@ -33,10 +34,11 @@ class Campaign:
     """One rig with nothing hidden and its open-loop tests: closed loops answer any change by other slips."""
 
     seed: int
+    contact: str = "asperities"
 
     def __post_init__(self) -> None:
         """Simulate the tests with nothing hidden."""
-        case = build_case((), seed=self.seed)
+        case = build_case((), seed=self.seed, contact=self.contact)
         self.case = replace(case, conditions=tuple(one for one in case.conditions if not one.closed_loop))
         self.null, self.scatters = simulate_means(self.case)
 
@@ -66,7 +68,7 @@ class Campaign:
         without the effect; b (bounded least squares) is what other base parameters imitate. Slips answer no small change
         in proportion: where physics says which friction balances the effect, that rig is looked at, too.
         """
-        hidden = build_case((effect,), strength, self.seed)
+        hidden = build_case((effect,), strength, self.seed, contact=self.contact, form="random")
         rigs = [hidden.plant, *balanced(hidden.plant)]
         return min(self.beyond_base(self.change(replace(hidden, plant=plant))) for plant in rigs)
 
@@ -106,9 +108,9 @@ def balanced(plant: Plant) -> list[Plant]:
     ]
 
 
-def visibility(effects: tuple[str, ...], strength: str, seed: int) -> dict[str, tuple[float, str]]:
-    """Return how visible each of the effects is by itself on the rig of ``seed``."""
-    if not effects:
+def visibility(case: HiddenCase) -> dict[str, tuple[float, str]]:
+    """Return how visible each effect of a case is by itself on its rig."""
+    if not case.effects:
         return {}
-    campaign = Campaign(seed)
-    return {effect: campaign.visible(effect, strength) for effect in effects}
+    campaign = Campaign(case.seed, case.contact)
+    return {effect: campaign.visible(effect, case.strength) for effect in case.effects}

@@ -48,4 +48,8 @@ def disc_reading(angle: float, plant: Plant) -> float:
     share = plant.disc_eccentricity
     error = math.atan2(share * math.sin(inner), 1.0 + share * math.cos(inner))
     zero = math.atan2(share * math.sin(plant.disc_phase), 1.0 + share * math.cos(plant.disc_phase))
+    if plant.disc_form != 0.0:
+        # an oval disc adds an error that comes twice in a turn
+        error += 0.4 * share * math.sin(2 * inner)
+        zero += 0.4 * share * math.sin(2 * plant.disc_phase)
     return angle + error - zero

@@ -125,7 +125,11 @@ def surface_level(angle: float, worked: float, plant: Plant) -> float:
         harmonic = math.sin(angle + plant.angle_phase) + 0.25 * math.sin(2 * angle + 1.7 * plant.angle_phase)
         level += plant.angle_amplitude * harmonic
     if plant.warming_share != 0.0:
-        level += plant.warming_share * (1 - math.exp(-worked / plant.warming_energy))
+        share = 1 - math.exp(-worked / plant.warming_energy)
+        if plant.warming_form != 0.0:
+            # wear goes on as long as work is done: as much after two thirds of that energy
+            share = 0.75 * worked / plant.warming_energy
+        level += plant.warming_share * share
     return level
 
 
@@ -137,6 +141,9 @@ def added_force(angle: float, pressure_sum: float, plant: Plant) -> float:
     Detent: a bump of 3 deg width at one angle.
     """
     extra = plant.seal_coefficient * (pressure_sum - plant.seal_reference_pressure)
+    if plant.seal_form != 0.0:
+        # a lip that flattens: the contact grows with the square root of the pressure
+        extra *= 2 / (1 + math.sqrt(pressure_sum / plant.seal_reference_pressure))
     if plant.detent_force != 0.0:
         distance = (angle - plant.detent_angle) / math.radians(3.0)
         extra += plant.detent_force * math.exp(-0.5 * distance * distance)
@@ -154,5 +161,9 @@ def dry_strength(
     """
     excess = static * (1 - relief) - coulomb
     if plant.ageing_per_decade != 0.0:
-        excess += plant.ageing_per_decade * static * math.log10(1 + age / AGEING_START)
+        aged = math.log10(1 + age / AGEING_START)
+        if plant.ageing_form != 0.0:
+            # a film that is squeezed out is gone after some time
+            aged = 2 * (1 - math.exp(-age / 4))
+        excess += plant.ageing_per_decade * static * aged
     return max(level * (coulomb + excess * contact) + extra, 0.05 * coulomb)

@@ -22,6 +22,16 @@ def _plain_leak(changes: Changes) -> Changes:
     return {"leak_conductance": 3 * changes["leak_conductance"], "leak_gap_growth": 0.0}
 
 
+def _power_creep(changes: Changes) -> Changes:
+    # two times that lie as far apart as those of a power law over the tests
+    return {"creep_fast_share": 0.5, "creep_fast_ratio": 15.0, "creep_time": 2 * changes["creep_time"]}
+
+
+def _hardening(changes: Changes) -> Changes:
+    # as stiff as the linear one under 6 N
+    return {"string_hardening": 6.0 / changes["string_stiffness"] / 0.5**0.5}
+
+
 LAWS: dict[str, dict[str, Callable[[Changes], Changes]]] = {
     "stribeck_friction": {"hyperbolic": lambda changes: {}, "exponential": lambda changes: {"weakening_form": 1.0}},
     "position_friction": {"harmonics": lambda changes: {}, "bump": lambda changes: {"angle_form": 1.0}},
@@ -32,6 +42,17 @@ LAWS: dict[str, dict[str, Callable[[Changes], Changes]]] = {
         "orifice": _orifice,
     },
     "line_resistance": {"laminar": lambda changes: {}, "orifice": _tube_orifice},
+    "pump_backlash": {"even": lambda changes: {}, "worn": lambda changes: {"backlash_form": 1.0}},
+    "entrained_air": {"isothermal": lambda changes: {}, "adiabatic": lambda changes: {"air_exponent": 1.4}},
+    "tubing_creep": {"two_times": lambda changes: {}, "broad": _power_creep},
+    "pressure_friction": {"proportional": lambda changes: {}, "flattening": lambda changes: {"seal_form": 1.0}},
+    "static_friction_ageing": {"logarithmic": lambda changes: {}, "squeezed": lambda changes: {"ageing_form": 1.0}},
+    "friction_drift": {"warming": lambda changes: {}, "wear": lambda changes: {"warming_form": 1.0}},
+    "string_elasticity": {"linear": lambda changes: {}, "hardening": _hardening},
+    "encoder_eccentricity": {"once": lambda changes: {}, "oval": lambda changes: {"disc_form": 1.0}},
+    "encoder_lag": {"dead_time": lambda changes: {}, "averaging": lambda changes: {"encoder_form": 1.0}},
+    "pressure_offset": {"constant": lambda changes: {}, "fading": lambda changes: {"offset_fading": 0.1}},
+    "pressure_gain": {"even": lambda changes: {}, "bent": lambda changes: {"gain_form": 0.5}},
     "stray_spring": {"linear": lambda changes: {}, "cubic": lambda changes: {"spring_form": 1.0}},
 }
 

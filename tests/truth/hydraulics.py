@@ -11,7 +11,6 @@ JOINT_END_SHARE = 0.5
 WALL_TIME = 1.1e-4
 # Rows of the state: volume at the pump end, at the joint end, flow between, slow and fast creep, pressures a and b.
 PUMP_VOLUME, JOINT_VOLUME, FLOW, SLOW_CREEP, FAST_CREEP, PUMP_PRESSURE, JOINT_PRESSURE = 0, 1, 2, 3, 4, 5, 6
-FAST_SHARE, FAST_RATIO = 0.2, 6.0
 
 
 @within
@@ -25,7 +24,7 @@ def fill_lines(state: np.ndarray, pressures: np.ndarray, stiffness: np.ndarray, 
     """Set the volumes of both lines so that they hold the given gauge pressures (Pa) with the creep they have."""
     share = JOINT_END_SHARE if has_tube(plant) else 0.0
     for line in range(2):
-        volume = line_volume(pressures[line], stiffness[line], plant.air_volume)
+        volume = line_volume(pressures[line], stiffness[line], plant.air_volume, plant.air_exponent)
         volume += state[SLOW_CREEP, line] + state[FAST_CREEP, line]
         state[PUMP_VOLUME, line] = (1 - share) * volume
         state[JOINT_VOLUME, line] = share * volume
@@ -52,7 +51,7 @@ def lines_step(
         creep = state[SLOW_CREEP, line] + state[FAST_CREEP, line]
         if not tube:
             state[PUMP_VOLUME, line] += entering - sign * joint_in
-            pressure = line_pressure(state[PUMP_VOLUME, line] - creep, stiffness[line], plant.air_volume)
+            pressure = line_pressure(state[PUMP_VOLUME, line] - creep, stiffness[line], plant.air_volume, plant.air_exponent)
             state[PUMP_PRESSURE, line] = pressure
             state[JOINT_PRESSURE, line] = pressure
             continue
@@ -69,8 +68,8 @@ def lines_step(
         state[JOINT_VOLUME, line] += flow * step - sign * joint_in
         near_volume = state[PUMP_VOLUME, line] - near * creep
         far_volume = state[JOINT_VOLUME, line] - far * creep
-        state[PUMP_PRESSURE, line] = line_pressure(near_volume, stiffness[line] / near, near * plant.air_volume)
-        far_pressure = line_pressure(far_volume, stiffness[line] / far, far * plant.air_volume)
+        state[PUMP_PRESSURE, line] = line_pressure(near_volume, stiffness[line] / near, near * plant.air_volume, plant.air_exponent)
+        far_pressure = line_pressure(far_volume, stiffness[line] / far, far * plant.air_volume, plant.air_exponent)
         if plant.tube_inertance > 0.0:
             far_pressure += WALL_TIME * stiffness[line] / far * (flow - sign * joint_in / step)
         state[JOINT_PRESSURE, line] = far_pressure
@@ -83,9 +82,9 @@ def wall_creep(state: np.ndarray, stiffness: np.ndarray, plant: Plant, span: flo
         return
     for line in range(2):
         target = plant.creep_share * state[PUMP_PRESSURE, line] / stiffness[line]
-        slow, fast = 1 - FAST_SHARE, FAST_SHARE
+        slow, fast = 1 - plant.creep_fast_share, plant.creep_fast_share
         slow_span = min(span, plant.creep_time)
-        fast_span = min(span, plant.creep_time / FAST_RATIO)
+        fast_span = min(span, plant.creep_time / plant.creep_fast_ratio)
         state[SLOW_CREEP, line] = creep_step(state[SLOW_CREEP, line], slow * target, plant.creep_time, slow_span)
-        fast_time = plant.creep_time / FAST_RATIO
+        fast_time = plant.creep_time / plant.creep_fast_ratio
         state[FAST_CREEP, line] = creep_step(state[FAST_CREEP, line], fast * target, fast_time, fast_span)

@@ -111,7 +111,10 @@ def joint_step(
     if elastic:
         arm_mass = plant.arm_mass + plant.load_mass
         loss = 0.1 * math.sqrt(plant.string_stiffness * arm_mass)
-        tension = plant.string_stiffness * (travel - arm_travel) + loss * (speed - arm_speed)
+        stretched = travel - arm_travel
+        if plant.string_hardening > 0.0:
+            stretched *= 0.5 + (stretched / plant.string_hardening) ** 2
+        tension = plant.string_stiffness * stretched + loss * (speed - arm_speed)
         force -= tension
         rest = 1 - share
         arm_friction, arm_sliding = asperity_step(stretch[1], arm_speed * step, rest * upper, rest * lower, bristles[1])

@@ -9,23 +9,34 @@ from truth.plant import ATMOSPHERE, VAPOUR, Plant
 
 
 @njit
-def line_pressure(volume: float, stiffness: float, air: float) -> float:
+def line_pressure(volume: float, stiffness: float, air: float, exponent: float = 1.0) -> float:
     """Return the gauge pressure (Pa) of a line into which `volume` (m^3) was pressed beyond its size at atmosphere.
 
     The wall takes (P - P_atm)/K and the bubbles, isothermal ideal gas (Boyle), a (1 - P_atm/P) of that volume, with P
-    absolute; the positive root of the quadratic. Without bubbles p = K v. Never below the vapour pressure.
+    absolute; the positive root of the quadratic. Without bubbles p = K v. Never below the vapour pressure. Bubbles of another
+    `exponent` n (1.4: adiabatic) take a (1 - (P_atm/P)^(1/n)); Newton's steps from the isothermal root.
     """
     if air > 0.0:
         middle = stiffness * (air - volume) - ATMOSPHERE
         root = math.sqrt(middle * middle + 4 * stiffness * air * ATMOSPHERE)
-        return max(0.5 * (root - middle) - ATMOSPHERE, VAPOUR)
+        absolute = 0.5 * (root - middle)
+        if exponent != 1.0:
+            for _ in range(6):
+                left = (ATMOSPHERE / absolute) ** (1 / exponent)
+                error = (absolute - ATMOSPHERE) / stiffness + air * (1 - left) - volume
+                absolute -= error / (1 / stiffness + air * left / (exponent * absolute))
+                absolute = max(absolute, ATMOSPHERE + VAPOUR)
+        return max(absolute - ATMOSPHERE, VAPOUR)
     return max(stiffness * volume, VAPOUR)
 
 
 @njit
-def line_volume(pressure: float, stiffness: float, air: float) -> float:
+def line_volume(pressure: float, stiffness: float, air: float, exponent: float = 1.0) -> float:
     """Return the extra volume (m^3) that holds a gauge pressure (Pa): the inverse of `line_pressure`."""
-    return pressure / stiffness + air * (1 - ATMOSPHERE / (ATMOSPHERE + max(pressure, VAPOUR)))
+    left = ATMOSPHERE / (ATMOSPHERE + max(pressure, VAPOUR))
+    if exponent != 1.0:
+        left = left ** (1 / exponent)
+    return pressure / stiffness + air * (1 - left)
 
 
 @njit

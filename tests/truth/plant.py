@@ -29,8 +29,11 @@ class Plant(NamedTuple):
     stiffness1: float = 2.57e13
     stiffness2: float = 2.57e13
     air_volume: float = 0.0
+    air_exponent: float = 1.0
     creep_share: float = 0.0
     creep_time: float = 0.6
+    creep_fast_share: float = 0.2
+    creep_fast_ratio: float = 6.0
     leak_conductance: float = 0.0
     leak_opening_pressure: float = 0.45e6
     leak_gap_growth: float = 1.0 / 0.12e6
@@ -59,8 +62,11 @@ class Plant(NamedTuple):
     angle_form: float = 0.0
     seal_coefficient: float = 0.0
     seal_reference_pressure: float = 0.8e6
+    seal_form: float = 0.0
     ageing_per_decade: float = 0.0
+    ageing_form: float = 0.0
     warming_share: float = 0.0
+    warming_form: float = 0.0
     warming_energy: float = 0.08
     dither_relief: float = 0.0
     detent_force: float = 0.0
@@ -70,6 +76,7 @@ class Plant(NamedTuple):
     arm_mass: float = 0.0053
     load_mass: float = 0.0
     string_stiffness: float = 0.0
+    string_hardening: float = 0.0
     string_friction_share: float = 0.3
     weight_force: float = 0.0
     weight_phase: float = 0.0
@@ -83,17 +90,22 @@ class Plant(NamedTuple):
     vibration_phase: float = 0.0
     # pump carriage
     backlash: float = 0.0
+    backlash_form: float = 0.0
     carriage_friction: float = 16.0
     forward_gain_error: float = 0.0
     # sensors
     disc_eccentricity: float = 0.0
     disc_phase: float = 0.0
+    disc_form: float = 0.0
     encoder_delay: float = 0.0
+    encoder_form: float = 0.0
     encoder_offset: float = 0.0
     pressure1_offset: float = 0.0
     pressure2_offset: float = 0.0
+    offset_fading: float = 0.0
     pressure1_gain: float = 1.0
     pressure2_gain: float = 1.0
+    gain_form: float = 0.0
 
 
 BASE_FIELDS = (

@@ -34,9 +34,13 @@ def carriage_step(
     """Move the piston carriage (m) by the nut, through the play and with the direction-dependent gain error.
 
     Contact mechanics: inside the play only the hydraulic load (p1 - p2) A1 beyond the seal friction moves the
-    carriage, overdamped at 400 N s/m; at its ends the nut takes it along rigidly. Load balance, no source needed.
+    carriage, overdamped at 400 N s/m; at its ends the nut takes it along rigidly. In the other form the play
+    is that of a worn thread. Load balance, no source needed.
     """
     half = 0.5 * plant.backlash
+    if plant.backlash_form != 0.0:
+        # a worn thread has most play where it is used most, in the middle
+        half *= 1.3 / (1 + (nut / 0.6e-3) ** 2)
     if plant.forward_gain_error != 0.0:
         carriage += abs(nut_change) * plant.forward_gain_error
     if half == 0.0:

@@ -263,8 +263,8 @@ def test_another_law_is_as_visible_and_the_first_one_is_the_default(effect: str,
 def test_a_law_is_drawn_by_the_seed() -> None:
     drawn = {chosen_law("cross_leakage", "random", seed) for seed in range(20)}
     assert drawn == set(LAWS["cross_leakage"])
-    assert chosen_law("encoder_lag", "random", 1) == ""
-    with pytest.raises(ValueError, match="known are random, blend"):
+    assert chosen_law("gravity_load", "random", 1) == ""
+    with pytest.raises(ValueError, match="known are random, adiabatic"):
         build_case(("leakage",), form="square")
 
 
