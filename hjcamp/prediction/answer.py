@@ -15,7 +15,7 @@ from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.leading import leading
 from hjcamp.prediction.scored import Scored, Step
-from hjcamp.prediction.selection import critical
+from hjcamp.prediction.selection import chance_of_t, critical
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
 from hjcamp.prediction.windows import ZERO, Layout
@@ -156,13 +156,13 @@ def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
     for name in verdict.model.beyond(base):
         seen.add(name)
         without = next(step for step in search.steps if name not in step.before.names)
-        rows.append(_candidate(analysis, name, verdict.model, without, named=name in verdict.effects))
+        rows.append(_candidate(analysis, verdict, name, verdict.model, without, named=name in verdict.effects))
     for step in search.steps:
         for one in step.named:
             [name] = one.beyond(step.before)
             if name not in seen:
                 seen.add(name)
-                rows.append(_candidate(analysis, name, one, step, named=name in verdict.effects))
+                rows.append(_candidate(analysis, verdict, name, one, step, named=name in verdict.effects))
     return rows
 
 
@@ -176,11 +176,13 @@ def asked_candidates(analysis: Analysis, verdict: Verdict, names: Sequence[str])
         effect = analysis.search.library[name]
         model = analysis.search.fitted(analysis.base.fitted.candidate.with_effect(name, effect.defaults()))
         if np.isfinite(model.left_out):
-            rows.append(_candidate(analysis, name, model, alone, named=False))
+            rows.append(_candidate(analysis, verdict, name, model, alone, named=False))
     return rows
 
 
-def _candidate(analysis: Analysis, name: str, model: Scored, step: Step, named: bool) -> dict[str, Any]:
+def _candidate(
+    analysis: Analysis, verdict: Verdict, name: str, model: Scored, step: Step, named: bool
+) -> dict[str, Any]:
     effect = analysis.search.library[name]
     found = [one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name]
     t, count = analysis.search.t(model, step.before)
@@ -191,15 +193,22 @@ def _candidate(analysis: Analysis, name: str, model: Scored, step: Step, named: 
         "t": float(np.clip(t, -1e3, 1e3)),
         "t_needed": critical(count, step.level),
         "heldout_error_ratio": analysis.search.error_ratio(model, step.before),
+        "p_value": chance_of_t(t, count),
+        "law_left": _law_left(analysis, verdict, model),
         "parameters": {one.name: _row(one, effect.parameters[one.name].unit) for one in found},
     }
 
 
+def _law_left(analysis: Analysis, verdict: Verdict, model: Scored) -> float:
+    """Return the share that a model leaves of the logarithm by which the best model, an unknown too, makes the error smaller."""
+    best = min([verdict.model, *([verdict.unknown] if verdict.unknown else [])], key=lambda one: one.left_out)
+    most, taken = (float(np.log(analysis.base.left_out / one.left_out)) for one in (best, model))
+    return float(np.clip(1.0 - taken / most, 0.0, 1.0)) if most > 0.0 else 0.0
+
+
 def _weight(t: float, chapters: float) -> float:
     """Return the probability of Student's t below the comparison: 0 where a model is clearly no better than without."""
-    from scipy.special import stdtr
-
-    return float(max(0.0, 2.0 * stdtr(max(chapters - 1.0, 1.0), t) - 1.0))
+    return max(0.0, 1.0 - 2.0 * chance_of_t(t, chapters))
 
 
 def _row(one: Interval, unit: str) -> dict[str, Any]:

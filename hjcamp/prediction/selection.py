@@ -388,6 +388,13 @@ def critical(chapters: float, level: float = LEVEL) -> float:
     return float(stdtrit(chapters - 1.0, 1.0 - level)) if chapters > 1.0 + 1e-9 else math.inf
 
 
+def chance_of_t(t: float, chapters: float) -> float:
+    """Return how often Student's t over a number of chapters is as large by chance."""
+    from scipy.special import stdtr
+
+    return float(stdtr(max(chapters - 1.0, 1.0), -t))
+
+
 def _added(candidate: Candidate, before: Candidate) -> str:
     [name] = set(candidate.effects) - set(before.effects)
     return name

@@ -17,6 +17,7 @@ from hjcamp.records.write import write_log
 KEYS = {
     "schema", "verdict", "effects", "drivers", "p_value", "candidates", "error", "calibration", "where",
     "confounded", "lacking", "minimum_detectable", "seconds", "unknowns",
+    "plant", "law_left", "confidence_set", "floor", "worst", "rests_on",
 }  # fmt: skip
 BOXES = {"joint", "lines", "pump"}
 
@@ -33,11 +34,20 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     answer = call("diagnose", leak, "--effort", "quick", "--json", "d.json")
     assert answer.code == 0, answer.err
     found = read_answer(Path("d.json"))
-    assert set(found) == KEYS and found["schema"] == "hjcamp.diagnosis/1"
+    assert set(found) == KEYS and found["schema"] == "hjcamp.diagnosis/2" and found["plant"] == "pump_joint"
     assert (found["verdict"], found["effects"]) == ("effect", ["leakage"])
     best = found["candidates"][0]
     assert best["effect"] == "leakage" and best["posterior"] > 0.8 and best["heldout_error_ratio"] < 0.5
+    assert found["confidence_set"] == [["leakage"]] and found["law_left"] == best["law_left"] < 0.1
+    assert best["p_value"] == found["p_value"] < 0.05
+    assert found["rests_on"]["tests"] == 24 and found["rests_on"]["conditions"] == 8 and found["rests_on"]["trajectory"] > 2
+    over = [row["over_floor"] for row in found["worst"]]
+    assert over == sorted(over, reverse=True) and len(over) == 8 and over[0] < 3.0
+    for channel, floor in found["floor"].items():
+        assert floor["source"] == "repetitions" and floor["low"] <= floor["value"] <= floor["high"], channel
+    assert found["floor"]["pressure1_mpa"]["unit"] == "MPa"
     others = [row["posterior"] for row in found["candidates"][1:]]
+    assert all(row["law_left"] > 0.5 for row in found["candidates"][1:])
     assert others and max(others) <= 0.5
     low, high = best["parameters"]["conductance"]["ci95"]
     assert low < best["parameters"]["conductance"]["value"] < high
@@ -110,6 +120,7 @@ def test_nothing_is_missing(call: Call, null: Path) -> None:
     # On the scale of `compare` whole tests are replayed: slips that come earlier or later add to what repetitions differ by.
     # another repetition in the place of the model would be sqrt(2) floors away
     assert found["error"]["augmented"] < 2**0.5 * found["error"]["floor"]
+    assert found["confidence_set"] == [[]] and found["law_left"] == 0.0 and found["unknowns"] == []
     least = found["minimum_detectable"]["leakage"]
     assert set(least) == {"parameter", "value", "unit"} and 0 < least["value"] < 1e-15
 

@@ -86,19 +86,28 @@ def diagnose_joint(
         shown = gather(found, content, library)
     finally:
         crew.close()
-    curve = _curve(found, content)
-    content["unknowns"] = [curve.row()] if curve else []
+    curve, content["unknowns"] = _unknowns(found, content)
     content["seconds"] = round(time.perf_counter() - began, 3)
     return Diagnosed(found, content, library, asked.model, before, judging, curve, shown)
 
 
-def _curve(found: Diagnosis, content: Mapping[str, Any]) -> Unexplained | None:
-    from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import unexplained
+def _unknowns(found: Diagnosis, content: Mapping[str, Any]) -> tuple[Unexplained | None, list[dict[str, Any]]]:
+    """Return what is left over its likeliest driver, and a row for each driver, the first with the curve."""
+    from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import rank_drivers
+    from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import CHANNELS, unexplained
 
     if not content["drivers"]:
-        return None
+        return None, []
     fit = found.final if looks_at_final(found, content["error"]["augmented"]) else found.baseline
-    return unexplained(found.features, fit, found.floor, content["drivers"][0])
+    told = {driver: (channel, share) for driver, channel, share in reversed(rank_drivers(found.features, fit, found.floor))}
+    first, *others = content["drivers"]
+    curve = unexplained(found.features, fit, first, *told[first])
+    rows = [
+        {"driver": name, "quantity": CHANNELS[told[name][0]][1], "port": told[name][0], "gain": float(told[name][1])}
+        for name in others
+        if name in told
+    ]
+    return curve, [curve.row(), *rows]
 
 
 def looks_at_final(found: Diagnosis, error: float | None) -> bool:

@@ -71,7 +71,7 @@ def missing_of(
         driver = driver_of(features, lost, channel, barred.get(channel, ()))
 
     def over(fit: Fit) -> Unexplained:
-        return unexplained(features, fit, floor, driver, channel)
+        return unexplained(features, fit, driver, channel)
 
     before = over(found.baseline)
     law: tuple[Branch, ...] = ()

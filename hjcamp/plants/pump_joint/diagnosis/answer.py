@@ -1,4 +1,4 @@
-"""The answer of a diagnosis for programs: schema hjcamp.diagnosis/1."""
+"""The answer of a diagnosis for programs: schema hjcamp.diagnosis/2."""
 
 from __future__ import annotations
 
@@ -9,6 +9,14 @@ from typing import Any
 
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
+from hjcamp.plants.pump_joint.diagnosis.answer_rows import (
+    confidence_set,
+    floor_rows,
+    law_left,
+    law_left_of,
+    rests_on,
+    worst,
+)
 from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
 from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import Local, folds, parameter_rows
@@ -18,7 +26,7 @@ from hjcamp.plants.pump_joint.diagnosis.models.unknowns import base_unknowns
 from hjcamp.plants.pump_joint.diagnosis.scale import Judge, Judged, scale_of
 from hjcamp.plants.pump_joint.diagnosis.screening.screening import Step, fit_effect, rival_weights, unknowns_of
 
-SCHEMA = "hjcamp.diagnosis/1"
+SCHEMA = "hjcamp.diagnosis/2"
 FOLDS = {"quick": 1, "standard": 3, "thorough": 3}
 NOTHING_ELSE = 0.5
 STEPS_ASKED = 4
@@ -96,6 +104,7 @@ def answer(
     report("intervals", 0.98)
     return {
         "schema": SCHEMA,
+        "plant": "pump_joint",
         "verdict": found.verdict,
         "effects": list(found.effects),
         "drivers": list(found.drivers) if found.verdict == "outside_library" else [],
@@ -107,6 +116,11 @@ def answer(
         "where": [place.row() for place in places],
         "confounded": found.confounded,
         "minimum_detectable": _detectable(found),
+        "law_left": law_left_of(found),
+        "confidence_set": confidence_set(found),
+        "floor": floor_rows(judged.scale, judged.before),
+        "worst": worst(found.features.evidence, judged.scale, judged.after),
+        "rests_on": rests_on(found.features.evidence),
         "seconds": seconds,
     }
 
@@ -145,10 +159,12 @@ def _candidates(judged: Judging, shown: int) -> list[dict[str, Any]]:
             if name not in rows or (first, -posterior) < (rows[name][2], -rows[name][1]):
                 rows[name] = (step, posterior, first)
     order = sorted(rows, key=lambda name: (rows[name][2], -rows[name][1]))[: shown + len(found.effects)]
-    return [_candidate(judged, name, rows[name][0].fits[name], rows[name][1], baseline) for name in order]
+    return [_candidate(judged, name, rows[name][0], rows[name][0].fits[name], rows[name][1], baseline) for name in order]
 
 
-def _candidate(judged: Judging, name: str, fit: Fit, posterior: float, baseline: float) -> dict[str, Any]:
+def _candidate(
+    judged: Judging, name: str, step: Step | None, fit: Fit, posterior: float, baseline: float
+) -> dict[str, Any]:
     """Return the row of one effect: as it stands in the final model where it is in that, else as fitted beside others."""
     best = judged.best
     own = best if fit is best.fit else judged.local(fit)
@@ -156,7 +172,11 @@ def _candidate(judged: Judging, name: str, fit: Fit, posterior: float, baseline:
     final = best if name in best.fit.candidate.effects else own
     parameters = parameter_rows(final.intervals(), final.unknowns, name)
     ratio = _finite(error / baseline) if baseline > 0 else None
-    return {"effect": name, "posterior": float(posterior), "heldout_error_ratio": ratio, "parameters": parameters}
+    chance = step.chance_of(name) if step is not None and name in step.fits else None
+    return {
+        "effect": name, "posterior": float(posterior), "heldout_error_ratio": ratio, "p_value": chance,
+        "law_left": law_left(judged.found, final.fit), "parameters": parameters,
+    }  # fmt: skip
 
 
 def asked_candidates(judged: Judging, names: Sequence[str], present: Sequence[str]) -> list[dict[str, Any]]:
@@ -175,5 +195,5 @@ def asked_candidates(judged: Judging, names: Sequence[str], present: Sequence[st
         fit = fit_effect(found.fitter, screening, effect, judged.effects, STEPS_ASKED)
         others = found.steps[0].fits if found.steps else {}
         weight = rival_weights({**others, name: fit}, found.fitter.least, judged.effects)[name]
-        rows.append(_candidate(judged, name, fit, weight, baseline))
+        rows.append(_candidate(judged, name, None, fit, weight, baseline))
     return rows

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,12 +65,15 @@ class Scale:
 class Judged:
     """The errors of a model by channel and their score; NaN and none where it runs away.
 
-    ``each`` is the error of every single test: root mean square over arm, lines and first reading, in floors.
+    ``each`` is the error of every single test: root mean square over arm, lines and first reading, in floors. ``places`` are
+    the tests by their positions in the evidence, ``of_tests`` the rms of each of them by channel, in the log's units.
     """
 
     errors: Mapping[str, ChannelError | None]
     score: float
     each: tuple[float, ...] = ()
+    places: tuple[int, ...] = ()
+    of_tests: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
 def fall_of(before: Judged, after: Judged) -> tuple[float, float]:
@@ -150,7 +153,11 @@ class Judge:
         errors[FIRST] = channel_error([seen], [seen], floors.get(FIRST)) if len(seen) else None
         if not self._parts:
             return Judged(errors, float("nan"))
-        return Judged(errors, self.scale.score(errors), self._each(every, first))
+        places = tuple(place for tests, _ in self._parts for place in tests)
+        of_tests = {
+            name: tuple(float(np.sqrt(np.mean(one**2))) for one in left) for name, (left, _) in every.items() if name in HEADLINE
+        }
+        return Judged(errors, self.scale.score(errors), self._each(every, first), places, of_tests)
 
     def _each(self, every: Mapping[str, Series], first: Sequence[float]) -> tuple[float, ...]:
         """Return the error of every single test, in floors."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
-from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import driver_values, rank_drivers
+from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import driver_values
 from hjcamp.plants.pump_joint.diagnosis.localisation.where import FEWEST, UNITS, quantities
 from hjcamp.plants.pump_joint.diagnosis.residuals.features import Features
 
@@ -31,7 +31,11 @@ STRAIGHT = 0.5
 
 @dataclass(frozen=True)
 class Unexplained:
-    """A mean force (N) or flow (mm3/s) over bins of a driver (bins,), moving forwards and backwards; NaN where not seen."""
+    """A mean force (N) or flow (mm3/s) over bins of a driver (bins,), moving forwards and backwards; NaN where not seen.
+
+    ``gain`` is the share of the residual that the driver tells on conditions left out; ``spread`` (bins,) the standard error of the
+    mean of both directions, from test to test.
+    """
 
     driver: str
     driver_unit: str
@@ -41,17 +45,22 @@ class Unexplained:
     forward: Array
     backward: Array
     channel: str = "sliding"
+    gain: float = 0.0
+    spread: Array | None = None
 
     def row(self) -> dict[str, Any]:
         """Return the curve for programs, SI: what drives it, where it acts, and its values in both directions."""
-        forward, backward = (
+        both = np.where(np.isnan(self.forward), self.backward, np.where(np.isnan(self.backward), self.forward, self.even))
+        wide = 1.96 * (np.full(len(both), np.nan) if self.spread is None else self.spread)
+        forward, backward, y, low, high = (
             [float(value) * SI[self.unit] if np.isfinite(value) else None for value in one]
-            for one in (self.forward, self.backward)
+            for one in (self.forward, self.backward, both, both - wide, both + wide)
         )
         return {
-            "driver": self.driver, "quantity": self.quantity, "port": self.channel,
+            "driver": self.driver, "quantity": self.quantity, "port": self.channel, "gain": self.gain,
             "curve": {
-                "x": [float(v) * SI[self.driver_unit] for v in self.centres], "forward": forward, "backward": backward,
+                "x": [float(v) * SI[self.driver_unit] for v in self.centres], "y": y, "low": low, "high": high,
+                "forward": forward, "backward": backward,
                 "x_unit": IN_SI.get(self.driver_unit, self.driver_unit) or "1", "y_unit": IN_SI.get(self.unit, self.unit),
             },
         }  # fmt: skip
@@ -88,9 +97,8 @@ class Unexplained:
         return f"{said}: between {low:.2g} and {high:.2g} {self.unit}."
 
 
-def unexplained(features: Features, fit: Fit, floor: Array, driver: str, channel: str = "") -> Unexplained:
-    """Return what ``fit`` leaves over ``driver``, in the ``channel``, else in that in which the driver explains most of it."""
-    channel = channel or next(row[1] for row in rank_drivers(features, fit, floor) if row[0] == driver)
+def unexplained(features: Features, fit: Fit, driver: str, channel: str, gain: float = 0.0) -> Unexplained:
+    """Return what ``fit`` leaves over ``driver`` in the ``channel``; ``gain`` is the share of it that the driver tells."""
     index, name, unit = CHANNELS[channel]
     quantity = quantities(features, fit.features)[index]
     # The balance is push less friction: a force on the arm that the model lacks has the other sign.
@@ -105,7 +113,17 @@ def unexplained(features: Features, fit: Fit, floor: Array, driver: str, channel
         curves.append(
             np.array([scale * float(quantity.values[one].mean()) if one.sum() >= FEWEST else np.nan for one in members])
         )
-    return Unexplained(driver, driver_unit, name, unit, 0.5 * (edges[1:] + edges[:-1]), curves[0], curves[1], channel)
+    of_bin = np.where(quantity.valid, np.digitize(values, edges) - 1, -1)
+    spread = np.array([scale * _error_of_mean(quantity.values, features.of_test, of_bin == k) for k in range(len(edges) - 1)])
+    return Unexplained(
+        driver, driver_unit, name, unit, 0.5 * (edges[1:] + edges[:-1]), curves[0], curves[1], channel, gain, np.abs(spread)
+    )
+
+
+def _error_of_mean(values: Array, of_test: NDArray[np.int64], inside: NDArray[np.bool_]) -> float:
+    """Return the standard error of a mean over blocks, as the means of tests tell it; NaN for a single test."""
+    means = [float(values[inside & (of_test == test)].mean()) for test in np.unique(of_test[inside])]
+    return float(np.std(means, ddof=1) / np.sqrt(len(means))) if len(means) > 1 else float("nan")
 
 
 def driver_of(features: Features, fit: Fit, channel: str, barred: Sequence[str] = ()) -> str:

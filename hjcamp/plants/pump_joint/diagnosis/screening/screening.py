@@ -99,6 +99,10 @@ class Step:
         """Return by how much the loss falls with an effect that was fitted."""
         return self.screening.about.loss - self.fits[name].loss
 
+    def chance_of(self, name: str) -> float:
+        """Return how often a twin of the model before this step gains as much as an effect that was fitted."""
+        return float((1 + np.sum(self.null_gains >= self.gain_of(name))) / (1 + len(self.null_gains)))
+
 
 def by_gain(
     probes: Sequence[Probe], gains: Array, coefficients: Sequence[Array]
