@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages
-from hjcamp.prediction.floor import in_units
+from hjcamp.prediction.floor import in_units, shared
 from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.leading import leading
 from hjcamp.prediction.scored import Scored, Step
@@ -110,7 +110,7 @@ def end_rows(layout: Layout) -> dict[str, dict[str, Any]]:
 
 
 def worst(analysis: Analysis, model: Scored) -> list[dict[str, Any]]:
-    """Return the conditions with the largest error over the floor, the worst first."""
+    """Return the conditions with the largest error over the floor, the worst first, each with what its repetitions share of it."""
     layout = analysis.windows.layout
     floor = np.maximum(analysis.floor.of_sensors(layout), 1e-300)
     rows: list[dict[str, Any]] = []
@@ -119,10 +119,14 @@ def worst(analysis: Analysis, model: Scored) -> list[dict[str, Any]]:
         if not inside.any():
             continue
         left = in_units(np.mean(model.fitted.features[inside] ** 2, axis=0), layout) / floor
+        both = shared(layout, model.fitted.features, tests)
         rows += [
-            {"condition": condition, "channel": one.field, "over_floor": float(left[k])}
+            {
+                "condition": condition, "channel": one.field, "over_floor": float(left[k]),
+                "shared": None if both is None else float(both[k] * one.scale), "unit": one.unit,
+            }
             for k, one in enumerate(layout.measured.sensors)
-        ]
+        ]  # fmt: skip
     return sorted(rows, key=lambda row: -row["over_floor"])[:WORST]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,13 +75,35 @@ def _of_repetitions(layout: Layout, features: Array) -> Array | None:
     for tests in layout.measured.conditions.values():
         if len(tests) < 2:
             continue
-        rows = [np.flatnonzero(layout.of_test == test) for test in tests]
-        shortest = min(len(one) for one in rows)
-        block = np.stack([features[one[:shortest]] for one in rows])
+        block = _side_by_side(layout, features, tests)
         apart = (block - block.mean(axis=0)) * math.sqrt(len(tests) / (len(tests) - 1))
         found.append(apart.reshape(-1, features.shape[1]))
     every = np.concatenate(found) if found else np.zeros((0, features.shape[1]))
     return every if len(every) >= FEWEST_REPEATED else None
+
+
+def shared(layout: Layout, features: Array, tests: Sequence[int]) -> Array | None:
+    r"""Return the rms (sensors,), SI, that the repetitions of a condition share; None for a single test.
+
+    .. math:: s^2 = \max\Bigl(\frac{1}{R (R - 1)} \sum_{r \ne r'} \overline{f_r f_{r'}},\ 0\Bigr)
+
+    for R repetitions of each window: what they differ by cancels.
+    """
+    if len(tests) < 2:
+        return None
+    block = _side_by_side(layout, features, tests)
+    if not block.shape[1]:
+        return None
+    squares = (block.sum(axis=0) ** 2 - (block**2).sum(axis=0)).mean(axis=0) / (len(tests) * (len(tests) - 1))
+    # sensors are summed before the root: single features may come out below zero
+    return in_units(np.maximum(squares.reshape(len(layout.measured.sensors), -1).sum(axis=1), 0.0), layout)
+
+
+def _side_by_side(layout: Layout, features: Array, tests: Sequence[int]) -> Array:
+    """Return the features of the windows that all tests of a condition have (tests, windows, d)."""
+    rows = [np.flatnonzero(layout.of_test == test) for test in tests]
+    shortest = min(len(one) for one in rows)
+    return np.stack([features[one[:shortest]] for one in rows])
 
 
 def usual_size(features: Array, moments: Array) -> float:

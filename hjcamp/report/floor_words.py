@@ -2,12 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 NEAR = 1.3
+WORST = ("condition", "channel", "over the floor", "shared by repetitions")
 NO_FLOOR = (
     "No test was repeated, so there is no floor, and nothing tells how much of the error is the model's; "
     "repetitions of the same tests give one (3 of each condition are usual: hjcamp run ... repetitions=3)."
 )
 WORSE = 1.02
+
+
+def worst_words(rows: Sequence[Mapping[str, Any]], over: str, most: int = 3) -> list[str]:
+    """Return in words which conditions err most, each in its worst channel: ``over`` what, and what repetitions share of it.
+
+    ``rows`` are those of an answer (condition, channel, over_floor, shared, unit), the worst first.
+    """
+    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.units import told
+
+    firsts = {row["condition"]: row for row in reversed(rows)}
+    chosen = sorted(firsts.values(), key=lambda row: -row["over_floor"])[:most]
+    said = []
+    for row in chosen:
+        shared = f", {told(row['shared'], row['unit'], 2)} of it shared by repetitions" if row["shared"] else ""
+        said.append(f"{row['condition']} {row['over_floor']:.2g} x {over} in {channel_label(row['channel'])}{shared}")
+    return [f"{'; '.join(said)}."] if said else []
+
+
+def worst_table(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
+    """Return the conditions that err most as rows of a table: ``WORST``."""
+    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.names import readable
+    from hjcamp.report.units import told
+
+    return [
+        [
+            readable(row["condition"]), channel_label(row["channel"]), f"{row['over_floor']:.2f}",
+            "" if row["shared"] is None else told(row["shared"], row["unit"]),
+        ]
+        for row in rows
+    ]  # fmt: skip
 
 
 def worse_calibrated(name: str, before: float, after: float, why: str) -> list[str]:

@@ -17,6 +17,7 @@ from hjcamp.commands.any_plant.words import (
     print_head,
     table,
 )
+from hjcamp.report.floor_words import worst_words
 from hjcamp.report.units import plain, told, told_interval
 
 if TYPE_CHECKING:
@@ -180,6 +181,10 @@ class Words:
         said = telling_tests(self.verdict.effects, self.content["unknowns"], self.analysis.search.library)
         return [f"Tests that would tell: {'; '.join(said)}."] if said else []
 
+    def worst(self) -> list[str]:
+        """The conditions that err most with what was found."""
+        return worst_words(self.content["worst"], "the floor" if self.analysis.floor.source != "sensor" else "the noise")
+
     def candidates(self) -> list[list[str]]:
         """Rows: effect, t, error left, parameter, value, 95 %."""
         rows: list[list[str]] = []
@@ -253,3 +258,4 @@ def print_diagnosis(console: Console, words: Words) -> None:
     console.print(f"error   over windows of {layout.width * layout.measured.period:.3g} s", markup=False)
     table(console, CHANNELS, channel_table(words.content["channels"]))
     print_wrapped(console, [FLOORS[analysis.floor.source] + "."], 8)
+    print_wrapped(console, words.worst(), 8, "worst")

@@ -123,6 +123,7 @@ def _print(console: Console, told: Told) -> None:
     console.print("error   on tests that were not used for the fit")
     print_errors(console, told.errors(), told.judging.scale)
     print_wrapped(console, told.further_off(), 8)
+    print_wrapped(console, told.worst(), 8, "worst")
     print_wrapped(console, told.where(), 8, "where")
     hidden, pairs = told.confounded(APART)
     if hidden:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.plants.pump_joint.analyses.diagnosing import Diagnosed, looks_at_final
 from hjcamp.plants.pump_joint.answers.where_words import where_sentences
-from hjcamp.report.floor_words import worse_calibrated
+from hjcamp.report.floor_words import worse_calibrated, worst_words
 from hjcamp.report.units import label, told, told_interval
 
 if TYPE_CHECKING:
@@ -98,6 +98,10 @@ class Told(Diagnosed):
             said = [f"Calibrated: {line}" if number == 0 else line for number, line in enumerate(said[:3])]
             said += [f"With {with_}: {left[0]}", *left[1:3]]
         return said
+
+    def worst(self) -> list[str]:
+        """Return the conditions that err most on tests not used for the fit, by the model with the effects."""
+        return worst_words(self.content["worst"], "the floor" if self.judging.scale.repeated else "the spread of what was measured")
 
     def errors(self) -> list[tuple[str, Judged]]:
         """Return the errors by name: as started, calibrated, with the effects."""

@@ -67,14 +67,21 @@ def floor_rows(scale: Scale, before: Judged) -> dict[str, dict[str, Any]]:
 
 
 def worst(evidence: Evidence, scale: Scale, after: Judged) -> list[dict[str, Any]]:
-    """Return the conditions and channels with the largest error over the floor on tests that were held out, the worst first."""
+    """Return the conditions and channels with the largest error over the floor on tests that were held out, the worst first.
+
+    Each with what its repetitions share of that error, in the log's unit.
+    """
     rows: list[dict[str, Any]] = []
     for condition in dict.fromkeys(evidence.tests[place].condition for place in after.places):
         here = [k for k, place in enumerate(after.places) if evidence.tests[place].condition == condition]
         for name in HEADLINE:
             floor = scale.floors.get(name) or max(scale.spreads[name], 1e-12)
             left = float(np.sqrt(np.mean(np.square([after.of_tests[name][k] for k in here]))))
-            rows.append({"condition": condition, "channel": name, "over_floor": left / floor})
+            shared = after.shared[name][condition]
+            rows.append({
+                "condition": condition, "channel": name, "over_floor": left / floor,
+                "shared": shared if np.isfinite(shared) else None, "unit": unit_of_field(name, "plant pump_joint").shown,
+            })  # fmt: skip
     return sorted(rows, key=lambda row: -row["over_floor"])[:WORST]
 
 

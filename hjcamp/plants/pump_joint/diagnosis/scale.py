@@ -66,7 +66,8 @@ class Judged:
     """The errors of a model by channel and their score; NaN and none where it runs away.
 
     ``each`` is the error of every single test: root mean square over arm, lines and first reading, in floors. ``places`` are
-    the tests by their positions in the evidence, ``of_tests`` the rms of each of them by channel, in the log's units.
+    the tests by their positions in the evidence, ``of_tests`` the rms of each of them by channel, in the log's units; ``shared``
+    what the repetitions of each condition have in common of it.
     """
 
     errors: Mapping[str, ChannelError | None]
@@ -74,6 +75,19 @@ class Judged:
     each: tuple[float, ...] = ()
     places: tuple[int, ...] = ()
     of_tests: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    shared: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+
+def shared_by(parts: Sequence[Array]) -> float:
+    r"""Return the rms that R repetitions (n,) share, beside which what they differ by cancels; NaN for a single one.
+
+    .. math:: s^2 = \max\Bigl(\frac{1}{R (R - 1)\,n} \sum_{r \ne r'} e_r^T e_{r'},\ 0\Bigr)
+    """
+    if len(parts) < 2:
+        return float("nan")
+    block = np.array([one[: min(map(len, parts))] for one in parts])
+    whole, each = np.sum(block.sum(axis=0) ** 2), np.sum(block**2)
+    return float(np.sqrt(max(whole - each, 0.0) / (block.size * (len(parts) - 1))))
 
 
 def fall_of(before: Judged, after: Judged) -> tuple[float, float]:
@@ -157,7 +171,15 @@ class Judge:
         of_tests = {
             name: tuple(float(np.sqrt(np.mean(one**2))) for one in left) for name, (left, _) in every.items() if name in HEADLINE
         }
-        return Judged(errors, self.scale.score(errors), self._each(every, first), places, of_tests)
+        conditions = [self._whole.evidence.tests[place].condition for place in places]
+        shared = {
+            name: {
+                one: shared_by([left for left, other in zip(every[name][0], conditions, strict=True) if other == one])
+                for one in dict.fromkeys(conditions)
+            }
+            for name in HEADLINE
+        }
+        return Judged(errors, self.scale.score(errors), self._each(every, first), places, of_tests, shared)
 
     def _each(self, every: Mapping[str, Series], first: Sequence[float]) -> tuple[float, ...]:
         """Return the error of every single test, in floors."""
