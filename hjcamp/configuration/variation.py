@@ -69,12 +69,14 @@ class Variations:
         # another plant has other groups: it is the base of all that varies with it
         plant = chosen.pop(PLANT, [])
         base, _ = self._part(plant, [])
-        config, choices = dict(base.config), _by_group(base.choices)
+        config, usual = dict(base.config), _by_group(base.choices)
+        choices = dict(usual)
         for groups in self._together(plant, chosen):
             loaded, changed = self._part(plant, [override for group in groups for override in chosen[group]])
             config |= {key: loaded.config[key] for key in changed}
             own = _by_group(loaded.choices)
-            choices |= {group: own[group] for group in groups}
+            # a choice may bring that of another group, where that is not asked for
+            choices |= {group: one for group, one in own.items() if group in groups or one != usual.get(group)}
         config = copy.deepcopy(config)
         for override in values:
             _set(config, override)
@@ -84,7 +86,8 @@ class Variations:
         """Return the groups whose choices change the same part of the configuration, together; others alone."""
         parts: list[tuple[list[str], frozenset[str]]] = []
         for group, overrides in chosen.items():
-            groups, changed = [group], self._part(plant, overrides)[1]
+            # its own part is asked for, though it may be that of the base
+            groups, changed = [group], self._part(plant, overrides)[1] | {group}
             for other in [part for part in parts if part[1] & changed]:
                 parts.remove(other)
                 groups = [*other[0], *groups]

@@ -25,6 +25,9 @@ OTHERS = {
     "gains inside a controller": ("controller=ffwd_pid", "controller/gains=simulation", "controller.positive.kp=1"),
     "an effect of one's own": ("++effects.leakage.conductance=1e-15", "++effects.leakage.threshold=6e5"),
     "what others refer to": ("amplifier=low_gain", "amplifier.full_scale_v=5.5", "controller=pid"),
+    "a choice that brings another": ("pump=pump1",),
+    "a choice that would bring another than is asked for": ("pump=pump1", "amplifier=high_gain"),
+    "a choice that brings what is asked for": ("amplifier=low_gain", "amplifier.full_scale_v=5.5", "pump=pump1"),
     "a rig": ("backend=nidaqmx", "rig=example_pxie", "rig.limits.arm_deg=100"),
     "null and text": ("joint.travel_stop_deg=90", "run_dir=null", "seed=7", "rig.calibration=mine"),
 }

@@ -60,6 +60,24 @@ def test_every_choice_composes(composer: Composer) -> None:
 
 
 @pytest.mark.parametrize(
+    ("lines", "amplifier"),
+    [
+        ([], "high_gain"),
+        (["pump=pump1"], "low_gain"),
+        (["campaign=robustness_vertical", "pump=pump1"], "low_gain"),
+        (["pump=pump1", "amplifier=high_gain"], "high_gain"),
+        (["pump=pump2", "amplifier=low_gain"], "low_gain"),
+    ],
+)
+def test_a_pump_brings_its_amplifier_unless_one_is_asked_for(composer: Composer, lines: list[str], amplifier: str) -> None:
+    found = composer.compose(lines)
+    assert found.config["amplifier"]["name"] == found.choices["amplifier"] == amplifier
+    # the pump before it, and after it
+    again = composer.compose(lines[::-1])
+    assert again.config["amplifier"] == found.config["amplifier"] and again.config["pump"] == found.config["pump"]
+
+
+@pytest.mark.parametrize(
     ("override", "words"),
     [
         ("controller=pidd", ["unknown controller 'pidd'", "'pid'"]),
