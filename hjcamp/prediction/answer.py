@@ -52,6 +52,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "minimum_detectable": {},
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
         "unknowns": unknown_rows(analysis, verdict),
+        "false_claims": {} if analysis.measured.repeated else analysis.search.steps[0].false_claims if analysis.search.steps else {},
         "follows_motion": {"share": verdict.follows, "quantities": _leading(analysis, verdict)},
         "confidence_set": [list(names) for names in verdict.confidence_set],
         "floor": floor_rows(analysis),
@@ -203,11 +204,14 @@ def _candidate(
     }
 
 
-def _law_left(analysis: Analysis, verdict: Verdict, model: Scored) -> float:
-    """Return the share that a model leaves of the logarithm by which the best model, an unknown too, makes the error smaller."""
+def _law_left(analysis: Analysis, verdict: Verdict, model: Scored) -> float | None:
+    """Return the share that a model leaves of the logarithm by which the best model, an unknown too, makes the error smaller.
+
+    None where the best model is the base: there is nothing to take.
+    """
     best = min([verdict.model, *([verdict.unknown] if verdict.unknown else [])], key=lambda one: one.left_out)
     most, taken = (float(np.log(analysis.base.left_out / one.left_out)) for one in (best, model))
-    return float(np.clip(1.0 - taken / most, 0.0, 1.0)) if most > 0.0 else 0.0
+    return float(np.clip(1.0 - taken / most, 0.0, 1.0)) if most > 0.0 else None
 
 
 def _weight(t: float, chapters: float) -> float:

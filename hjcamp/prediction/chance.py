@@ -8,6 +8,7 @@ the whole library over such residuals is the null distribution, whatever the for
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,16 +48,34 @@ def moved_orders(of_test: NDArray[np.int64], motion: Array, seed: int, draws: in
     return found
 
 
+class Chance(NamedTuple):
+    """The largest gain that the library promises, and what it promises where nothing is: see `chance_gains`."""
+
+    gain: float
+    shifted: Array
+    decoys: Array
+    twins: Array
+
+
 def chance_gains(
-    projection: Projection, probes: Sequence[Probe], orders: Sequence[NDArray[np.int64]]
-) -> tuple[float, Array]:
-    """Return the largest linear gain of the probes, and that (orders,) beside residuals in each of the orders."""
-    left = projection.fitted.features
+    projection: Projection, probes: Sequence[Probe], orders: Sequence[NDArray[np.int64]], seed: int
+) -> Chance:
+    """Return the largest linear gain of the probes, and that beside residuals in each of the orders (orders,).
+
+    Beside it, for as many each: that of decoys, a library of which each effect's response is moved in time by itself; and that of
+    twins, whose residuals are drawn from a normal law with the second moments of the real ones.
+    """
+    left, generator = projection.fitted.features, np.random.default_rng((seed, 271))
+    drawn = generator.standard_normal((*left.shape, len(orders)))
     stacked = np.stack([left, *(left[order] for order in orders)], axis=2)
-    columns = projection.free_of_base(stacked)
+    moved = projection.free_of_base(stacked)
+    twins = projection.free_of_white(drawn)
     # each moved residual is as large as the real one
+    columns = np.concatenate([moved, twins], axis=1)
     columns = columns * (np.linalg.norm(columns[:, 0]) / np.maximum(np.linalg.norm(columns, axis=0), 1e-300))
-    best = np.zeros(columns.shape[1])
+    count = len(orders)
+    best, decoys = np.zeros(columns.shape[1]), np.zeros(count)
+    mixed: dict[str, NDArray[np.int64]] = {}
     for probe in probes:
         basis = projection.basis(probe)
         if not basis.shape[1]:
@@ -67,7 +86,9 @@ def chance_gains(
             direction = float(np.sign((projection.free_of_base(probe.responses)[:, 0] @ basis)[0]))
             gains = np.where(-direction * found[0] > 0.0, gains, 0.0)
         best = np.maximum(best, gains)
-    return float(best[0]), best[1:]
+        own = mixed.setdefault(probe.effect, generator.permutation(count))
+        decoys = np.maximum(decoys, gains[1 : count + 1][own])
+    return Chance(float(best[0]), best[1 : count + 1], decoys, best[count + 1 :])
 
 
 def p_value(gain: float, chance: Array) -> float:

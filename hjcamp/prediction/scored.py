@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -46,7 +46,8 @@ class Step:
     """One look at what is missing beside ``before``: chance of the best gain, and every model that was fitted.
 
     ``claims`` is the level of all that may be claimed of named effects, and of unknowns. ``orders`` is how many different orders of the
-    windows chance was drawn from: of one test of n windows there are n - 1.
+    windows chance was drawn from: of one test of n windows there are n - 1. ``decoys`` and ``twins`` are what else chance promises
+    (`hjcamp.prediction.chance.Chance`).
     """
 
     before: Scored
@@ -57,11 +58,19 @@ class Step:
     unknown: tuple[Scored, ...]
     claims: float = LEVEL
     orders: int = DRAWS
+    decoys: Array = field(default_factory=lambda: np.zeros(0))
+    twins: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def told(self) -> float:
         """The chance that may be told: no smaller than the different orders allow, however often each was drawn."""
         return max(self.p_value, 1.0 / (1.0 + self.orders))
+
+    @property
+    def false_claims(self) -> dict[str, float]:
+        """How often as much as was found is promised where nothing is: of twins, of moved residuals, of decoys."""
+        drawn = {"twins": self.twins, "shifted": self.chance, "decoys": self.decoys}
+        return {name: float(np.mean(gains >= self.gain)) for name, gains in drawn.items() if len(gains)}
 
     @property
     def level(self) -> float:

@@ -235,7 +235,11 @@ class Projection:
     def free_of_base(self, features: Array) -> Array:
         """Return features (windows, d) or responses (windows, d, k), white and projected, as columns (n, k)."""
         shaped = features if features.ndim == 3 else features[:, :, None]
-        white = np.einsum("wfk,fg->wgk", shaped, self.whitener).reshape(-1, shaped.shape[2])
+        return self.free_of_white(np.einsum("wfk,fg->wgk", shaped, self.whitener))
+
+    def free_of_white(self, features: Array) -> Array:
+        """Return features that are white already (windows, d, k), projected, as columns (n, k)."""
+        white = features.reshape(-1, features.shape[2])
         full = np.concatenate([white, np.zeros((self._rows, white.shape[1]))])
         return np.asarray(full - self._span @ (self._span.T @ full))
 

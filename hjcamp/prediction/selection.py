@@ -134,7 +134,8 @@ class Search:
         probes = [probe for one in found for probe in one]
         layout = self.windows.layout
         orders = moved_orders(layout.of_test, motion_of(layout), self.seed + len(self.steps))
-        gain, chance = chance_gains(projection, probes, orders)
+        promised = chance_gains(projection, probes, orders, self.seed + len(self.steps))
+        gain, chance = promised.gain, promised.shifted
         effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
         promises = [projection.promise(probe, effects[probe.effect]) for probe in probes]
         best = best_promises(promises)
@@ -164,7 +165,9 @@ class Search:
         named = tuple(one for one, name in zip(models, added, strict=True) if name in self.library)
         others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
         different = len({order.tobytes() for order in orders})
-        step = Step(before, p_value(gain, chance), chance, gain, named, others_fitted, self.claims, different)
+        step = Step(
+            before, p_value(gain, chance), chance, gain, named, others_fitted, self.claims, different, promised.decoys, promised.twins
+        )
         self.steps.append(step)
         return step
 

@@ -136,7 +136,10 @@ def test_the_hash_covers_results_and_nothing_else(composer: Composer) -> None:
 @pytest.mark.parametrize(
     ("lines", "words"),
     [
-        (["pump=pump1", "amplifier=high_gain"], "unknown amplifier 'high_gain' in pump 'pump1'; did you mean 'low_gain'? Allowed: low_gain"),
+        (
+            ["pump=pump1", "amplifier=high_gain"],
+            "unknown amplifier 'high_gain' in pump 'pump1'; did you mean 'low_gain'? Allowed: low_gain",
+        ),
         (["controller.positive.kp=nan"], "controller.positive.kp is nan; a number from 0 to 1000 is needed"),
         (["controller.negative.ki=inf"], "controller.negative.ki is inf"),
         (["controller.positive.kp=abc"], "controller.positive.kp is 'abc'; a number from 0 to 1000"),

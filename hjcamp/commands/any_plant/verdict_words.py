@@ -153,6 +153,8 @@ class Words:
                 )
             elif verdict.p_value <= 0.05 or verdict.effects:
                 found.append(f"Chance: p = {plain(verdict.p_value, 2)} (residuals moved in time, whole library).")
+            if verdict.word != "nothing_missing":
+                found += _false_claims(self.content["false_claims"])
         found += held_by_bounds(self.content["calibration"]) + end_words(self.content["ends"])
         return found + self.telling()
 
@@ -215,6 +217,15 @@ class Words:
             begun = f" --from {folder}" if self.content["unknowns"] else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
         return [f"hjcamp compare {paths}{own}"]
+
+
+def _false_claims(shares: Mapping[str, float]) -> list[str]:
+    """Say how often as much is promised where nothing is, of logs without repetitions."""
+    kinds = {
+        "twins": "residuals drawn at random", "shifted": "residuals moved in time", "decoys": "effects each moved in time by itself",
+    }  # fmt: skip
+    said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
+    return [f"No test was repeated. As much as was found is promised in {', '.join(said)}, where nothing is."] if said else []
 
 
 def _free_law(row: Mapping[str, Any]) -> str:
