@@ -19,6 +19,7 @@ from hidden_effects_tables import (
     bound_text,
     confusion_table,
     failures_table,
+    forms_table,
     measures_table,
     strengths_table,
     table,
@@ -47,13 +48,18 @@ def page(lines: Sequence[Line], cases: Sequence[HiddenCase], effort: str, tag: s
         _counting(),
         "## By effect and strength",
         strengths_table(ours),
+        "## By contact and by law",
+        "An effect that has several laws follows one drawn by the rig's seed. No law of the library is among them but where physics "
+        "leaves one only (a weight, a mass, a constant error). Right: with groups, as below.",
+        forms_table(ours),
         "## Hidden and said",
         confusion_table(ours),
         "## Amplitudes",
         amplitude_table(ours),
         "## Every case that is not strictly right",
         "`visible` is the measure of detectability above; p is the chance of the first gain on twins with nothing missing. "
-        "The logs of a case: `python -m tests.truth OUT --effect NAME --strength STRENGTH --seed SEED`.",
+        "The logs of a case: `python -m tests.truth OUT --effect NAME --strength STRENGTH --seed SEED --contact CONTACT --form "
+        "random`, with the contact as the ledger has it.",
         failures_table(ours),
     ]
     others = _efforts(lines, effort)
@@ -72,7 +78,7 @@ def _origin(lines: Sequence[Line], planned: int, effort: str, tag: str, command:
 code at commit {tag}, effort {effort}, on a machine with {cores} cores, each case in one process with one thread.{part}
 The cases were run in random order; they stand in `benchmarks/results/hidden_effects.jsonl`.
 
-{len(lines)} cases, each on a rig of its own with 8 conditions of 3 repetitions:
+{len(lines)} cases, each on a rig of its own with 8 conditions of 3 repetitions and one of four contacts:
 {kinds["single"]} with one effect of the library, {kinds["null"]} with nothing hidden, {kinds["pair"]} with two effects,
 {kinds["outside"]} with an effect that was never in the library, and {kinds["taken_out"]} with one that was taken out of it.
 {broken} diagnoses broke off; they count as wrong.
@@ -80,7 +86,7 @@ The cases were run in random order; they stand in `benchmarks/results/hidden_eff
 **What this does not show.** The truth plant (`tests/truth`) shares no code with the model: other integrator, other friction
 law, other noise, its own writer. But the same people wrote both, so what they did not think of is in neither. The rigs
 have seeds {min(seeds)} to {max(seeds)}; development has looked at many below {seen}. The plant's effects and strengths are
-those that development looked at, and seven laws of the library were widened or changed after seeing those of this plant
+those that development looked at, and eight laws of the library were widened or changed after seeing those of this plant
 (docs/decisions/0010). Thresholds come from twins of each campaign, or were set by hand on development cases (0009)."""
 
 

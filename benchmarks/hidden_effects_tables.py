@@ -10,6 +10,8 @@ from hidden_effects_amplitudes import AMPLITUDES, LEFT_OUT, amplitude_of
 from hidden_effects_cases import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS
 from hidden_effects_judging import OUTCOMES, Line, detectable, named, outcome, right, said, visible
 from hidden_effects_measure import Aim, Measure
+from truth.case import CONTACTS
+from truth.hidden_law import LAWS
 
 SPOILERS = 4
 
@@ -105,6 +107,38 @@ def confusion_table(lines: Sequence[Line]) -> str:
         if line["kind"] == "pair":
             rows.append((" + ".join(line["effects"]), "1", said(line)))
     return table(("hidden", "cases", "said"), rows)
+
+
+def forms_table(lines: Sequence[Line]) -> str:
+    """Return how cases ended by the rig's contact, and by the law that a hidden effect of the library follows there."""
+    groups: dict[str, list[Line]] = {f"contact: {name}": [] for name in CONTACTS}
+    groups |= {f"law of the effect: {which}": [] for which in ("its only one", "the first", "another")}
+    laws: dict[str, list[Line]] = {}
+    for line in lines:
+        groups[f"contact: {line['contact']}"].append(line)
+        if line["kind"] == "single":
+            [effect] = line["effects"]
+            law = line["laws"].get(effect, "")
+            which = "its only one" if not law else "the first" if law == next(iter(LAWS[effect])) else "another"
+            groups[f"law of the effect: {which}"].append(line)
+            if law:
+                laws.setdefault(f"{effect}: {law}", []).append(line)
+    rows = [(title, *_ended(found)) for title, found in (*groups.items(), *sorted(laws.items())) if found]
+    outcomes = ("right", "one of", "outside", "nothing", "wrong")
+    return table(("", "nulls: nothing", "library, detectable", *outcomes, "outside, detectable: said"), rows)
+
+
+def _ended(lines: Sequence[Line]) -> list[str]:
+    nulls = [line for line in lines if line["kind"] == "null"]
+    library = [line for line in lines if line["kind"] == "single" and detectable(line)]
+    outside = [line for line in lines if line["kind"] in ("outside", "taken_out") and detectable(line)]
+    ends = Counter("right" if right(line) else outcome(line) for line in library)
+    counts = [str(ends[name] or "") for name in ("right", "one of", "outside", "nothing", "wrong")]
+    return [_of(nulls), str(len(library)), *counts, _of(outside)]
+
+
+def _of(lines: Sequence[Line]) -> str:
+    return f"{sum(right(line) for line in lines)} of {len(lines)}" if lines else ""
 
 
 def failures_table(lines: Sequence[Line]) -> str:

@@ -31,19 +31,21 @@ def worst_words(rows: Sequence[Mapping[str, Any]], over: str, most: int = 3) -> 
     return [f"{'; '.join(said)}."] if said else []
 
 
-def worst_table(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
-    """Return the conditions that err most as rows of a table: ``WORST``."""
+def worst_table(rows: Sequence[Mapping[str, Any]]) -> tuple[tuple[str, ...], list[list[str]]]:
+    """Return the headings and rows of a table of the conditions that err most; what repetitions share where there are any."""
     from hjcamp.report.exploration import channel_label
     from hjcamp.report.names import readable
     from hjcamp.report.units import told
 
-    return [
+    repeated = any(row["shared"] is not None for row in rows)
+    columns = [
         [
             readable(row["condition"]), channel_label(row["channel"]), f"{row['over_floor']:.2f}",
-            "" if row["shared"] is None else told(row["shared"], row["unit"]),
+            *(["" if row["shared"] is None else told(row["shared"], row["unit"])] if repeated else []),
         ]
         for row in rows
     ]  # fmt: skip
+    return WORST if repeated else WORST[:-1], columns
 
 
 def worse_calibrated(name: str, before: float, after: float, why: str) -> list[str]:

@@ -54,7 +54,10 @@ def test_the_worst_conditions_are_told_over_their_floor() -> None:
     assert next(row for row in rows if row["condition"] == "fast")["shared"] is None
     [said] = worst_words(rows, "the floor")
     assert said == "slow 3.2 x the floor in arm angle, 1.2 deg of it shared by repetitions; fast 1 x the floor in arm angle."
-    assert worst_table(rows)[0] == ["slow", "arm angle", "3.16", "1.2 deg"] and worst_words([], "the floor") == []
+    headings, table = worst_table(rows)
+    assert headings[-1] == "shared by repetitions" and table[0] == ["slow", "arm angle", "3.16", "1.2 deg"]
+    headings, table = worst_table([row | {"shared": None} for row in rows])
+    assert headings[-1] == "over the floor" and table[0] == ["slow", "arm angle", "3.16"] and worst_words([], "the floor") == []
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from hidden_effects_judging import detectable, matched, outcome, right, said  # 
 from hidden_effects_measure import Measure, at_least, at_most, share, wilson  # noqa: E402
 from hidden_effects_measures import all_measures  # noqa: E402
 from hidden_effects_page import page  # noqa: E402
-from hidden_effects_tables import distance_text, failures_table, value_text  # noqa: E402
+from hidden_effects_tables import distance_text, failures_table, forms_table, value_text  # noqa: E402
 from truth.case import build_case, sealed_answer  # noqa: E402
 from truth.hidden import LIBRARY_NAMES  # noqa: E402
 
@@ -63,6 +63,8 @@ def made_up(
         "effects": list(hidden),
         "strength": strength,
         "seed": seed,
+        "contact": more.pop("contact", "asperities"),
+        "laws": more.pop("laws", {}),
         "truth": truth,
         "visibility": {effect: [seen, "sine/arm_deg"] for effect in hidden},
         "answer": answer,
@@ -241,6 +243,29 @@ def test_detectable_needs_every_hidden_effect() -> None:
     assert said(made_up("outside_library", drivers=["time"])) == "outside: time"
 
 
+def test_cases_are_counted_by_contact_and_by_law() -> None:
+    lines = [
+        made_up("effect", ("leakage",), contact="sharp", laws={"leakage": "laminar"}),
+        made_up("outside_library", contact="sharp", laws={"leakage": "gap"}),
+        made_up("nothing_missing", contact="sharp", laws={"leakage": "gap"}, seen=0.4),
+        made_up("effect", ("presliding",), ("gravity_load",), contact="smooth"),
+        made_up("nothing_missing", (), (), "null", contact="smooth"),
+        made_up("effect", ("leakage",), (), "null", contact="smooth"),
+        made_up("outside_library", (), ("stray_spring",), "outside", contact="smooth", laws={"stray_spring": "cubic"}),
+    ]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in forms_table(lines).splitlines()[2:]]
+    assert rows == [
+        # title, nulls, library, right, one of, outside, nothing, wrong, outside said
+        ["contact: smooth", "1 of 2", "1", "", "", "", "", "1", "1 of 1"],
+        ["contact: sharp", "", "2", "1", "", "1", "", "", ""],
+        ["law of the effect: its only one", "", "1", "", "", "", "", "1", ""],
+        ["law of the effect: the first", "", "1", "", "", "1", "", "", ""],
+        ["law of the effect: another", "", "1", "1", "", "", "", "", ""],
+        ["leakage: gap", "", "1", "", "", "1", "", "", ""],
+        ["leakage: laminar", "", "1", "1", "", "", "", "", ""],
+    ]
+
+
 def test_the_page_has_every_part_also_of_a_few_results() -> None:
     cases = plan("full")
     lines = []
@@ -253,6 +278,7 @@ def test_the_page_has_every_part_also_of_a_few_results() -> None:
     text = page(lines, cases, "standard", "made-up", "python benchmarks/hidden_effects.py", 2)
     for part in (
         "## Measures",
+        "## By contact and by law",
         "## Hidden and said",
         "## Other efforts",
         "| nothing hidden |",

@@ -36,7 +36,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     from hjcamp.commands.any_plant.verdict_words import CANDIDATES
     from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
-    from hjcamp.report.floor_words import WORST, worst_table
+    from hjcamp.report.floor_words import worst_table
     from hjcamp.report.pictures.prediction import draw_windows
 
     analysis, verdict = words.analysis, words.verdict
@@ -67,7 +67,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
         page.note(BAND),
     ]
     if worst := words.content["worst"]:
-        parts += [page.heading("Worst conditions"), page.table_of(WORST, worst_table(worst))]
+        parts += [page.heading("Worst conditions"), page.table_of(*worst_table(worst))]
     parts += [
         page.heading("Calibrated first"),
         page.table_of(said.CALIBRATED, said.calibration_table(words.content["calibration"])),

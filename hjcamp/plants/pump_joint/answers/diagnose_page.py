@@ -53,7 +53,7 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) 
     from hjcamp.plants.pump_joint.answers.diagnose_words import CALIBRATED, CANDIDATES, LEFT
     from hjcamp.plants.pump_joint.answers.error_words import error_table, over
     from hjcamp.report import discrepancy_page as page
-    from hjcamp.report.floor_words import NO_FLOOR, WORST, worst_table
+    from hjcamp.report.floor_words import NO_FLOOR, worst_table
     from hjcamp.report.units import label
     from hjcamp.report.units import told as told_value
 
@@ -71,8 +71,8 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) 
     ]
     if told.unexplained is not None:
         parts += [page.heading("What no effect explains"), page.picture(answer[1], pictures["unexplained"])]
-    if rows := worst_table(told.content["worst"]):
-        parts += [page.heading("Worst conditions"), page.table_of(WORST, rows)]
+    if worst := told.content["worst"]:
+        parts += [page.heading("Worst conditions"), page.table_of(*worst_table(worst))]
     parts += [page.heading("Where"), page.bullets(told.where()), page.place_table(told.content["where"])]
     if rows := told.candidates():
         parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows)]
