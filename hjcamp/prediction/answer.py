@@ -12,6 +12,7 @@ from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages
 from hjcamp.prediction.floor import in_units, shared
+from hjcamp.prediction.functional import functional
 from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.leading import leading
 from hjcamp.prediction.scored import Scored, Step
@@ -192,6 +193,7 @@ def _candidate(
     found = [one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name]
     t, count = analysis.search.t(model, step.before)
     weight = _weight(t, count) if not named else 1.0
+    parameters = {one.name: _row(one, effect.parameters[one.name].unit) for one in found}
     return {
         "effect": name,
         "posterior": weight,
@@ -200,7 +202,8 @@ def _candidate(
         "heldout_error_ratio": analysis.search.error_ratio(model, step.before),
         "p_value": chance_of_t(t, count),
         "law_left": _law_left(analysis, verdict, model),
-        "parameters": {one.name: _row(one, effect.parameters[one.name].unit) for one in found},
+        "parameters": parameters,
+        "functional": functional(analysis, name, model, parameters),
     }
 
 

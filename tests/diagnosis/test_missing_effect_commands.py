@@ -40,6 +40,8 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     assert best["effect"] == "leakage" and best["posterior"] > 0.8 and best["heldout_error_ratio"] < 0.5
     assert found["confidence_set"] == [["leakage"]] and found["law_left"] == best["law_left"] < 0.1
     assert best["p_value"] == found["p_value"] < 0.05
+    size = best["functional"]
+    assert (size["name"], size["unit"]) == ("change of pressure sum", "Pa") and 0.0 < size["ci95"][0] < size["value"] < size["ci95"][1]
     assert found["rests_on"]["tests"] == 24 and found["rests_on"]["conditions"] == 8 and found["rests_on"]["trajectory"] > 2
     over = [row["over_floor"] for row in found["worst"]]
     assert over == sorted(over, reverse=True) and len(over) == 8 and over[0] < 3.0

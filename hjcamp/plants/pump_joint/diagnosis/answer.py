@@ -12,6 +12,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.answer_rows import (
     confidence_set,
     floor_rows,
+    functional,
     law_left,
     law_left_of,
     rests_on,
@@ -176,6 +177,7 @@ def _candidate(
     return {
         "effect": name, "posterior": float(posterior), "heldout_error_ratio": ratio, "p_value": chance,
         "law_left": law_left(judged.found, final.fit), "parameters": parameters,
+        "functional": functional(judged.found, name, final.fit, parameters),
     }  # fmt: skip
 
 

@@ -12,9 +12,17 @@ from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import JUDGE
 from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
+from hjcamp.plants.pump_joint.diagnosis.residuals.views import CHANNELS
 from hjcamp.plants.pump_joint.diagnosis.scale import HEADLINE, Judged, Scale
+from hjcamp.prediction.functional import in_proportion
 
 WORST = 8
+# What each residual is, SI.
+RESIDUALS = {
+    "arm": ("arm angle", "rad"), "difference": ("pressure difference", "Pa"), "line_sum": ("pressure sum", "Pa"),
+    "line_difference": ("pressure difference", "Pa"), "sliding": ("force on the sliders", "N"),
+    "breakaway": ("breakaway force", "N"), "home": ("first reading", "rad"),
+}  # fmt: skip
 # What tests may differ by, as their metadata name it.
 VALUES = ("trajectory", "controller", "preload_mpa", "adjustment_mpa", "payload", "orientation", "pump", "tubing", "amplifier")
 
@@ -39,6 +47,22 @@ def law_left_of(found: Diagnosis) -> float:
     if found.verdict in ("effect", "one_of"):
         return law_left(found, found.final)
     return 1.0 if found.verdict == "outside_library" else 0.0
+
+
+def functional(found: Diagnosis, name: str, fit: Fit, parameters: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the rms by which an effect changes the residual that it changes most over its floor, SI.
+
+    Whatever its law, it compares with that of another one; the 95 % interval is in proportion to that of its amplitude.
+    """
+    effect = next(one for one in found.fitter.views.effects if one.name == name)
+    change = found.fitter.look(fit.candidate.without([name])).features - fit.features
+    squares = found.features.mean_square(np.nan_to_num(change))
+    seen = np.array([np.mean(column[column > 0.0]) if np.any(column > 0.0) else 0.0 for column in squares.T])
+    rms = np.sqrt(seen)
+    most = int(np.argmax(np.divide(rms, found.floor, out=np.zeros_like(rms), where=found.floor > 0.0)))
+    said, unit = RESIDUALS[CHANNELS[most]]
+    value = float(rms[most])
+    return {"name": f"change of {said}", "value": value, "unit": unit, "ci95": in_proportion(effect, parameters, value)}
 
 
 def confidence_set(found: Diagnosis) -> list[list[str]]:
