@@ -20,16 +20,23 @@ from hjcamp.model.user_folders import extension_folders
 PACKAGES = ("grpcio", "hydra-core", "mcap", "nidaqmx", "numba", "numpy", "polars", "protobuf", "scipy")
 
 
-@cache
 def provenance() -> dict[str, Any]:
-    """Return commit, hash and size of uncommitted changes (None where clean), versions and host."""
+    """Return commit, hash and size of uncommitted changes (None where clean), the user's own code, versions and host."""
     state = code()
     return {
         "version": hjcamp.__version__,
         "git": state.commit,
         "git_changes_sha256": state.sha256,
         "git_changes_bytes": len(state.changes),
+        # a notebook writes effects and moves to other folders between its runs
         "own_code_sha256": own_code_sha256(),
+        **_environment(),
+    }
+
+
+@cache
+def _environment() -> dict[str, Any]:
+    return {
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in PACKAGES},
         "host": platform.node(),
@@ -55,12 +62,13 @@ def log_provenance() -> dict[str, str]:
 
 def code_identity() -> dict[str, Any]:
     """Return the part of the provenance that decides results: version, commit, changes, the user's own code."""
-    return {key: provenance()[key] for key in ("version", "git", "git_changes_sha256", "own_code_sha256")}
+    known = provenance()
+    return {key: known[key] for key in ("version", "git", "git_changes_sha256", "own_code_sha256")}
 
 
 def git_label() -> str:
     """Return the commit for the metadata of a log, with the hash of the changes on top; empty outside git."""
-    commit, changes = provenance()["git"], provenance()["git_changes_sha256"]
+    commit, changes = code().commit, code().sha256
     return "" if commit is None else commit if changes is None else f"{commit}+{changes[:12]}"
 
 

@@ -92,6 +92,11 @@ def test_the_users_effects_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     before = own_code_sha256()
     (tmp_path / "effects" / "mine.py").write_text("2\n")
     assert None not in (before, own_code_sha256()) and before != own_code_sha256()
+    # one process may write effects and move on between two runs
+    assert provenance.log_provenance()["own_code_sha256"] == own_code_sha256()
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    assert "own_code_sha256" not in provenance.log_provenance() and provenance.code_identity()["own_code_sha256"] is None
 
 
 @pytest.fixture(scope="module")
@@ -104,12 +109,8 @@ def test_log_and_run_folder_say_what_made_them(plan: Plan, empty_folder: Path, m
     changes = CodeState("0123abcd" * 5, b"diff --git a/x b/x\n")
     for module in (provenance, folder):
         monkeypatch.setattr(module, "code", lambda: changes)
-    provenance.provenance.cache_clear()
-    try:
-        run = folder_for(plan, {}, [], Path("run"))[0]
-        run_plan(run, Console(file=io.StringIO()), workers=1)
-    finally:
-        provenance.provenance.cache_clear()
+    run = folder_for(plan, {}, [], Path("run"))[0]
+    run_plan(run, Console(file=io.StringIO()), workers=1)
     digest = hashlib.sha256(changes.changes).hexdigest()
     log = read_log(run.path / plan.tests[0].log)
     assert log.metadata["git"] == f"{changes.commit}+{digest[:12]}"
