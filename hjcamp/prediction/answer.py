@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.analysis import Analysis
-from hjcamp.prediction.chapters import advantages
+from hjcamp.prediction.chapters import advantages, chance_of_t, critical
 from hjcamp.prediction.floor import in_units, shared
 from hjcamp.prediction.functional import functional
 from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.leading import leading
 from hjcamp.prediction.scored import Scored, Step
-from hjcamp.prediction.selection import chance_of_t, critical
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
 from hjcamp.prediction.windows import ZERO, Layout
@@ -53,7 +52,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "minimum_detectable": {},
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
         "unknowns": unknown_rows(analysis, verdict),
-        "false_claims": {} if analysis.measured.repeated else analysis.search.steps[0].false_claims if analysis.search.steps else {},
+        "false_claims": next((one.false_claims for one in analysis.search.steps if not analysis.measured.repeated), {}),
         "follows_motion": {"share": verdict.follows, "quantities": _leading(analysis, verdict)},
         "confidence_set": [list(names) for names in verdict.confidence_set],
         "floor": floor_rows(analysis),

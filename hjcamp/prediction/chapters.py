@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from hjcamp.prediction.bounded_step import bounded_step
 from hjcamp.prediction.fitting import Fitted, moved_by, room_of, whole_loss
+from hjcamp.prediction.levels import LEVEL
 from hjcamp.prediction.likelihood import covariance, whitener
 from hjcamp.prediction.windows import Layout, Windows
 
@@ -111,3 +112,17 @@ def ratio_t(values: Array, weights: Array) -> tuple[float, float]:
     rest = np.maximum(whole - weights, 1e-12 * whole)
     spread = math.sqrt(float(np.sum(((values - share * weights) / rest) ** 2)))
     return (share / spread if spread > 0.0 else math.copysign(math.inf, share) if share else 0.0), count
+
+
+def critical(chapters: float, level: float = LEVEL) -> float:
+    """Return the one-sided critical value of Student's t over a number of chapters at a level."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(chapters - 1.0, 1.0 - level)) if chapters > 1.0 + 1e-9 else math.inf
+
+
+def chance_of_t(t: float, chapters: float) -> float:
+    """Return how often Student's t over a number of chapters is as large by chance."""
+    from scipy.special import stdtr
+
+    return float(stdtr(max(chapters - 1.0, 1.0), -t))

@@ -11,7 +11,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.floor import in_units
 from hjcamp.prediction.scored import Scored
-from hjcamp.prediction.screening import amplitudes_of
+from hjcamp.prediction.screening import amplitudes_of, far_off
 
 
 def functional(analysis: Analysis, name: str, model: Scored, parameters: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def functional(analysis: Analysis, name: str, model: Scored, parameters: Mapping
     """
     windows, layout = analysis.windows, analysis.windows.layout
     kept, windows.place = windows.place, model.place
-    change = windows.features(model.fitted.candidate.without({name})) - windows.features(model.fitted.candidate)
+    change = windows.features(model.fitted.candidate.without({name})) - model.fitted.features
     windows.place = kept
     rms = in_units(np.nan_to_num(np.mean(change**2, axis=0)), layout)
     most = int(np.argmax(rms / np.maximum(analysis.floor.of_sensors(layout), 1e-300)))
@@ -39,9 +39,10 @@ def in_proportion(effect: type[Effect], parameters: Mapping[str, Mapping[str, An
     amplitude = next((one for one in amplitudes_of(effect) if one in parameters), None)
     if amplitude is None or parameters[amplitude].get("ci95") is None:
         return None
-    off, row = effect.parameters[amplitude].off or 0.0, parameters[amplitude]
+    item, row = effect.parameters[amplitude], parameters[amplitude]
+    off = item.off or 0.0
     size = row["value"] - off
-    if size == 0.0:
+    if size == 0.0 or far_off(item):
         return None
     ends = sorted((end - off) / size * value for end in row["ci95"])
     return [max(ends[0], 0.0), max(ends[1], 0.0)]

@@ -160,7 +160,7 @@ def _probe(windows: Windows, beside: Beside, effect: type[Effect], setting: Mapp
             own = {**values, **absent, names[0]: effect.parameters[names[0]].off or 0.0, name: off + size}
             response = beside.response(windows, effect.name, own)
             larger = float(np.linalg.norm(response) / beside.error)
-            if larger <= LARGE or _far_off(item):
+            if larger <= LARGE or far_off(item):
                 break
             size /= larger if math.isfinite(larger) else UNSTABLE
         sizes.append(size)
@@ -191,7 +191,7 @@ def refined(
     return best
 
 
-def _far_off(item: Parameter) -> bool:
+def far_off(item: Parameter) -> bool:
     """Whether an effect is absent at the far end of a parameter (a limit): it is nowhere in proportion to it."""
     return abs(item.off or 0.0) > abs(item.default)
 
@@ -272,7 +272,7 @@ class Projection:
             if free.all() or not free.any():
                 break
         for name, x, size in zip(probe.amplitudes, share, probe.sizes, strict=True):
-            if not _far_off(effect.parameters[name]):
+            if not far_off(effect.parameters[name]):
                 parameters[name] = (effect.parameters[name].off or 0.0) + float(x) * float(size)
         if np.all(np.abs(share) < NEGLIGIBLE):
             share[:] = 0.0

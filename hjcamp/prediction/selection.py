@@ -16,7 +16,7 @@ from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
-from hjcamp.prediction.chapters import advantages, left_out, ratio_t, told_apart
+from hjcamp.prediction.chapters import advantages, critical, left_out, ratio_t, told_apart
 from hjcamp.prediction.fitting import TURNS, Fitted, Free, fit, settled
 from hjcamp.prediction.floor import motion_of
 from hjcamp.prediction.levels import (
@@ -382,20 +382,6 @@ def law_of(effect: type[Effect]) -> frozenset[tuple[str, frozenset[str]]] | None
     own = set(effect.parameters)
     found = frozenset((slot, frozenset(set(term.arguments) - own - {slot})) for slot, term in effect.terms.items())
     return found if any(drivers for _, drivers in found) else None
-
-
-def critical(chapters: float, level: float = LEVEL) -> float:
-    """Return the one-sided critical value of Student's t over a number of chapters at a level."""
-    from scipy.special import stdtrit
-
-    return float(stdtrit(chapters - 1.0, 1.0 - level)) if chapters > 1.0 + 1e-9 else math.inf
-
-
-def chance_of_t(t: float, chapters: float) -> float:
-    """Return how often Student's t over a number of chapters is as large by chance."""
-    from scipy.special import stdtr
-
-    return float(stdtr(max(chapters - 1.0, 1.0), -t))
 
 
 def _added(candidate: Candidate, before: Candidate) -> str:

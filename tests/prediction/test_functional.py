@@ -43,3 +43,5 @@ def test_an_interval_is_in_proportion_to_the_amplitude(axis: Path) -> None:
     assert in_proportion(gain, {name: {"value": off + 0.2, "ci95": [off - 0.1, off + 0.3]}}, 4.0) == pytest.approx([0.0, 6.0])
     assert in_proportion(gain, {name: {"value": off, "ci95": [off, off]}}, 0.0) is None
     assert in_proportion(gain, {}, 1.0) is None and in_proportion(gain, {name: {"value": 1.3, "ci95": None}}, 1.0) is None
+    # a limit is absent at its far end: no size is in proportion to the distance from there
+    assert in_proportion(library["saturation"], {"limit": {"value": 3.0, "ci95": [2.0, 4.0]}}, 1.0) is None
