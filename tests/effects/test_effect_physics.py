@@ -324,3 +324,16 @@ def test_sensor_effects_leave_the_motion_alone(simulator: Simulator) -> None:
     assert seen.readings[0, ARM] == pytest.approx(0.1)
     assert seen.readings[:, P1] - plain.readings[:, P1] == pytest.approx(1e4, abs=1e-6)
     assert seen.readings[:, P2] == pytest.approx(1.1 * plain.readings[:, P2] - 1e4, abs=1e-6)
+
+
+def test_a_sensor_s_zero_drifts_and_its_scale_bends(simulator: Simulator) -> None:
+    course = PumpJoint.courses()["sine"]
+    plain = run(simulator, course)
+    zeros = {"pressure_offset__offset1": 0.0, "pressure_offset__offset2": 0.0, "pressure_gain__error1": 0.0}
+    drifted = run(simulator, course, **zeros, pressure_offset__drift2=-3e3, pressure_gain__error2=0.0)
+    assert np.array_equal(drifted.ideal, plain.ideal) and drifted.readings[:, P1] == pytest.approx(plain.readings[:, P1])
+    assert drifted.readings[:, P2] - plain.readings[:, P2] == pytest.approx(-3e3 * course.time, abs=1e-6)
+    # a scale error of 10 % at zero that has doubled at half a megapascal
+    bent = run(simulator, course, **zeros, pressure_gain__error2=0.1, pressure_gain__bend=2e-6)
+    pressure = plain.readings[:, P2]
+    assert bent.readings[:, P2] == pytest.approx(pressure + 0.1 * pressure * (1.0 + pressure / 5e5), abs=1e-6)

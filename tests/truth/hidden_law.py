@@ -51,7 +51,7 @@ LAWS: dict[str, dict[str, Callable[[Changes], Changes]]] = {
     "string_elasticity": {"linear": lambda changes: {}, "hardening": _hardening},
     "encoder_eccentricity": {"once": lambda changes: {}, "oval": lambda changes: {"disc_form": 1.0}},
     "encoder_lag": {"dead_time": lambda changes: {}, "averaging": lambda changes: {"encoder_form": 1.0}},
-    "pressure_offset": {"constant": lambda changes: {}, "fading": lambda changes: {"offset_fading": 0.1}},
+    "pressure_offset": {"constant": lambda changes: {}, "fading": lambda changes: {"offset_fading": 0.15}},
     "pressure_gain": {"even": lambda changes: {}, "bent": lambda changes: {"gain_form": 0.5}},
     "stray_spring": {"linear": lambda changes: {}, "cubic": lambda changes: {"spring_form": 1.0}},
 }

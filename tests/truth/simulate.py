@@ -96,11 +96,11 @@ def simulate(
                 late_angle += disc_reading(angles[(tick - 2 * delay_angles * part // 19) % RING], plant) / 20
         arm_counts = math.floor(math.degrees(late_angle) / ARM_COUNT + phases[0])
         pump_counts = math.floor(nut / METRES_PER_DEGREE / PUMP_COUNT + phases[1])
-        bent1 = 1 + plant.gain_form * (hydraulic[PUMP_PRESSURE, 0] / 0.4e6 - 1)
-        bent2 = 1 + plant.gain_form * (hydraulic[PUMP_PRESSURE, 1] / 0.4e6 - 1)
+        bent1 = 1 + plant.gain_form * math.tanh(2 * hydraulic[PUMP_PRESSURE, 0] / 0.4e6 - 2)
+        bent2 = 1 + plant.gain_form * math.tanh(2 * hydraulic[PUMP_PRESSURE, 1] / 0.4e6 - 2)
         gain1, gain2 = 1 + (plant.pressure1_gain - 1) * bent1, 1 + (plant.pressure2_gain - 1) * bent2
         since = max(count - first, 0) * SAMPLE if phase >= 3 else 0.0
-        faded = 1 - plant.offset_fading * since
+        faded = 1 / (1 + plant.offset_fading * since)
         reading1 = gain1 * hydraulic[PUMP_PRESSURE, 0] + faded * plant.pressure1_offset + noise[count, 0]
         reading2 = gain2 * hydraulic[PUMP_PRESSURE, 1] + faded * plant.pressure2_offset + noise[count, 1]
         difference = procedure.adjustment_difference

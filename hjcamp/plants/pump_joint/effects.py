@@ -185,39 +185,6 @@ class Presliding(Instance):
     weakness = State("1", 1e-2, 1.0, text="share of the extra static friction that slip has taken", known=True)
 
 
-class PressureGain(Instance):
-    r"""Each pressure sensor has a wrong scale.
-
-    .. math:: p_{m,i} = (1 + g_i)\,p_i
-
-    Seen as: pressure steps of one line too large against its volume, and against those of the other line.
-    Not for: a constant error (see pressure_offset). With g1 = g2 line_stiffness and all friction scale alike.
-    Source: sensitivity error in a sensor's data sheet; Doebelin (2004), Measurement Systems, 5th ed., section 3.2.
-    """
-
-    of = "sensor_gain"
-    at = {"gauge1": {"gain_error": "error1"}, "gauge2": {"gain_error": "error2"}}  # noqa: RUF012
-    error1 = Parameter("1", 0.08, (-0.6, 1.5), text="scale error of sensor 1", off=0.0)
-    error2 = Parameter("1", -0.05, (-0.6, 1.5), text="scale error of sensor 2", off=0.0)
-
-
-class PressureOffset(Instance):
-    r"""Each pressure sensor reads a constant too much.
-
-    .. math:: p_{m,i} = p_i + o_i
-
-    Seen as: o1 - o2 as a force that the arm does not feel, so like a friction asymmetry between the directions.
-    Not for: an error that grows with pressure (see pressure_gain). o1 + o2 shows only through what depends on absolute
-    pressure (entrained_air, leakage, the vapour floor).
-    Source: zero error in a sensor's data sheet; Doebelin (2004), Measurement Systems, 5th ed., section 3.2.
-    """
-
-    of = "sensor_offset"
-    at = {"gauge1": {"offset": "offset1"}, "gauge2": {"offset": "offset2"}}  # noqa: RUF012
-    offset1 = Parameter("Pa", 2e4, (-2e5, 2e5), text="reading of sensor 1 at 0 Pa gauge", off=0.0)
-    offset2 = Parameter("Pa", -1e4, (-2e5, 2e5), text="reading of sensor 2 at 0 Pa gauge", off=0.0)
-
-
 class StaticFrictionAgeing(Instance):
     r"""While the slider rests, its seals squeeze the water out and stick better.
 
@@ -271,8 +238,6 @@ INSTANCES: tuple[type[Instance], ...] = (
     Leakage,
     PositionFriction,
     Presliding,
-    PressureGain,
-    PressureOffset,
     StaticFrictionAgeing,
     StribeckFriction,
 )
@@ -299,5 +264,6 @@ COVERS = {
     "internal_leakage": "cross_leakage, from one line to the other",
     "backlash": "pump_backlash, which knows which flank the pressures press on",
     "pendulum_weight": "gravity_load, in the payload's own mass and radius",
-    "sensor_drift": "a test lasts seconds, and the sensors are read at rest before each",
+    "sensor_gain": "pressure_gain, of both sensors at once; the encoders count, and their scale is exact",
+    "sensor_drift": "pressure_offset may drift; the encoders count from a zero that is set before each test",
 }

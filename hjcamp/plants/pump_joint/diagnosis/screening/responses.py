@@ -150,7 +150,8 @@ class Responses:
                 given = {**off, **shape, **({angle: turn} if angle else {})}
                 parameter = effect.parameters.get(name)
                 if parameter is not None:
-                    given[name] = scale.get(name, parameter.default)
+                    # what is absent by default is tried at a tenth of its bound
+                    given[name] = scale.get(name) or parameter.default or 0.1 * parameter.bounds[1]
                 # An effect without amplitude needs no scale: where the base moves is told without the windows.
                 response = self.response(effect, given, windows=parameter is not None)
                 size = self.size(response) if parameter is not None else WANTED
