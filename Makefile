@@ -14,7 +14,7 @@ DOCUMENTED := $(VENV)/.documented
 unexport PYTHONDONTWRITEBYTECODE
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help setup demo test studies lint catalogue docs bench benchmark hidden_tables any_plant foreign_machines next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
+.PHONY: help setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
@@ -26,6 +26,7 @@ help:
 	@echo "make docs    README, docs/ and the catalogue as a site, in site/html; links are checked"
 	@echo "make bench   speed of the model against the same model in SciPy, and of the whole chain"
 	@echo "make benchmark  226 hidden effects on the truth plant (an hour and a half; goes on where it stopped); docs/benchmark.md"
+	@echo "make levels  200 rigs with nothing missing and other contacts, from which the verdict's levels come; docs/levels.md"
 	@echo "make hidden_tables  effects that hide behind means and deviations (21 cases, a minute each); docs/hidden_tables.md"
 	@echo "make any_plant  hidden effects on an axis, tanks, a servo and two joints, imported and diagnosed; docs/any_plant.md"
 	@echo "make foreign_machines  hidden effects on eight machines that others might bring; docs/foreign_machines.md"
@@ -94,10 +95,14 @@ bench: $(WARM)
 	$(BIN)/python benchmarks/speed/live_timing.py
 
 benchmark: $(WARM)
-	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 400000 --page docs/benchmark.md
+	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 500000 --page docs/benchmark.md
 
 hidden_tables: $(WARM)
 	$(BIN)/python benchmarks/hidden_tables.py --page docs/hidden_tables.md
+
+levels: $(WARM)
+	$(BIN)/python benchmarks/levels.py --workers 2
+	$(BIN)/python benchmarks/levels.py --workers 2 --seeds 920000 100 --into benchmarks/results/levels_fresh.csv --page docs/levels.md
 
 any_plant: $(WARM)
 	$(BIN)/python benchmarks/any_plant.py --page docs/any_plant.md

@@ -79,6 +79,9 @@ def behind(found: Any) -> dict[str, Any]:
             "reason": found.reason,
             "excess": found.null.excess(found.baseline.mean_square, found.final.mean_square).tolist(),
             "limit": found.null.limit().tolist(),
+            # what a model leaves over what 95 % of its twins leave, before any margin
+            "over": (found.null.over(found.final.mean_square) / found.null.highest()).tolist(),
+            "tests": len(found.features.evidence.tests),
             "needed": found.null.needed(),
             "base_candidate": dict(found.baseline.candidate.base),
             "final_candidate": dict(found.final.candidate.effects),

@@ -75,7 +75,8 @@ def test_what_gained_only_what_a_stuck_base_had_left_is_not_taken(search: Any, m
     leak = SimpleNamespace(step=lambda screening, *given: step(screening.about, "leakage", fit(465.0, leakage={})))
     monkeypatch.setattr(diagnose, "StepFitter", lambda *given: leak)
     features = SimpleNamespace(floor=lambda found: np.ones(7))
-    search.features, search.evidence = features, SimpleNamespace(repeated=True)
+    search.features, search.evidence = features, SimpleNamespace(repeated=True, tests=[None] * 24)
+    monkeypatch.setattr(diagnose, "rig_chance", lambda step, tests: 0.2 if tests == 24 else 1.0)
     monkeypatch.setattr(diagnose, "calibrate", lambda *given, **named: (stuck, None))
     monkeypatch.setattr(diagnose, "lacks", lambda evidence: [])
     monkeypatch.setattr(diagnose, "rank_drivers", lambda *given: [])
@@ -87,3 +88,5 @@ def test_what_gained_only_what_a_stuck_base_had_left_is_not_taken(search: Any, m
     assert looked == [501.0, 469.0]
     assert found.baseline.loss == found.final.loss == 469.0
     assert not found.taken and len(found.steps) == 1
+    # of the chances by twins and by rigs with other contacts the larger is told
+    assert found.p_value == found.rig_chance == 0.2 > found.steps[0].p_value

@@ -35,14 +35,20 @@ CONTENT: dict[str, Any] = {
 
 def told(**changed: Any) -> Told:
     """Return a diagnosis with some of its answer changed."""
-    step = SimpleNamespace(null_gains=np.zeros(24), best="leakage")
+    step = SimpleNamespace(null_gains=np.zeros(24), best="leakage", p_value=changed.get("p_value", 1.0))
     final = SimpleNamespace(candidate=SimpleNamespace(effects={"leakage": {}}))
     confounded = [
         {"effects": ["encoder_bias"], "cosine": 0.99, "with": "base parameters"},
         {"effects": ["leakage", "tubing_creep"], "cosine": 0.85, "with": "each other"},
     ]
     found: Any = SimpleNamespace(
-        steps=[step], final=final, baseline=None, confounded=confounded, reason="it is so", undecided=()
+        steps=[step],
+        final=final,
+        baseline=None,
+        confounded=confounded,
+        reason="it is so",
+        undecided=(),
+        rig_chance=changed.pop("rig_chance", 1 / 201),
     )
     floors = {"arm_deg": 0.4, "pressure1_mpa": 0.009, "pressure2_mpa": 0.009}
     judging: Any = SimpleNamespace(before=judged(14.0), after=judged(1.15), scale=Scale(floors, {}))
@@ -57,19 +63,17 @@ def judged(score: float) -> Judged:
 
 
 @pytest.mark.parametrize(
-    ("p_value", "verdict", "said"),
+    ("p_value", "rig_chance", "verdict", "said"),
     [
-        (1 / 25, "effect", "No twin of 24,"),
-        (
-            3 / 25,
-            "effect",
-            "2 of 24 twins, simulated with nothing missing, gained as much as leakage does here (p = 0.12)",
-        ),
-        (1 / 25, "nothing_missing", "gains more than chance, yet the error hardly falls"),
+        (1 / 25, 1 / 201, "effect", "No twin of 24, simulated with nothing missing,"),
+        (1 / 25, 1 / 201, "effect", "gained as much as leakage does here, and none of 200 simulated rigs"),
+        (3 / 25, 4 / 201, "effect", "2 of 24 twins, simulated with nothing missing, gained as much as"),
+        (3 / 25, 4 / 201, "effect", "and 3 of 200 simulated rigs with another contact did (p = 0.12)."),
+        (1 / 25, 1 / 201, "nothing_missing", "gains more than chance, yet the error hardly falls"),
     ],
 )
-def test_chance_is_a_count_of_twins(p_value: float, verdict: str, said: str) -> None:
-    assert said in told(p_value=p_value, verdict=verdict).chance()
+def test_chance_is_a_count_of_twins_and_of_rigs(p_value: float, rig_chance: float, verdict: str, said: str) -> None:
+    assert said in told(p_value=p_value, rig_chance=rig_chance, verdict=verdict).chance()
 
 
 def test_title_and_answer() -> None:

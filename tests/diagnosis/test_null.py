@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import LAW, MARGIN, Null
+from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import LAW, Null
+from hjcamp.plants.pump_joint.diagnosis.levels import margin
 
 TESTS, CHANNELS, TWINS = 12, 6, 40
 
@@ -32,8 +33,8 @@ def test_an_error_like_that_of_the_twins_is_one() -> None:
 def test_most_twins_stay_within_their_own_limit() -> None:
     null, fresh = made(1), made(2)
     over = np.array([null.over(np.exp(one)) for one in fresh.logarithms])
-    assert np.mean(over > null.limit() / MARGIN) < 0.15
-    assert np.all(null.limit() > MARGIN * 0.99)
+    assert np.mean(over > null.highest()) < 0.15
+    assert null.limit() == pytest.approx(margin() * null.highest()) and np.all(null.limit() > 1.0)
 
 
 def test_a_test_that_says_nothing_in_a_channel_does_not_count() -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.plants.pump_joint.analyses.diagnosing import Diagnosed, looks_at_final
 from hjcamp.plants.pump_joint.answers.where_words import where_sentences
+from hjcamp.plants.pump_joint.diagnosis.levels import gains_a_test
 from hjcamp.report.floor_words import worse_calibrated, worst_words
 from hjcamp.report.units import label, told, told_interval
 
@@ -68,18 +69,21 @@ class Told(Diagnosed):
         return [whole_sentence(found.reason)]
 
     def chance(self) -> str:
-        """Return how many of the twins in which nothing is missing gained as much."""
+        """Return how many of the twins, and of rigs with other contacts, in which nothing is missing gained as much."""
         if not self.found.steps:
             return "No effect gained anything."
         step, p_value = self.found.steps[0], self.content["p_value"]
         twins = len(step.null_gains)
-        number = round(p_value * (twins + 1)) - 1
+        number = round(step.p_value * (twins + 1)) - 1
         if self.content["verdict"] == "nothing_missing" and p_value < LEVEL:
             return f"The best one, {step.best}, gains more than chance, yet the error hardly falls with it."
         if number <= 0:
-            return f"No twin of {twins}, simulated with nothing missing, gained as much as {step.best} does here."
-        said = f"{number} of {twins} twins, simulated with nothing missing, gained as much as {step.best} does here"
-        return f"{said} (p = {p_value:.2f})."
+            said = f"No twin of {twins}, simulated with nothing missing, gained as much as {step.best} does here"
+        else:
+            said = f"{number} of {twins} twins, simulated with nothing missing, gained as much as {step.best} does here"
+        rigs = len(gains_a_test())
+        number = round(self.found.rig_chance * (rigs + 1)) - 1
+        return f"{said}, and {number or 'none'} of {rigs} simulated rigs with another contact did (p = {p_value:.2g})."
 
     def detectable(self) -> list[str]:
         """Return the smallest amplitude of every effect that would have been seen."""

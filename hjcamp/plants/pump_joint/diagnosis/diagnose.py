@@ -19,6 +19,7 @@ from hjcamp.plants.pump_joint.diagnosis.bootstrap.surrogates import match_scatte
 from hjcamp.plants.pump_joint.diagnosis.fitting.calibrate import calibrate
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.fitting.pattern_search import settle
+from hjcamp.plants.pump_joint.diagnosis.levels import least_gain
 from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import rank_drivers, top_drivers
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 from hjcamp.plants.pump_joint.diagnosis.measured.repetition import RepetitionScatter, scatter_of
@@ -33,13 +34,11 @@ from hjcamp.plants.pump_joint.diagnosis.screening.screening import (
     screen,
     unknowns_of,
 )
-from hjcamp.plants.pump_joint.diagnosis.selection.step import LEVEL, StepFitter, at_most, same_as
+from hjcamp.plants.pump_joint.diagnosis.selection.step import LEVEL, StepFitter, at_most, rig_chance, same_as
 from hjcamp.plants.pump_joint.diagnosis.selection.verdict import judge, lacks, law_of, matters, named_by, rivals_of
 from hjcamp.workers.pool import Crew
 
 Array = NDArray[np.float64]
-# For each test: arm and pressures of the windows, which go together, both fall by 10 %.
-LEAST_GAIN = 0.42
 # A law that is off in form leaves gains of that many times what is asked.
 LITTLE, PROMISING = 1.6, 2.0
 Report = Callable[[str, float], None]
@@ -50,7 +49,8 @@ class Diagnosis:
     """The answer and all that stands behind it; ``null`` are twins of the final model.
 
     ``reference`` is the published model as `scale_of` calibrates it; None where the diagnosis began from another.
-    ``screenings`` are those about the baseline and about the final model.
+    ``screenings`` are those about the baseline and about the final model. ``rig_chance`` is the share of rigs with nothing
+    missing and other contacts that gain as much as the first step.
     """
 
     verdict: str
@@ -75,6 +75,7 @@ class Diagnosis:
     lacking: tuple[str, ...] = ()
     reference: Candidate | None = None
     screenings: Sequence[Screening] = ()
+    rig_chance: float = 1.0
 
 
 def diagnose(
@@ -110,7 +111,7 @@ class _Search:
         self.steps: list[Step] = []
         self.twins_of: Fit | None = None
         self.twins: list[Array] = []
-        self.least_gain = LEAST_GAIN * len(evidence.tests)
+        self.least_gain = least_gain(len(evidence.tests))
         self.lacking: tuple[str, ...] = ()
 
     def run(self, start: Candidate | None, began: float) -> Diagnosis:
@@ -160,12 +161,13 @@ class _Search:
         # What no effect explains is looked at without those that did not.
         ranked = top_drivers(rank_drivers(self.features, base, floor))
         drivers = [found.driver, *(one for one in ranked if one != found.driver)] if found.driver else ranked
+        rigs = rig_chance(self.steps[0], len(self.evidence.tests)) if self.steps else 1.0
         needed = self.least_gain if self.lacking else max(first_null.needed(), self.least_gain)
         return Diagnosis(
             found.verdict,
             found.effects,
             drivers if found.verdict == "outside_library" else [],
-            self.steps[0].p_value if self.steps else 1.0,
+            max(self.steps[0].p_value, rigs) if self.steps else 1.0,
             base,
             current,
             floor,
@@ -184,6 +186,7 @@ class _Search:
             self.lacking,
             calibrated.candidate if start is None else None,
             (first, screening),
+            rigs,
         )
 
     def _look(self, current: Fit, number: int, whole: bool, taken: Sequence[Step] = ()) -> tuple[Screening, Null]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.surrogates import make_twin
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
+from hjcamp.plants.pump_joint.diagnosis.levels import margin
 from hjcamp.plants.pump_joint.diagnosis.measured.repetition import RepetitionScatter
 from hjcamp.plants.pump_joint.diagnosis.residuals.features import Features
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
@@ -18,7 +19,6 @@ from hjcamp.plants.pump_joint.diagnosis.screening.normal_equations import Known,
 from hjcamp.plants.pump_joint.diagnosis.screening.screening import Screening
 
 Array = NDArray[np.float64]
-MARGIN = 1.15
 # What the form of a named law may leave: a share of what it explains, and a factor on what any model may leave.
 LAW, FORM = 0.15, 1.09
 JUDGED = 5
@@ -58,8 +58,13 @@ class Null:
         return np.asarray(np.exp(0.5 * np.where(self.says, difference, 0.0).sum(axis=0) / counts))
 
     def limit(self) -> Array:
-        """Return the error over that of the twins (channels,) that 95 % of them stay below, with a margin for model form."""
-        return np.asarray(np.quantile(self._own, 0.95, axis=0) * MARGIN)
+        """Return the error over that of the twins (channels,) that may be left: that of 95 % of them, times the margin of rigs
+        with other contacts."""
+        return self.highest() * margin()
+
+    def highest(self) -> Array:
+        """Return the error over that of the others (channels,) that 95 % of the twins stay below."""
+        return np.asarray(np.quantile(self._own, 0.95, axis=0))
 
     def spread(self) -> Array:
         """Return the standard deviation (channels,) of the logarithm of the twins' errors over that of the others."""

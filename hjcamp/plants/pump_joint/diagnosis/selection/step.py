@@ -11,6 +11,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.fitting.pattern_search import settle
+from hjcamp.plants.pump_joint.diagnosis.levels import chance
 from hjcamp.plants.pump_joint.diagnosis.screening.detectable import alike
 from hjcamp.plants.pump_joint.diagnosis.screening.responses import work_of
 from hjcamp.plants.pump_joint.diagnosis.screening.screening import (
@@ -135,6 +136,11 @@ def same_as(effects: Sequence[type[Effect]], name: str) -> list[str]:
 def at_most(screening: Screening, name: str) -> float:
     """Return what a fit may gain: far more than its own linear prediction follows noise that the twins do not see."""
     return 2.0 * screening.gains[name] + 1.0
+
+
+def rig_chance(step: Step, tests: int) -> float:
+    """Return the share of rigs with nothing missing and other contacts that gain as much in so many tests."""
+    return chance(min(step.gain, at_most(step.screening, step.best)), tests)
 
 
 def _settle_one(context: tuple[Fitter, list[Fit], tuple[type[Effect], ...], int], index: int) -> Fit:
