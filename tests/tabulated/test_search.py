@@ -12,7 +12,7 @@ from hjcamp.plants.pump_joint.tables.fit import Fit, fit
 from hjcamp.plants.pump_joint.tables.ledger import Ledger
 from hjcamp.plants.pump_joint.tables.probes import Probe, looked_at
 from hjcamp.plants.pump_joint.tables.quantities import candidate_quantities
-from hjcamp.plants.pump_joint.tables.search import Effort, Search, Step
+from hjcamp.plants.pump_joint.tables.search import Effort, Search, Step, chance
 from hjcamp.workers.pool import Crew
 
 CONDITIONS = 14
@@ -173,11 +173,14 @@ def test_the_fit_pays_for_moves_away_from_what_is_known():
     )
 
 
-def test_the_chance_of_a_gain_is_that_of_a_gumbel_law_through_the_twins():
-    from scipy.stats import gumbel_r
-
-    control, rival = Fit((), {}, 50.0), Fit(("pump_ratio",), {"pump_ratio": 0.1}, 36.0)
-    step = Step(control, control, [rival], [1.0, 3.0, 2.0, 6.0, 4.0])
-    scale = np.std(step.twins, ddof=1) * math.sqrt(6) / math.pi
-    assert step.gain == 12.0
-    assert step.p_value == pytest.approx(gumbel_r.sf(12.0, np.mean(step.twins) - 0.5772 * scale, scale), rel=1e-3)
+def test_the_chance_of_a_gain_is_counted_and_beyond_most_twins_follows_their_tail():
+    """Of an exponential law of gains the chance is known; one heavy twin alone makes no gain beyond it unlikely by itself."""
+    gains = np.random.default_rng(5).exponential(2.0, 999)
+    assert chance(0.0, gains) == 1.0
+    assert chance(2.0, gains) == pytest.approx(math.exp(-1.0), abs=0.04)
+    for gain in (8.0, 12.0, 20.0):
+        assert math.log(chance(gain, gains)) == pytest.approx(-gain / 2.0, rel=0.25)
+    heavy = [*np.random.default_rng(5).exponential(2.0, 198), 40.0]
+    assert 1e-3 < chance(20.0, heavy) < 0.03
+    told = [chance(gain, gains) for gain in np.linspace(0.0, 30.0, 200)]
+    assert told == sorted(told, reverse=True)

@@ -21,6 +21,8 @@ from hjcamp.workers.pool import Crew
 LEVEL = 0.05
 #: Candidates are refitted whose predicted loss is within this of the best: Akaike's weight of the last is then a twentieth.
 RIVALS = 6.0
+#: The tail of the twins' gains is the largest tenth of them, and ten of few.
+TENTH, FEWEST = 10, 10
 #: Candidates of a step that the answer names.
 SHOWN = 5
 
@@ -68,15 +70,31 @@ class Step:
 
     @property
     def p_value(self) -> float:
-        r"""The chance of such a gain, as fitted or as predicted, whichever is less: a Gumbel law through the twins' gains.
-
-        Source: Abrams, Kulldorff & Kleinman (2010), Int. J. Health Geographics 9:61. Without twins the gain is not tested.
-        """
+        """The chance of such a gain, as fitted or as predicted, whichever is less. Without twins the gain is not tested."""
         if len(self.twins) < 2:
             return 1.0
-        scale = max(float(np.std(self.twins, ddof=1)) * math.sqrt(6) / math.pi, 0.5)
-        location = float(np.mean(self.twins)) - 0.5772 * scale
-        return -math.expm1(-math.exp(-(min(self.gain, self.predicted) - location) / scale))
+        return chance(min(self.gain, self.predicted), self.twins)
+
+
+def chance(gain: float, twins: Sequence[float]) -> float:
+    r"""Return how often nothing gains so much: counted among twins, beyond most of them along their own tail.
+
+    .. math:: p = \frac{1 + \#\{g_i \ge g\}}{1 + n}, \quad
+              p = \frac{1 + k}{1 + n}\,e^{-(g - g_{(k)}) / \beta} \ \text{for}\ g > g_{(k)}, \quad
+              \beta = \frac{1}{k} \sum_{i \le k} (g_{(i)} - g_{(k)})
+
+    with the k largest of n gains, a tenth of them (ten where that is less). No tail is taken to be less wide than half a
+    unit of loss.
+    Source: Knijnenburg et al. (2009), Bioinformatics 25(12), i161-i168, doi:10.1093/bioinformatics/btp211.
+    """
+    ordered = np.sort(np.asarray(twins, dtype=float))[::-1]
+    number = len(ordered)
+    most = max(number // TENTH, min(FEWEST, number - 1))
+    begin = float(ordered[most - 1])
+    if gain <= begin:
+        return float((1 + np.sum(ordered >= gain)) / (1 + number))
+    width = max(float(np.mean(ordered[:most] - begin)), 0.5)
+    return float((1 + most) / (1 + number) * math.exp(-(gain - begin) / width))
 
 
 def penalised(rival: Fit, control: Fit) -> float:
