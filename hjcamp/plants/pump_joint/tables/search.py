@@ -77,24 +77,20 @@ class Step:
 
 
 def chance(gain: float, twins: Sequence[float]) -> float:
-    r"""Return how often nothing gains so much: counted among twins, beyond most of them along their own tail.
+    r"""Return how often nothing gains so much: counted among twins, beyond all of them along their own tail.
 
-    .. math:: p = \frac{1 + \#\{g_i \ge g\}}{1 + n}, \quad
-              p = \frac{1 + k}{1 + n}\,e^{-(g - g_{(k)}) / \beta} \ \text{for}\ g > g_{(k)}, \quad
+    .. math:: p = \frac{1 + \#\{g_i \ge g\}}{1 + n}\,e^{-\max(g - g_{(1)}, 0) / \beta}, \quad
               \beta = \frac{1}{k} \sum_{i \le k} (g_{(i)} - g_{(k)})
 
     with the k largest of n gains, a tenth of them (ten where that is less). No tail is taken to be less wide than half a
-    unit of loss.
-    Source: Knijnenburg et al. (2009), Bioinformatics 25(12), i161-i168, doi:10.1093/bioinformatics/btp211.
+    unit of loss. Source: Knijnenburg et al. (2009), Bioinformatics 25(12), i161-i168, doi:10.1093/bioinformatics/btp211.
     """
     ordered = np.sort(np.asarray(twins, dtype=float))[::-1]
     number = len(ordered)
     most = max(number // TENTH, min(FEWEST, number - 1))
-    begin = float(ordered[most - 1])
-    if gain <= begin:
-        return float((1 + np.sum(ordered >= gain)) / (1 + number))
-    width = max(float(np.mean(ordered[:most] - begin)), 0.5)
-    return float((1 + most) / (1 + number) * math.exp(-(gain - begin) / width))
+    width = max(float(np.mean(ordered[:most] - ordered[most - 1])), 0.5)
+    counted = (1 + np.sum(ordered >= gain)) / (1 + number)
+    return float(counted * math.exp(-max(gain - float(ordered[0]), 0.0) / width))
 
 
 def penalised(rival: Fit, control: Fit) -> float:
