@@ -49,8 +49,8 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
         assert floor["source"] == "repetitions" and floor["low"] <= floor["value"] <= floor["high"], channel
     assert found["floor"]["pressure1_mpa"]["unit"] == "MPa"
     others = [row["posterior"] for row in found["candidates"][1:]]
-    # creep that is slow enough is nearly a leak: its law leaves sixteen times as much of a little
-    assert all(row["law_left"] > 5.0 * best["law_left"] for row in found["candidates"][1:])
+    # creep that is slow enough is nearly a leak, and is behind it on tests that were left out
+    assert all(row["heldout_error_ratio"] > best["heldout_error_ratio"] for row in found["candidates"][1:])
     assert others and max(others) <= 0.5
     low, high = best["parameters"]["conductance"]["ci95"]
     assert low < best["parameters"]["conductance"]["value"] < high

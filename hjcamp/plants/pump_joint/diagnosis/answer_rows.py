@@ -28,16 +28,19 @@ VALUES = ("trajectory", "controller", "preload_mpa", "adjustment_mpa", "payload"
 
 
 def law_left(found: Diagnosis, fit: Fit) -> float:
-    r"""Return the share of the error above that of twins that a fit leaves of the calibrated model's, 0 to 1.
+    r"""Return the share of the error above what twins may leave that a fit leaves of the calibrated model's, 0 to 1.
 
-    .. math:: \sum_c \max(r_c^2 - 1, 0)_{fit} \Big/ \sum_c \max(r_c^2 - 1, 0)_{base}
+    .. math:: \sum_c \max(r_c^2 - h_c^2, 0)_{fit} \Big/ \sum_c \max(r_c^2 - h_c^2, 0)_{base}
 
-    with r the error over that of the twins in each channel (`Null.over`). 0 where the base leaves nothing or there are no twins.
+    with r the error over that of the twins in each channel (`Null.over`) and h what 95 % of them stay below: of a weak effect
+    nothing can be told that chance leaves as well. 0 where the base leaves nothing or there are no twins.
     """
     if not len(found.null.logarithms):
         return 0.0
+    highest = found.null.highest()[:JUDGED]
     before, after = (
-        float(np.sum(np.maximum(found.null.over(one.mean_square)[:JUDGED] ** 2 - 1.0, 0.0))) for one in (found.baseline, fit)
+        float(np.sum(np.maximum(found.null.over(one.mean_square)[:JUDGED] ** 2 - highest**2, 0.0)))
+        for one in (found.baseline, fit)
     )
     return float(np.clip(after / before, 0.0, 1.0)) if before > 0.0 else 0.0
 
