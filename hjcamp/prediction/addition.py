@@ -65,7 +65,7 @@ def answer(found: Addition, name: str, path: str) -> dict[str, Any]:
     for one in intervals(found.model.fitted, found.analysis.search.chapters):
         if one.effect:
             unit = found.analysis.search.library[one.effect].parameters[one.name].unit
-            rows.setdefault(one.effect, {})[one.name] = {"value": one.value, "unit": unit, "ci95": [one.low, one.high]}
+            rows.setdefault(one.effect, {})[one.name] = {"value": one.value, "unit": unit, **one.row}
     return {
         "schema": "hjcamp.addition/1",
         "plant": found.analysis.measured.plant.name,

@@ -142,14 +142,14 @@ def calibration(analysis: Analysis) -> dict[str, dict[str, Any]]:
                 "published": 0.0,
                 "value": one.value,
                 "unit": item.unit,
-                "ci95": [one.low, one.high],
+                **one.row,
             }
         if one.effect or one.name.startswith(ZERO):
             continue
         declared = 0.0 if one.name.startswith(DELAY) else plant.parameters[one.name].default
         unit = "s" if one.name.startswith(DELAY) else plant.parameters[one.name].unit
         found[one.name] = {
-            "published": declared, "value": one.value, "unit": unit, "ci95": [one.low, one.high], "at_bound": one.at_bound,
+            "published": declared, "value": one.value, "unit": unit, **one.row, "at_bound": one.at_bound,
         }  # fmt: skip
     return found
 
@@ -222,7 +222,7 @@ def _weight(t: float, chapters: float) -> float:
 
 
 def _row(one: Interval, unit: str) -> dict[str, Any]:
-    return {"value": one.value, "unit": unit, "ci95": [one.low, one.high], "at_bound": one.at_bound}
+    return {"value": one.value, "unit": unit, **one.row, "at_bound": one.at_bound}
 
 
 def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
@@ -259,7 +259,9 @@ def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
     knots = np.linspace(known.low, known.high, len(known.amplitudes))
     x = np.linspace(known.low, known.high, CURVE)
     values, low, high = (
-        np.interp(x, knots, [getattr(own[knot], key) for knot in known.amplitudes]) for key in ("value", "low", "high")
+        # a knot that was not visited has no band of its own
+        np.interp(x, knots, [getattr(own[knot], key if own[knot].told else "value") for knot in known.amplitudes])
+        for key in ("value", "low", "high")
     )
     parameters = known.effect.parameters
     return {

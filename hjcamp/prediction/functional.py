@@ -37,9 +37,10 @@ def functional(analysis: Analysis, name: str, model: Scored, parameters: Mapping
 def in_proportion(effect: type[Effect], parameters: Mapping[str, Mapping[str, Any]], value: float) -> list[float] | None:
     """Return the interval of a size that is in proportion to the amplitude of an effect; None where that is not known."""
     amplitude = next((one for one in amplitudes_of(effect) if one in parameters), None)
-    if amplitude is None or parameters[amplitude].get("ci95") is None:
+    row = parameters[amplitude] if amplitude is not None else {}
+    if amplitude is None or row.get("ci95") is None or not row.get("told", True):
         return None
-    item, row = effect.parameters[amplitude], parameters[amplitude]
+    item = effect.parameters[amplitude]
     off = item.off or 0.0
     size = row["value"] - off
     if size == 0.0 or far_off(item):

@@ -48,7 +48,9 @@ def told(value: float, unit: str, digits: int = 3) -> str:
 
 
 def told_interval(row: Mapping[str, Any], digits: int = 3) -> str:
-    """Return the 95 % interval of one row of an answer (value, unit, ci95): ``0.268 to 0.29``."""
+    """Return the 95 % interval of one row of an answer (value, unit, ci95): ``0.268 to 0.29``; in words where nothing tells it."""
+    if not row.get("told", True):
+        return "not told by these tests"
     low, high = (shown(one, row["unit"])[0] for one in row["ci95"])
     while digits < 7 and low != high and plain(low, digits) == plain(high, digits):
         digits += 1

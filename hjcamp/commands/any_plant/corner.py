@@ -23,7 +23,7 @@ def fitted_parameters(words: Words) -> tuple[list[Estimate], Any]:
     found, kept = [], []
     for place, (one, free) in enumerate(zip(intervals(fitted, chapters), fitted.free, strict=True)):
         unit = _unit(words, one.effect, one.name)
-        if unit is None:
+        if unit is None or not one.told:
             continue
         kept.append(place)
         label = f"{one.effect} {one.name}".strip().replace("_", " ").replace("delay.", "delay of ")

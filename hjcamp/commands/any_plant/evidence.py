@@ -101,7 +101,7 @@ def amplitude_band(candidates: list[dict[str, Any]], effects: Any, library: Any)
     rows: dict[str, Any] = next((row["parameters"] for row in candidates if row["effect"] == effects[0]), {})
     items = library[effects[0]].parameters
     name = next((name for name in rows if items[name].off is not None), None)
-    if name is None or not rows[name]["value"] or items[name].off != 0.0:
+    if name is None or not rows[name]["value"] or items[name].off != 0.0 or not rows[name].get("told", True):
         return 1.0, 1.0
     ends = [end / rows[name]["value"] for end in rows[name]["ci95"]]
     return min(ends), max(ends)
