@@ -18,7 +18,7 @@ from hidden_effects_detectable import visibility
 from truth.case import write_case
 
 # Parts of an answer that no measure reads; the ledger is committed.
-UNSCORED = ("where", "minimum_detectable")
+UNSCORED = ("where", "minimum_detectable", "worst", "floor", "rests_on")
 DIGITS = 6
 
 
