@@ -102,7 +102,7 @@ hidden_tables: $(WARM)
 
 levels: $(WARM)
 	$(BIN)/python benchmarks/levels.py --workers 2
-	$(BIN)/python benchmarks/levels.py --workers 2 --seeds 920000 100 --into benchmarks/results/levels_fresh.csv --page docs/levels.md
+	$(BIN)/python benchmarks/levels.py --workers 2 --seeds 920000 60 --into benchmarks/results/levels_fresh.csv --page docs/levels.md
 
 any_plant: $(WARM)
 	$(BIN)/python benchmarks/any_plant.py --page docs/any_plant.md
