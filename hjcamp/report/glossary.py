@@ -25,8 +25,8 @@ WORDS: Mapping[str, str] = {
     "is never named itself.",
     "free law": "Another word for an unknown: values at knots over what drives it, straight in between, fitted to the tests.",
     "drivers": "The measured quantities on which what is missing depends, the most likely one first.",
-    "law left": "The share of what a free law explains (on the pump joint: of the error above what chance may leave) that the named "
-    "effect's own law leaves; 0 where its form is right (law_left in the answer for programs).",
+    "law left": "The share of what a free law explains, or of the error above what chance may leave, that the named effect's own "
+    "law leaves; 0 where its form is right (law_left in the answer for programs).",
     "candidate": "An effect that was fitted beside the calibrated model, with its parameters and what it explains.",
     "posterior weight": "How probable an effect is among those that were weighed, from how well it predicts tests that it was not "
     "fitted to; 1 is certain.",
