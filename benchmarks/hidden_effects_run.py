@@ -74,6 +74,8 @@ def diagnosed(folder: Path, without: tuple[str, ...], effort: str) -> dict[str, 
 
 def behind(found: Any) -> dict[str, Any]:
     """Return the inner numbers of a diagnosis that explain its verdict; they help to read failures, not to score."""
+    from hjcamp.plants.pump_joint.diagnosis.selection.step import counted_gain
+
     try:
         return {
             "reason": found.reason,
@@ -90,6 +92,7 @@ def behind(found: Any) -> dict[str, Any]:
                     "p_value": step.p_value,
                     "weights": dict(step.weights),
                     "screened": dict(step.screening.gains),
+                    "counted": counted_gain(step),
                     "gains": {name: step.screening.about.loss - fit.loss for name, fit in step.fits.items()},
                     "taken": step in found.taken,
                 }

@@ -1,10 +1,10 @@
 """Diagnose rigs with nothing missing and other contacts, and write what they gain and leave: the levels of the verdict.
 
-    python benchmarks/levels.py [--seeds FIRST COUNT] [--workers N] [--into FILE] [--page FILE]
+    python benchmarks/levels.py [--seeds FIRST COUNT] [--workers N] [--into FILE] [--page FILE] [--score]
 
 The rigs are those of the truth plant (tests/truth), which shares no code with the model; each rig's seed draws its contact.
-A table that is there goes on: seeds in it are not run again. The page shows which share of rigs would be named or called
-outside at other thresholds, for the rigs that the levels come from and for those of `--fresh FILE`, which they do not.
+What is finished stands in FILE.part, and the same command goes on from it; FILE is replaced once all rigs are in. The page shows which
+share of rigs would be named or called outside at other thresholds, for the rigs that the levels come from and for fresh ones.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
-from hidden_effects import results
+from hidden_effects import STOPPED, results
 from hidden_effects_cases import HiddenCase
 from hidden_effects_measure import wilson
 
@@ -39,17 +39,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--into", type=Path, default=TABLE, metavar="FILE")
     parser.add_argument("--page", type=Path, metavar="FILE")
+    parser.add_argument("--score", action="store_true", help="run nothing, write the page of the tables that are there")
     given = parser.parse_args(arguments)
     first, count = given.seeds
     if count < 1 or first < 0 or given.workers < 1:
         parser.error("give a first seed of 0 or more, one rig or more, and one worker or more")
     given.effort, given.tag, given.cluster = "standard", "", None
-    done = {int(row["seed"]) for row in rows_of(given.into)}
-    left = [case for case in rigs(first, count) if case.seed not in done]
-    for number, line in enumerate(results(left, given, {case.name: {} for case in left}), start=1):
-        row = row_of(line)
-        print(f"{number} of {len(left)}  rig {row['seed']}: {row['verdict']}", flush=True)
-        write_table(given.into, [*rows_of(given.into), row])
+    part = given.into.with_name(f"{given.into.name}.part")
+    rows = [] if given.score else rows_of(part)
+    done = {int(row["seed"]) for row in rows}
+    left = [] if given.score else [case for case in rigs(first, count) if case.seed not in done]
+    try:
+        for number, line in enumerate(results(left, given, {case.name: {} for case in left}), start=1):
+            if "failure" in line:
+                print(f"{line['name']}: {line['failure']}", file=sys.stderr)
+                return 1
+            rows.append(row_of(line))
+            write_table(part, rows)
+            print(f"{number} of {len(left)}  rig {rows[-1]['seed']}: {rows[-1]['verdict']}", flush=True)
+    except KeyboardInterrupt:
+        print("stopped; the same command goes on from here")
+        return STOPPED
+    if left or rows:
+        part.replace(given.into)
     if given.page:
         write_whole(given.page, page(rows_of(TABLE), rows_of(FRESH)))
     return 0
@@ -62,13 +74,9 @@ def rigs(first: int, count: int) -> list[HiddenCase]:
 
 def row_of(line: Mapping[str, Any]) -> dict[str, Any]:
     """Return what one rig with nothing missing gains at most and leaves, over what 95 % of its twins leave."""
-    if "failure" in line:
-        raise RuntimeError(f"{line['name']}: {line['failure']}")
     behind, answer = line["behind"], line["answer"]
     step = behind["steps"][0] if behind["steps"] else None
-    best = max(step["weights"], key=lambda name: step["weights"][name]) if step else ""
-    # as `selection.step.at_most`: more than twice the prediction does not count
-    gain = max(min(step["gains"][best], 2.0 * step["screened"][best] + 1.0), 0.0) if step else 0.0
+    gain = max(step["counted"], 0.0) if step else 0.0
     return {
         "seed": line["seed"], "contact": line["contact"], "tests": behind["tests"], "gain": f"{gain:.4g}",
         **{name: f"{over:.4g}" for name, over in zip(CHANNELS, behind["over"], strict=False)},

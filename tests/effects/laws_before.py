@@ -255,38 +255,6 @@ class Presliding(Effect):
         return force + damping * elastic + friction_viscous * slider_velocity
 
 
-class PressureGain(Effect):
-    subsystem = "sensors"
-    error1 = Parameter("1", 0.08, (-0.6, 1.5), text="scale error of sensor 1", off=0.0)
-    error2 = Parameter("1", -0.05, (-0.6, 1.5), text="scale error of sensor 2", off=0.0)
-    bend = Parameter("1/Pa", 0.0, (-3e-6, 3e-6), text="share by which the scale error grows with pressure")
-
-    @staticmethod
-    def pressure1_reading(pressure1, error1, bend):
-        return error1 * pressure1 * (1.0 + bend * pressure1)
-
-    @staticmethod
-    def pressure2_reading(pressure2, error2, bend):
-        return error2 * pressure2 * (1.0 + bend * pressure2)
-
-
-class PressureOffset(Effect):
-    subsystem = "sensors"
-    offset1 = Parameter("Pa", 20000.0, (-200000.0, 200000.0), text="reading of sensor 1 at 0 Pa gauge", off=0.0)
-    offset2 = Parameter("Pa", -10000.0, (-200000.0, 200000.0), text="reading of sensor 2 at 0 Pa gauge", off=0.0)
-
-    drift1 = Parameter("Pa/s", 0.0, (-20000.0, 20000.0), text="error that sensor 1 gains in each second", off=0.0)
-    drift2 = Parameter("Pa/s", 0.0, (-20000.0, 20000.0), text="error that sensor 2 gains in each second", off=0.0)
-
-    @staticmethod
-    def pressure1_reading(time, offset1, drift1):
-        return offset1 + drift1 * max(time, 0.0)
-
-    @staticmethod
-    def pressure2_reading(time, offset2, drift2):
-        return offset2 + drift2 * max(time, 0.0)
-
-
 class StaticFrictionAgeing(Effect):
     subsystem = "joint"
     growth = Parameter("1", 0.4, (0.0, 4.0), text="growth of static friction after a long rest", off=0.0)
@@ -335,8 +303,6 @@ BEFORE: dict[str, type[Effect]] = {
     "leakage": Leakage,
     "position_friction": PositionFriction,
     "presliding": Presliding,
-    "pressure_gain": PressureGain,
-    "pressure_offset": PressureOffset,
     "static_friction_ageing": StaticFrictionAgeing,
     "stribeck_friction": StribeckFriction,
 }

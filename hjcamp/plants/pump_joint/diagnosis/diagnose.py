@@ -34,7 +34,14 @@ from hjcamp.plants.pump_joint.diagnosis.screening.screening import (
     screen,
     unknowns_of,
 )
-from hjcamp.plants.pump_joint.diagnosis.selection.step import LEVEL, StepFitter, at_most, rig_chance, same_as
+from hjcamp.plants.pump_joint.diagnosis.selection.step import (
+    LEVEL,
+    StepFitter,
+    at_most,
+    counted_gain,
+    rig_chance,
+    same_as,
+)
 from hjcamp.plants.pump_joint.diagnosis.selection.verdict import judge, lacks, law_of, matters, named_by, rivals_of
 from hjcamp.workers.pool import Crew
 
@@ -244,7 +251,7 @@ class _Search:
         """Return a step and its null with all twins, unless what it gains is as clear in few as its promise was."""
         if step is None or len(null.gains) >= self.work.twins:
             return step, null
-        gain = min(step.gain, at_most(step.screening, step.best))
+        gain = counted_gain(step)
         if is_clear(gain, null.gains):
             return step, null
         null = self._null(step.screening, self.work.twins)

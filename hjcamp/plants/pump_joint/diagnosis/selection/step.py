@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from hjcamp.analyses.effort import Effort
@@ -70,8 +70,8 @@ class StepFitter:
         fits |= self._predicted(screening, [name for name in ranked if name not in fits][: max(PAIR - len(fits), 0)])
         weights = rival_weights(fits, self.fitter.least, self.effects)
         best = max(weights, key=lambda name: weights[name])
-        gain = min(screening.about.loss - fits[best].loss, at_most(screening, best))
-        return Step(screening, fits, weights, null.p_value(gain), null.gains)
+        found = Step(screening, fits, weights, 1.0, null.gains)
+        return replace(found, p_value=null.p_value(counted_gain(found)))
 
     def _hopeless(self, screening: Screening, null: Null, names: list[str]) -> Step:
         """Return a step of effects that cannot gain enough, as they are predicted, without fits."""
@@ -138,9 +138,14 @@ def at_most(screening: Screening, name: str) -> float:
     return 2.0 * screening.gains[name] + 1.0
 
 
+def counted_gain(step: Step) -> float:
+    """Return the gain of a step's best effect as far as it counts."""
+    return min(step.gain, at_most(step.screening, step.best))
+
+
 def rig_chance(step: Step, tests: int) -> float:
     """Return the share of rigs with nothing missing and other contacts that gain as much in so many tests."""
-    return chance(min(step.gain, at_most(step.screening, step.best)), tests)
+    return chance(counted_gain(step), tests)
 
 
 def _settle_one(context: tuple[Fitter, list[Fit], tuple[type[Effect], ...], int], index: int) -> Fit:
