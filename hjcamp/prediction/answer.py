@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.model.base_values import DELAY
+from hjcamp.model.field_unit import unit_of_field
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.chapters import advantages, chance_of_t, critical
 from hjcamp.prediction.floor import in_units, shared
 from hjcamp.prediction.functional import functional
 from hjcamp.prediction.intervals import Interval, intervals
 from hjcamp.prediction.leading import leading
+from hjcamp.prediction.measured import Measured
 from hjcamp.prediction.scored import Scored, Step
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
@@ -57,6 +59,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "confidence_set": [list(names) for names in verdict.confidence_set],
         "floor": floor_rows(analysis),
         "ends": end_rows(analysis.windows.layout),
+        "still": still_rows(analysis.measured),
         "rests_on": {"conditions": len(analysis.measured.conditions), "tests": len(analysis.measured.tests),
                      "chapters": len(np.unique(analysis.search.chapters)), "windows": len(analysis.windows.starts)},
         "lacking": list(verdict.lacking),
@@ -98,6 +101,15 @@ def floor_rows(analysis: Analysis) -> dict[str, dict[str, Any]]:
             "low": float(noise[k] * layout.measured.sensors[k].scale), "high": row["baseline"],
         }  # fmt: skip
     return found
+
+
+def still_rows(measured: Measured) -> dict[str, dict[str, Any]]:
+    """Return the recorded inputs that keep one value in all tests, in the unit of their field."""
+    units = {field: unit_of_field(field, measured.plant.name) for field in measured.still}
+    return {
+        field: {"value": value * units[field].scale, "unit": units[field].shown}
+        for field, value in measured.still.items()
+    }
 
 
 def end_rows(layout: Layout) -> dict[str, dict[str, Any]]:

@@ -111,6 +111,14 @@ class Measured:
         found = [ends_of([one.readings[:, k] for one in self.tests], float(self.steps[k]), count) for k in range(count)]
         return np.array(found)
 
+    @cached_property
+    def still(self) -> dict[str, float]:
+        """The recorded inputs, by field, that keep one value in all tests, SI: nothing can be told of how these act."""
+        places = enumerate(_inputs_of(self.plant).values())
+        recorded = {field: k for k, field in places if all(field in one.log.command_phase for one in self.tests)}
+        found = {field: np.concatenate([one.inputs[:, k] for one in self.tests]) for field, k in recorded.items()}
+        return {field: float(values[0]) for field, values in found.items() if np.ptp(values) == 0.0}
+
     def shown(self, true: Array) -> Array:
         """Return simulated readings (n, sensors), SI, as the sensors would show them: none beyond their ends."""
         return np.clip(true, *self.ends.T)
@@ -149,14 +157,12 @@ def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> Measur
         raise UsageError(f"{where}: {samples} samples; at least {FEWEST_SAMPLES} are needed")
     readings = np.column_stack([columns[one.field] / one.scale for one in sensors])
     inputs = []
-    for item in plant.inputs.values():
-        if item.name in ("time", "direction"):
-            continue
-        field = item.field or ("" if item.name in ALWAYS else field_of(item.name, item.unit, f"plant {plant.name}"))
+    for name, field in _inputs_of(plant).items():
+        item = plant.inputs[name]
         if field in columns:
             inputs.append(columns[field] / unit_of_field(field, where).scale)
         elif field and item.required:
-            raise UsageError(f"{where}: field '{field}' is missing, the input '{item.name}' of plant {plant.name}")
+            raise UsageError(f"{where}: field '{field}' is missing, the input '{name}' of plant {plant.name}")
         else:
             inputs.append(np.full(samples, item.default))
     whole = np.column_stack([readings, *inputs])
@@ -170,6 +176,15 @@ def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> Measur
         name, log.condition_key, columns["time_s"] - columns["time_s"][0], np.column_stack(inputs), readings,
         _given(plant, log.metadata, where), log,
     )  # fmt: skip
+
+
+def _inputs_of(plant: type[Plant]) -> dict[str, str]:
+    """Return the field of each input that a log may hold, in the order of the plant; empty where none can."""
+    return {
+        item.name: item.field or ("" if item.name in ALWAYS else field_of(item.name, item.unit, f"plant {plant.name}"))
+        for item in plant.inputs.values()
+        if item.name not in ("time", "direction")
+    }
 
 
 def _given(plant: type[Plant], metadata: Mapping[str, str], where: str) -> tuple[tuple[str, float], ...]:

@@ -96,17 +96,19 @@ def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool,
     with progress_of(console) as report:
         from hjcamp.analyses.calibrating import fit_plant
         from hjcamp.analyses.untold import untold
-        from hjcamp.commands.any_plant.words import end_words, print_calibration
-        from hjcamp.prediction.answer import end_rows
+        from hjcamp.commands.any_plant.words import end_words, print_calibration, still_words
+        from hjcamp.prediction.answer import end_rows, still_rows
 
         done = fit_plant(data, name, report)
+        measured = done.analysis.measured
         head = {
             "schema": "hjcamp.calibration/1",
-            "plant": done.analysis.measured.plant.name,
-            "tests": len(done.analysis.measured.tests),
+            "plant": measured.plant.name,
+            "tests": len(measured.tests),
             "hardware": {},
         }
         notes = [*untold(done.analysis), *end_words(end_rows(done.analysis.windows.layout))]
+        notes += still_words(still_rows(measured))
         rest: dict[str, Any] = {"notes": notes, "model": str(done.model), "rig": None, "page": None}
         write_answer(json, {**head, "calibration": done.rows, **rest})
     print_calibration(console, done.analysis, done.rows)

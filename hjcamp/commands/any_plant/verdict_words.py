@@ -15,6 +15,7 @@ from hjcamp.commands.any_plant.words import (
     end_words,
     held_by_bounds,
     print_head,
+    still_words,
     table,
 )
 from hjcamp.report.floor_words import worst_words
@@ -156,6 +157,7 @@ class Words:
             if verdict.word != "nothing_missing":
                 found += _false_claims(self.content["false_claims"])
         found += held_by_bounds(self.content["calibration"]) + end_words(self.content["ends"])
+        found += still_words(self.content["still"])
         return found + self.telling()
 
     def _remains(self, name: str, row: Mapping[str, Any]) -> str:

@@ -89,6 +89,17 @@ def end_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
     ]
 
 
+def still_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Return in words which inputs do not move in any test, and what that leaves open."""
+    from hjcamp.report.exploration import channel_label
+
+    return [
+        f"{channel_label(name)} keeps one value, {told(row['value'], row['unit'])}, in all tests: how it acts cannot be told from "
+        "them, and nothing that depends on it."
+        for name, row in rows.items()
+    ]
+
+
 def notes_on(found: Comparison) -> list[str]:
     """Return in words where sensors end, and where the last model is the worse for being calibrated."""
     from hjcamp.prediction.answer import end_rows
