@@ -49,8 +49,9 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             search.report(f"form of {port.name.replace('_', ' ')}", 0.5)
             windows.forms, windows.slides, windows.place = forms | {name}, None, before.place
             found = _with_form(search, before, name, port, slides)
-            # it is claimed of nobody: what predicts chapters left out best is taken
-            if found is not None and found.left_out < base.left_out:
+            # one that chance may give is none: it makes a rough base, beside which little is promised of what is missing
+            shown = found is not None and search.beats(found, before)
+            if found is not None and shown and found.left_out < base.left_out:
                 base, kept = found, (windows.forms, windows.slides)
         windows.forms, windows.slides = kept
     windows.place = base.place

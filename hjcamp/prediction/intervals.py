@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.fitting import Fitted
+from hjcamp.prediction.fitting import Fitted, Free
 from hjcamp.prediction.levels import LEVEL
 from hjcamp.prediction.likelihood import whitener
 
@@ -40,12 +40,38 @@ class Interval:
         return {"ci95": [end if math.isfinite(end) else None for end in (self.low, self.high)], "told": False}
 
 
-def covariance_of(fitted: Fitted, chapters: NDArray[np.int64]) -> NDArray[np.float64]:
-    r"""Return the covariance (free, free) of the free parameters, in units of their scales.
+@dataclass(frozen=True)
+class Covariance:
+    """The covariance (free, free) of the free parameters, in units of their scales, by what it comes from.
 
-    .. math:: V = \frac{C}{C - 1} H^{-1} \Bigl(\sum_c g_c g_c^T\Bigr) H^{-1}
+    ``allowed`` (free,) is what the bounds of each allow by themselves, infinite without them; ``still`` (free,) is true where
+    neither readings nor bounds hold it.
+    """
 
-    over chapters c (Liang & Zeger 1986, doi:10.1093/biomet/73.1.13).
+    readings: NDArray[np.float64]
+    bounds: NDArray[np.float64]
+    allowed: NDArray[np.float64]
+    still: NDArray[np.bool_]
+
+    @property
+    def whole(self) -> NDArray[np.float64]:
+        """Both together."""
+        return self.readings + self.bounds
+
+    @property
+    def told(self) -> NDArray[np.bool_]:
+        """Whether readings hold each parameter (free,) more than bounds do: these alone leave less than half of what they allow."""
+        return ~self.still & (np.diag(self.bounds) <= 0.5 * self.allowed)
+
+
+def covariance_of(fitted: Fitted, chapters: NDArray[np.int64]) -> Covariance:
+    r"""Return the covariance of the free parameters.
+
+    .. math:: V = \frac{C}{C - 1} B \Bigl(\sum_c g_c g_c^T\Bigr) B + B P B, \quad B = (H + P)^{-1}, \quad
+              P = \mathrm{diag}\frac{12}{(x_{high} - x_{low})^2}
+
+    over chapters c (Liang & Zeger 1986, doi:10.1093/biomet/73.1.13). P is what bounds tell, as much as a uniform density
+    between them: the zero of a counter is known to one step, whatever the readings say of it.
     """
     w = whitener(fitted.features)
     white, left = np.einsum("wfp,fg->wgp", fitted.slopes, w), fitted.features @ w
@@ -53,16 +79,22 @@ def covariance_of(fitted: Fitted, chapters: NDArray[np.int64]) -> NDArray[np.flo
     names = np.unique(chapters)
     clusters = np.array([pull[chapters == one].sum(axis=0) for one in names])
     clusters = clusters - clusters.mean(axis=0)
-    bread = np.linalg.pinv(fitted.information)
+    allowed = np.array([_range(one) ** 2 / 12.0 for one in fitted.free])
+    known = np.diag(1.0 / allowed)
+    values, vectors = np.linalg.eigh(fitted.information + known)
+    held = values > len(values) * np.finfo(float).eps * max(float(values[-1]), 0.0)
+    bread = (vectors[:, held] / values[held]) @ vectors[:, held].T
     count = max(len(names), 2)
-    return np.asarray(bread @ (clusters.T @ clusters) @ bread * count / (count - 1))
+    readings = bread @ (clusters.T @ clusters) @ bread * count / (count - 1)
+    still = np.sqrt((vectors[:, ~held] ** 2).sum(axis=1)) > APART
+    return Covariance(readings, bread @ known @ bread, allowed, still)
 
 
-def not_told(information: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which of the free parameters (free,) may move, alone or together, without a change in any reading."""
-    values, vectors = np.linalg.eigh(information)
-    still = values <= len(values) * np.finfo(float).eps * max(float(values[-1]), 0.0)
-    return np.asarray(np.sqrt((vectors[:, still] ** 2).sum(axis=1)) > APART)
+def _range(one: Free) -> float:
+    """Return how far the bounds of a free parameter are apart, in units of its scale (of their logarithms)."""
+    if not math.isfinite(one.high) or not math.isfinite(one.low):
+        return math.inf
+    return math.log(one.high / one.low) if one.log else (one.high - one.low) / one.scale
 
 
 def intervals(fitted: Fitted, chapters: NDArray[np.int64]) -> list[Interval]:
@@ -70,22 +102,23 @@ def intervals(fitted: Fitted, chapters: NDArray[np.int64]) -> list[Interval]:
     from scipy.special import stdtrit
 
     count = max(len(np.unique(chapters)), 2)
-    spread = np.sqrt(np.maximum(np.diag(covariance_of(fitted, chapters)), 0.0))
+    found = covariance_of(fitted, chapters)
+    spread = np.sqrt(np.maximum(np.diag(found.whole), 0.0))
     reach = float(stdtrit(count - 1, 1.0 - LEVEL / 2.0)) * spread
-    found = []
-    for one, half, untold in zip(fitted.free, reach, not_told(fitted.information), strict=True):
+    rows = []
+    for one, half, told in zip(fitted.free, reach, found.told, strict=True):
         x = one.of(fitted.candidate)
         ends = (
             (math.exp(min(x - half, 700.0)), math.exp(min(x + half, 700.0)))
             if one.log
             else tuple(sorted(((x - half) * one.scale, (x + half) * one.scale)))
         )
+        if not told:
+            ends = one.low, one.high
         value = math.exp(x) if one.log else x * one.scale
         near = 1e-6 * one.scale
-        if untold:
-            ends = one.low, one.high
         at_bound = bool(value <= one.low + near or value >= one.high - near)
-        found.append(
+        rows.append(
             Interval(
                 one.effect,
                 one.name,
@@ -93,7 +126,7 @@ def intervals(fitted: Fitted, chapters: NDArray[np.int64]) -> list[Interval]:
                 float(max(ends[0], one.low)),
                 float(min(ends[1], one.high)),
                 at_bound,
-                not untold,
+                bool(told),
             )
         )
-    return found
+    return rows

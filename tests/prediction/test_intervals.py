@@ -10,19 +10,19 @@ import pytest
 
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.fitting import Fitted, Free
-from hjcamp.prediction.intervals import Interval, intervals, not_told
+from hjcamp.prediction.intervals import Interval, covariance_of, intervals
 from hjcamp.report.units import told_interval
 
 WINDOWS = 40
 CHAPTERS = np.arange(WINDOWS) // 4
 
 
-def fitted(columns: list[np.ndarray], high: float = 10.0, noise: float = 0.1) -> Fitted:
-    """Return a fit of one feature a window with these slopes, at 2 for each parameter."""
+def fitted(columns: list[np.ndarray], high: float = 10.0) -> Fitted:
+    """Return a fit of one feature a window, as large as its noise, with ten times these slopes, at 2 for each parameter."""
     names = [f"p{number}" for number in range(len(columns))]
-    features = noise * np.random.default_rng(3).standard_normal((WINDOWS, 1))
+    features = np.random.default_rng(3).standard_normal((WINDOWS, 1))
     free = tuple(Free("", name, 1.0, 0.0, high) for name in names)
-    slopes = np.stack(columns, axis=1)[:, None, :]
+    slopes = 10.0 * np.stack(columns, axis=1)[:, None, :]
     return Fitted(Candidate(dict.fromkeys(names, 2.0), {}), free, features, slopes, 0.0)
 
 
@@ -50,8 +50,11 @@ def test_what_no_reading_depends_on_may_be_all_that_its_bounds_allow() -> None:
 def test_two_that_only_act_together_are_not_told_either() -> None:
     x, y = np.linspace(-1.0, 1.0, WINDOWS), np.cos(np.arange(WINDOWS))
     found = by_name(fitted([x, -3.0 * x, y]))
-    assert [found[name].told for name in ("p0", "p1", "p2")] == [False, False, True]
-    nearly = by_name(fitted([x, -3.0 * x + 1e-4 * np.sin(x * 9.0), y]))
+    # p0 may be all that its bounds allow, and takes p1 along by a third of its way: a uniform density of it has 2.9 / 3
+    assert [found[name].told for name in ("p0", "p1", "p2")] == [False, True, True]
+    assert (found["p0"].low, found["p0"].high) == (0.0, 10.0)
+    assert found["p1"].high - 2.0 == pytest.approx(2.26 * 0.91, rel=0.05)
+    nearly = by_name(fitted([x, -3.0 * x + 0.05 * np.sin(x * 9.0), y]))
     assert all(one.told for one in nearly.values()) and nearly["p0"].high - nearly["p0"].low > 1.0
 
 
@@ -61,4 +64,19 @@ def test_an_end_without_a_bound_is_null_for_programs() -> None:
 
 
 def test_nothing_at_all_is_told_without_slopes() -> None:
-    assert not_told(np.zeros((2, 2))).all() and not not_told(np.eye(2)).any()
+    assert not covariance_of(fitted([np.zeros(WINDOWS)] * 2), CHAPTERS).told.any()
+    assert not covariance_of(fitted([np.zeros(WINDOWS)] * 2, high=math.inf), CHAPTERS).told.any()
+    lines = [np.linspace(-1.0, 1.0, WINDOWS), np.cos(np.arange(WINDOWS))]
+    assert covariance_of(fitted(lines), CHAPTERS).told.all()
+
+
+def test_what_moves_with_another_that_has_little_room_is_told() -> None:
+    # the zero of a counter is known to one step, whatever the readings say of it
+    x = np.linspace(-1.0, 1.0, WINDOWS)
+    found = fitted([x, x])
+    step = Free("", "p1", 1e-6, -1e-6, 1e-6)
+    candidate, slopes = Candidate({"p0": 2.0, "p1": 0.0}, {}), found.slopes * np.array([1.0, 1e-6])
+    one, other = intervals(Fitted(candidate, (found.free[0], step), found.features, slopes, 0.0), CHAPTERS)
+    [alone] = intervals(fitted([x]), CHAPTERS)
+    assert one.told and (one.low, one.high) == pytest.approx((alone.low, alone.high), abs=3e-6)
+    assert not other.told and (other.low, other.high) == (-1e-6, 1e-6)

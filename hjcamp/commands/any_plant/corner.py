@@ -19,7 +19,7 @@ def fitted_parameters(words: Words) -> tuple[list[Estimate], Any]:
 
     analysis = words.analysis
     fitted, chapters = words.verdict.model.fitted, analysis.search.chapters
-    spread = np.sqrt(np.maximum(np.diag(covariance_of(fitted, chapters)), 0.0))
+    spread = np.sqrt(np.maximum(np.diag(covariance_of(fitted, chapters).whole), 0.0))
     found, kept = [], []
     for place, (one, free) in enumerate(zip(intervals(fitted, chapters), fitted.free, strict=True)):
         unit = _unit(words, one.effect, one.name)

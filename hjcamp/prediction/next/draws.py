@@ -29,7 +29,7 @@ def draws(analysis: Analysis, model: Scored, number: int, seed: int) -> list[Can
     if not fitted.free:
         return [fitted.candidate] * number
     generator = np.random.default_rng((seed, len(fitted.free), number))
-    spread, ways = np.linalg.eigh(covariance_of(fitted, analysis.search.chapters))
+    spread, ways = np.linalg.eigh(covariance_of(fitted, analysis.search.chapters).whole)
     place, windows.place = windows.place, model.place
     found: list[Candidate] = []
     while len(found) < number:
