@@ -15,6 +15,9 @@ GRAVITY = 9.81
 SEAL_REFERENCE = 0.8e6
 DITHER_VOLT = 1.2
 CROSS_TURBULENT = 0.2e6
+# Where the arm goes in the benchmark's campaigns, and what their lines hold.
+VISITED = tuple(math.radians(angle) for angle in range(-80, 81, 2))
+HELD = 0.5e6
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,62 @@ def _one(text: str, unit: str, field: str, parameter: str, same: bool = True) ->
 def _crossing(hidden: Values, base: Values) -> float:
     """Return the conductance at the pressure difference that friction asks for."""
     difference = 0.5 * (base["coulomb_positive"] + base["coulomb_negative"]) / JOINT_AREA
-    return hidden["cross_conductance"] / math.sqrt(1 + difference / CROSS_TURBULENT)
+    return hidden["cross_conductance"] / math.sqrt(
+        1 + difference / hidden.get("cross_turbulent_pressure", CROSS_TURBULENT)
+    )
+
+
+def _leak(hidden: Values, base: Values) -> float:
+    gap = 1 + hidden["leak_gap_growth"] * max(HELD - hidden["leak_opening_pressure"], 0.0)
+    return hidden["leak_conductance"] * gap**3
+
+
+def _our_leak(fitted: Values) -> float:
+    return fitted["conductance"] + fitted["conductance_above"] * max(HELD - fitted["threshold"], 0.0) / HELD
+
+
+def _swing(curve: Callable[[float], float]) -> float:
+    """Return half the change of a curve over the arm angles that are visited."""
+    seen = [curve(angle) for angle in VISITED]
+    return 0.5 * (max(seen) - min(seen))
+
+
+def _share(level: Callable[[float], float]) -> float:
+    """Return half the change of a level over the arm angles that are visited, over its middle."""
+    seen = [level(angle) for angle in VISITED]
+    return (max(seen) - min(seen)) / (max(seen) + min(seen))
+
+
+def _friction(hidden: Values, base: Values) -> float:
+    high, phase = hidden["angle_amplitude"], hidden["angle_phase"]
+    if hidden.get("angle_form"):
+        return _share(lambda at: 1 + 2 * high * math.exp(-0.5 * ((at - 0.15 * phase) / 0.2) ** 2))
+    return _share(lambda at: 1 + high * (math.sin(at + phase) + 0.25 * math.sin(2 * at + 1.7 * phase)))
+
+
+def _our_friction(fitted: Values) -> float:
+    k = fitted["concentration"] if abs(fitted["concentration"]) > 1e-6 else 1e-6
+
+    def level(at: float) -> float:
+        swing = math.sin(2 * math.pi * at / fitted["period"] + fitted["phase"])
+        return 1 + fitted["amplitude"] * math.expm1(k * swing) * abs(k) / (k * math.expm1(abs(k)))
+
+    return _share(level)
+
+
+def _disc(hidden: Values, base: Values) -> float:
+    share, phase = hidden["disc_eccentricity"], hidden["disc_phase"]
+    oval = 0.4 * share * bool(hidden.get("disc_form"))
+    return _swing(
+        lambda at: (
+            math.atan2(share * math.sin(at + phase), 1 + share * math.cos(at + phase))
+            + oval * math.sin(2 * (at + phase))
+        )
+    )
+
+
+def _our_disc(fitted: Values) -> float:
+    return _swing(lambda at: fitted["amplitude"] * math.sin(at + fitted["phase"]))
 
 
 def _gain(hidden: Values, base: Values) -> float:
@@ -60,12 +118,13 @@ def _counted(hidden: Values, base: Values) -> float:
 
 
 AMPLITUDES = {
-    "leakage": _one(
-        "conductance below the threshold (above it ours grows in a straight line, there as the cube of a gap)",
+    "leakage": Amplitude(
+        "outflow at 0.5 MPa over this pressure (above a threshold ours grows in a straight line, there as the cube of a gap)",
         "m^3/(s Pa)",
-        "leak_conductance",
-        "conductance",
+        _leak,
+        _our_leak,
         False,
+        "conductance",
     ),
     "cross_leakage": Amplitude(
         "conductance at the pressure difference of sliding",
@@ -89,12 +148,13 @@ AMPLITUDES = {
     ),
     "pump_backlash": _one("whole play", "m", "backlash", "play"),
     "pressure_friction": _one("friction for each pascal of p1 + p2", "N/Pa", "seal_coefficient", "coefficient"),
-    "position_friction": _one(
-        "largest change of friction over its mean (ours has no second harmonic)",
+    "position_friction": Amplitude(
+        "half the change of friction over the visited angles, over its middle (ours has no second harmonic)",
         "1",
-        "angle_amplitude",
-        "amplitude",
+        _friction,
+        _our_friction,
         False,
+        "amplitude",
     ),
     "gravity_load": Amplitude(
         "weight at the pitch line",
@@ -118,7 +178,9 @@ AMPLITUDES = {
         False,
         "static_relief",
     ),
-    "encoder_eccentricity": _one("eccentricity over radius", "1", "disc_eccentricity", "amplitude"),
+    "encoder_eccentricity": Amplitude(
+        "half the change of the error over the visited angles", "rad", _disc, _our_disc, False, "amplitude"
+    ),
     "encoder_lag": _one("delay (ours: time constant)", "s", "encoder_delay", "lag"),
     "encoder_bias": Amplitude(
         "reading at true angle 0, in whole counts", "rad", _counted, lambda fitted: fitted["bias"], True, "bias"

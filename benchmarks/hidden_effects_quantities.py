@@ -4,49 +4,54 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from hidden_effects_amplitudes import AMPLITUDES, amplitude_of, true_base
 from hidden_effects_judging import Line, named, right
 from hidden_effects_measure import Aim, Measure, at_least, at_most, counted
+from truth.case import CONTACTS
 
 # Cases with less to remove say nothing about the share that is removed.
 REMOVABLE = 1.1
 
 
 def removed(lines: Sequence[Line], nulls: Sequence[Line]) -> list[Measure]:
-    """Return the share of the removable held-out error that the answer removes, against two measures of the best possible."""
-    bare = [
-        float(x["answer"]["error"]["baseline"]) for x in nulls if "answer" in x and x["answer"]["error"]["baseline"]
-    ]
-    rows = []
-    references = [("floor 1", 1.0)]
-    if bare:
+    """Return the share of the removable held-out error that the answer removes, against three measures of the best possible.
+
+    What nothing hidden leaves differs with the contact: bristles and a force that is smooth in speed leave more.
+    """
+    bare = {contact: _baseline(x for x in nulls if contact in ("", x.get("contact"))) for contact in ("", *CONTACTS)}
+    references: dict[str, Callable[[Line], float]] = {"floor 1": lambda line: 1.0}
+    if bare[""]:
         # what the calibrated model leaves on rigs with nothing hidden, in units of the floor
-        references.insert(0, (f"what nulls leave, {float(np.median(bare)):.2f} x floor", float(np.median(bare))))
-    for text, best in references:
+        references = {
+            "what nulls with the same contact leave": lambda line: bare.get(line.get("contact", "")) or bare[""],
+            f"what nulls leave, {bare['']:.2f} x floor": lambda line: bare[""],
+            **references,
+        }
+    rows = []
+    for text, best in references.items():
         shares = []
         for line in lines:
             error = line["answer"]["error"] if "answer" in line else {"baseline": None}
-            if error["baseline"] is not None and error["baseline"] > REMOVABLE * best:
+            if error["baseline"] is not None and error["baseline"] > REMOVABLE * best(line):
                 left = error["augmented"] if error["augmented"] is not None else error["baseline"]
-                shares.append((error["baseline"] - left) / (error["baseline"] - best))
+                shares.append((error["baseline"] - left) / (error["baseline"] - best(line)))
         for title, level, aim in (
             ("median", 50, at_least("0.96", 0.95, 0.97)),
             ("10th percentile", 10, at_least("0.45", 0.7, 0.9)),
         ):
             value = float(np.percentile(shares, level)) if shares else math.nan
-            rows.append(
-                Measure(
-                    f"share of the removable held-out error removed, {title} (best: {text})",
-                    value,
-                    len(shares),
-                    aim,
-                    unit="",
-                )
-            )
+            name = f"share of the removable held-out error removed, {title} (best: {text})"
+            rows.append(Measure(name, value, len(shares), aim, unit=""))
     return rows
+
+
+def _baseline(lines: Iterable[Line]) -> float:
+    """Return the median error over the floor that the calibrated model leaves, 0 where none is known."""
+    known = [float(x["answer"]["error"]["baseline"]) for x in lines if "answer" in x and x["answer"]["error"]["baseline"]]
+    return float(np.median(known)) if known else 0.0
 
 
 def amplitudes(lines: Sequence[Line]) -> list[Measure]:

@@ -172,13 +172,27 @@ def test_the_error_removed_is_held_against_what_nulls_leave_and_the_floor() -> N
     found = [
         one for one in all_measures([made_up("effect", ("leakage",)), null, none_left]) if "median (best" in one.title
     ]
-    assert [one.value for one in found] == pytest.approx([0.9 / 0.8, 0.45])
-    assert [one.count for one in found] == [1, 2]
+    assert [one.value for one in found] == pytest.approx([0.9 / 0.8, 0.9 / 0.8, 0.45])
+    assert [one.count for one in found] == [1, 1, 2]
+
+
+def test_what_a_contact_leaves_by_itself_is_no_part_of_what_can_be_removed() -> None:
+    nulls = [
+        made_up("nothing_missing", (), (), "null", contact=contact, error={"baseline": left, "augmented": left})
+        for contact, left in (("asperities", 1.1), ("smooth", 1.6))
+    ]
+    hidden = made_up("effect", ("leakage",), contact="smooth", error={"baseline": 2.0, "augmented": 1.7})
+    found = [one for one in all_measures([hidden, *nulls]) if "median (best" in one.title]
+    assert [one.value for one in found] == pytest.approx([0.3 / 0.4, 0.3 / 0.65, 0.3])
 
 
 def test_amplitudes_are_those_of_the_sealed_answer() -> None:
-    line = made_up("effect", ("leakage",), parameters={"conductance": (2.0e-16, 1.9e-16, 2.1e-16)})
-    assert amplitude_of(line, "leakage") == (2.2e-16, 2.0e-16, False)
+    leak = {"conductance": (2.0e-16, 1.9e-16, 2.1e-16), "threshold": (0.4e6, 0.0, 1e6), "conductance_above": (5e-16, 0, 1)}
+    line = made_up("effect", ("leakage",), parameters=leak)
+    hidden = line["truth"]["changes"]["leakage"]
+    gap = 1 + hidden["leak_gap_growth"] * max(0.5e6 - hidden["leak_opening_pressure"], 0.0)
+    # a fifth of what runs out at 0.5 MPa does so above the threshold, by the other slope
+    assert amplitude_of(line, "leakage") == (pytest.approx(2.2e-16 * gap**3), pytest.approx(3.0e-16), False)
     weight = {"load_mass": (0.01, 0.0, 1.0), "radius": (0.02, 0.0, 1.0), "rest_angle": (0.0, 0.0, 0.0)}
     true, ours, covered = amplitude_of(
         made_up("effect", ("gravity_load",), ("gravity_load",), parameters=weight), "gravity_load"
@@ -193,6 +207,22 @@ def test_amplitudes_are_those_of_the_sealed_answer() -> None:
         pytest.approx(1 / 1.8e4),
         True,
     )
+
+
+def test_amplitudes_of_other_laws_are_what_both_change_where_the_arm_goes() -> None:
+    # friction from 1 to 1.5: as a bump, and as the curve of von Mises that is as wide
+    truth = {"angle_amplitude": 0.25, "angle_phase": 0.0, "angle_form": 1.0}
+    bump = {"amplitude": 0.5, "period": 2 * math.pi, "phase": math.pi / 2, "concentration": 6.0}
+    entry = AMPLITUDES["position_friction"]
+    assert entry.truth(truth, {}) == pytest.approx(0.2, rel=1e-3) == pytest.approx(entry.ours(bump), rel=0.02)
+    sine = {**bump, "amplitude": 0.1, "concentration": 0.0}
+    assert entry.ours({**sine, "phase": 0.0}) == pytest.approx(0.1 * math.sin(math.radians(80)), rel=1e-3)
+    disc = {"disc_eccentricity": 0.03, "disc_phase": 0.0}
+    once, oval = (AMPLITUDES["encoder_eccentricity"].truth({**disc, "disc_form": form}, {}) for form in (0.0, 1.0))
+    assert once == pytest.approx(0.03, rel=0.05) and 1.1 < oval / once < 1.4
+    crossing = {"cross_conductance": 1e-15, "cross_turbulent_pressure": 1e12}
+    base = {"coulomb_positive": 5.0, "coulomb_negative": 4.0}
+    assert AMPLITUDES["cross_leakage"].truth(crossing, base) == pytest.approx(1e-15)
 
 
 def test_every_effect_of_the_truth_plant_has_an_amplitude_or_a_reason() -> None:
