@@ -138,6 +138,18 @@ def test_a_resistance_between_two_compliances_lets_the_far_one_lag(simulator: Si
     assert np.max(np.abs(seen[:, P2] - (1e6 - expected))) < 0.04 * height
 
 
+def test_a_fitting_drops_the_square_of_the_flow(simulator: Simulator) -> None:
+    k, speed = 4e17, 2e-3
+    course = motion([0.1, 2.1], [0.0, 2.0 * speed])
+    seen = run(simulator, course, line_resistance__resistance=0.0, line_resistance__turbulent=k)
+    plain = run(simulator, course, line_resistance__resistance=0.0, line_resistance__turbulent=0.0)
+    # sliding steadily: as much flows to the joint as from the pump
+    flow = PUMP_AREA * speed
+    lifted = (seen.readings[:, P1] - seen.ideal[:, 1])[-400:]
+    assert float(np.mean(lifted)) == pytest.approx(0.5 * k * flow**2, rel=0.02)
+    assert np.max(np.abs(plain.readings[:, P1] - plain.ideal[:, 1])) < 1e-6
+
+
 def test_inertance_lifts_the_sensor_by_what_both_ends_accelerate(simulator: Simulator) -> None:
     course = PumpJoint.courses()["sine"]
     half = {"line_inertance__inertance": 4e8, "line_inertance__far_share": 0.5}
@@ -169,6 +181,22 @@ def test_backlash_is_the_play_operator(simulator: Simulator) -> None:
         pistons[k] = np.clip(pistons[k - 1], pump[k] - play / 2, pump[k] + play / 2)
     seen = run(simulator, course, pump_backlash__play=play, **held).readings
     assert seen[:, P1] - 0.5e6 == pytest.approx(STIFFNESS * PUMP_AREA * pistons, abs=60.0)
+
+
+def test_a_worn_screw_has_its_play_in_the_middle(simulator: Simulator) -> None:
+    held = {"static_positive": 60.0, "static_negative": 60.0}
+    play, worn = 4e-5, 2e6
+    time = np.arange(1500) * 1e-3
+    pump = 2e-4 * np.sin(2 * np.pi * 2 * time) + 4e-4 * time
+    course = replace(motion([1.5], [0.0]), driven=pump[:, None])
+    pistons = np.zeros(len(pump))
+    for k in range(1, len(pump)):
+        half = 0.5 * play * np.exp(-worn * pump[k - 1] ** 2)
+        pistons[k] = np.clip(pistons[k - 1], pump[k] - half, pump[k] + half)
+    seen = run(simulator, course, pump_backlash__play=play, pump_backlash__worn=worn, **held).readings[:, P1] - 0.5e6
+    assert seen == pytest.approx(STIFFNESS * PUMP_AREA * pistons, abs=100.0)
+    even = run(simulator, course, pump_backlash__play=play, **held).readings[:, P1] - 0.5e6
+    assert np.max(np.abs(seen - even)) > 2e3
 
 
 def test_cross_leakage_lets_the_difference_decay_and_keeps_the_sum(simulator: Simulator) -> None:

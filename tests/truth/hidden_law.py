@@ -13,9 +13,9 @@ def _orifice(changes: Changes) -> Changes:
     return {"cross_conductance": flow * (1 + 0.2e6 / 2e3) ** 0.5, "cross_turbulent_pressure": 2e3}
 
 
-def _tube_orifice(changes: Changes) -> Changes:
+def _rough_tube(changes: Changes) -> Changes:
     # as much loss at 0.14 mL/s, a sine of 60 deg at 0.5 Hz
-    return {"tube_resistance": 0.0, "tube_orifice": changes["tube_resistance"] / 1.4e-7}
+    return {"tube_resistance": 0.0, "tube_turbulence": changes["tube_resistance"] / 1.4e-7**0.75}
 
 
 def _plain_leak(changes: Changes) -> Changes:
@@ -41,7 +41,7 @@ LAWS: dict[str, dict[str, Callable[[Changes], Changes]]] = {
         "laminar": lambda changes: {"cross_turbulent_pressure": 1e12},
         "orifice": _orifice,
     },
-    "line_resistance": {"laminar": lambda changes: {}, "orifice": _tube_orifice},
+    "line_resistance": {"laminar": lambda changes: {}, "turbulent": _rough_tube},
     "pump_backlash": {"even": lambda changes: {}, "worn": lambda changes: {"backlash_form": 1.0}},
     "entrained_air": {"isothermal": lambda changes: {}, "adiabatic": lambda changes: {"air_exponent": 1.4}},
     "tubing_creep": {"two_times": lambda changes: {}, "broad": _power_creep},

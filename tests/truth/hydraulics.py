@@ -16,7 +16,7 @@ PUMP_VOLUME, JOINT_VOLUME, FLOW, SLOW_CREEP, FAST_CREEP, PUMP_PRESSURE, JOINT_PR
 @within
 def has_tube(plant: Plant) -> bool:
     """Say whether the two ends of a line are kept apart (pi section); otherwise the line is one volume."""
-    return (plant.tube_resistance + plant.tube_orifice + plant.tube_inertance + plant.kink_resistance) > 0.0
+    return (plant.tube_resistance + plant.tube_turbulence + plant.tube_inertance + plant.kink_resistance) > 0.0
 
 
 @within

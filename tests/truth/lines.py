@@ -66,11 +66,11 @@ def cross_leak(difference: float, plant: Plant) -> float:
 def tube_flow(flow: float, drop: float, resistance: float, stiffness: float, plant: Plant, step: float) -> float:
     """Return the flow (m^3/s) in the tube between the two compliant ends of a line, implicit in its own drop.
 
-    I Q' = p_a - p_b - R Q - k Q|Q|: unsteady Bernoulli with laminar loss and an orifice loss (White, Fluid Mechanics,
-    6-4), also valid for I = 0. `stiffness` (Pa/m^3) is that of both ends in series; it keeps the step stable.
+    I Q' = p_a - p_b - R Q - k Q|Q|^0.75: unsteady Bernoulli with laminar loss and Blasius' turbulent one (White, Fluid Mechanics,
+    6-4 and 6-6), also valid for I = 0. `stiffness` (Pa/m^3) is that of both ends in series; it keeps the step stable.
     """
     inertia = plant.tube_inertance / step
-    return (flow * inertia + drop) / (inertia + resistance + plant.tube_orifice * abs(flow) + step * stiffness)
+    return (flow * inertia + drop) / (inertia + resistance + plant.tube_turbulence * abs(flow) ** 0.75 + step * stiffness)
 
 
 @within

@@ -40,7 +40,7 @@ class Plant(NamedTuple):
     cross_conductance: float = 0.0
     cross_turbulent_pressure: float = 0.2e6
     tube_resistance: float = 0.0
-    tube_orifice: float = 0.0
+    tube_turbulence: float = 0.0
     tube_inertance: float = 0.0
     kink_resistance: float = 0.0
     kink_angle: float = 0.35
