@@ -102,6 +102,7 @@ hidden_tables: $(WARM)
 
 levels: $(WARM)
 	$(BIN)/python benchmarks/levels.py --workers 2
+	$(BIN)/python benchmarks/levels.py --workers 2 --effects
 	$(BIN)/python benchmarks/levels.py --workers 2 --seeds 920000 60 --into benchmarks/results/levels_fresh.csv --page docs/levels.md
 
 any_plant: $(WARM)

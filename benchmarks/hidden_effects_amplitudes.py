@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from scipy.optimize import brentq
+
 Values = Mapping[str, float]
 JOINT_AREA = math.pi / 4 * 0.004**2
 PULLEY_RADIUS = 0.00682 / 2
@@ -20,6 +22,8 @@ CROSS_TURBULENT = 0.2e6
 VISITED = tuple(math.radians(angle) for angle in range(-80, 81, 2))
 NUT = tuple(PULLEY_RADIUS * angle * JOINT_AREA / PUMP_AREA for angle in VISITED)
 HELD, FLOW = 0.5e6, 0.14e-6
+# Mean Coulomb friction as published, and the share of it that acts on the truth plant's arm.
+FRICTION, ARM_SHARE = 4.12, 0.3
 
 
 @dataclass(frozen=True)
@@ -99,6 +103,16 @@ def _play(hidden: Values, base: Values) -> float:
 
 def _our_play(fitted: Values) -> float:
     return fitted["play"] * sum(math.exp(-fitted["worn"] * nut * nut) for nut in NUT) / len(NUT)
+
+
+def _stretch(hidden: Values, base: Values) -> float:
+    load = ARM_SHARE * FRICTION / hidden["string_stiffness"]
+    hard = hidden.get("string_hardening", 0.0)
+    return brentq(lambda at: at * (0.5 + (at / hard) ** 2) - load, 0.0, 2.0 * load) if hard else load
+
+
+def _our_stretch(fitted: Values) -> float:
+    return fitted["compliance"] * fitted["friction_share"] * FRICTION
 
 
 def _disc(hidden: Values, base: Values) -> float:
@@ -183,12 +197,7 @@ AMPLITUDES = {
         lambda fitted: fitted["load_mass"] * GRAVITY * fitted["radius"] / PULLEY_RADIUS,
     ),
     "string_elasticity": Amplitude(
-        "compliance of the string (ours: Coulomb friction alone on the pulley)",
-        "m/N",
-        lambda hidden, base: 1 / hidden["string_stiffness"],
-        lambda fitted: fitted["compliance"],
-        False,
-        "compliance",
+        "stretch of the string under the arm's own friction (ours: linear)", "m", _stretch, _our_stretch, False, "compliance"
     ),
     "dither_relief": Amplitude(
         "share of static friction taken away by 1.2 V",

@@ -69,20 +69,23 @@ def diagnosed(folder: Path, without: tuple[str, ...], effort: str) -> dict[str, 
     for name in UNSCORED:
         content.pop(name, None)
     spent = {"seconds": content["seconds"], "processor_seconds": round(time.process_time() - used, 3)}
-    return {"answer": content, **spent, "behind": behind(found)}
+    return {"answer": content, **spent, "behind": behind(found, effects)}
 
 
-def behind(found: Any) -> dict[str, Any]:
+def behind(found: Any, effects: Any) -> dict[str, Any]:
     """Return the inner numbers of a diagnosis that explain its verdict; they help to read failures, not to score."""
     from hjcamp.plants.pump_joint.diagnosis.selection.step import counted_gain
+    from hjcamp.plants.pump_joint.diagnosis.selection.verdict import law_of, named_by
 
     try:
+        law = law_of(named_by(found.taken, effects))
         return {
             "reason": found.reason,
-            "excess": found.null.excess(found.baseline.mean_square, found.final.mean_square).tolist(),
+            "excess": found.null.excess(found.baseline.mean_square, found.final.mean_square, law).tolist(),
             "limit": found.null.limit().tolist(),
-            # what a model leaves over what 95 % of its twins leave, before any margin
-            "over": (found.null.over(found.final.mean_square) / found.null.highest()).tolist(),
+            "over": over(found.null, found.final.mean_square),
+            "one_effect": with_one_effect(found),
+            "deviations": deviations(found, effects),
             "tests": len(found.features.evidence.tests),
             "needed": found.null.needed(),
             "base_candidate": dict(found.baseline.candidate.base),
@@ -101,6 +104,42 @@ def behind(found: Any) -> dict[str, Any]:
         }
     except (AttributeError, TypeError, ValueError) as error:
         return {"reason": str(getattr(found, "reason", "")), "unavailable": str(error)}
+
+
+def over(null: Any, mean_square: Any) -> list[float]:
+    """Return the error (channels,) over what 95 % of twins leave, before any margin."""
+    return list((null.over(mean_square) / null.highest()).tolist())
+
+
+def deviations(found: Any, effects: Any) -> list[tuple[str, str, float, float, int]]:
+    """Return (effect, name, value, the jackknife's standard deviation as a share of it, degrees of freedom) of each unknown."""
+    from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import Local
+    from hjcamp.plants.pump_joint.diagnosis.screening.screening import unknowns_of
+
+    local = Local(found.fitter, found.final, unknowns_of(found.final.candidate, effects))
+    shares = local.deviation / [size or 1.0 for size in local.sizes.tolist()]
+    values = {key: row[0] for key, row in local.intervals().items()}
+    return [
+        (one.effect, one.name, values[one.effect, one.name], float(share), local.freedom)
+        for one, share in zip(local.unknowns, shares.tolist(), strict=True)
+    ]
+
+
+def with_one_effect(found: Any) -> dict[str, Any]:
+    """Return what the model with the first effect found leaves and what it left without, and what a second one gains."""
+    from hjcamp.plants.pump_joint.diagnosis.selection.step import counted_gain
+
+    if not found.taken:
+        return {}
+    later = len(found.steps) > 1
+    null, fit = (found.nulls[1], found.steps[1].screening.about) if later else (found.null, found.final)
+    return {
+        "effect": found.steps[0].best,
+        "before": over(null, found.steps[0].screening.about.mean_square),
+        "after": over(null, fit.mean_square),
+        "second": found.steps[1].best if later else "",
+        "gain": max(counted_gain(found.steps[1]), 0.0) if later else 0.0,
+    }
 
 
 def cleaned(value: Any) -> Any:

@@ -1,18 +1,31 @@
-"""The numbers that decide a verdict are quantiles of a table of rigs with nothing missing, and nothing else."""
+"""The numbers that decide a verdict are read from tables of rigs with nothing or one effect missing, and from nothing else."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from hjcamp.plants.pump_joint.diagnosis import levels
-from hjcamp.plants.pump_joint.diagnosis.levels import CHANNELS, LEVEL, chance, gains_a_test, least_gain, margin
+from hjcamp.plants.pump_joint.diagnosis.levels import (
+    CHANNELS,
+    LEVEL,
+    chance,
+    forms,
+    gains_a_test,
+    law,
+    laws_off,
+    least_gain,
+    margin,
+    second_gain,
+    second_gains_a_test,
+)
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import CHANNELS as SEEN
 
-ROWS = levels._rows()
+ROWS = levels._rows(levels.TABLE)
 
 
 def test_the_channels_are_those_that_a_verdict_judges() -> None:
@@ -46,7 +59,7 @@ def test_the_numbers_are_read_from_the_table(tmp_path: Path, monkeypatch: pytest
     lines = [",".join(["10", str(place), *["1.0"] * 4, str(1.0 + 0.01 * place)]) for place in range(41)]
     path = tmp_path / "nulls.csv"
     path.write_text("\n".join([head, *lines]) + "\n", encoding="utf-8")
-    caches = levels._rows, levels.gains_a_test, levels.margin
+    caches = levels.gains_a_test, levels.margin
     monkeypatch.setattr(levels, "TABLE", path)
     try:
         for cache in caches:
@@ -56,3 +69,78 @@ def test_the_numbers_are_read_from_the_table(tmp_path: Path, monkeypatch: pytest
     finally:
         for cache in caches:
             cache.cache_clear()
+
+
+def test_a_law_may_be_off_so_far_that_both_errors_together_are_least() -> None:
+    known, outside = laws_off()
+    assert len(known) >= 80 and len(outside) >= 10
+    both = [np.mean(known > one) + np.mean(outside <= one) for one in np.linspace(0.0, 2.0, 401)]
+    assert np.mean(known > law()) + np.mean(outside <= law()) <= min(both)
+
+
+def test_a_second_effect_is_asked_what_one_rig_in_forty_with_one_effect_gains() -> None:
+    gains = second_gains_a_test()
+    assert np.mean(gains * 24 > second_gain(24)) == pytest.approx(LEVEL, abs=1.0 / len(gains))
+
+
+@pytest.fixture
+def few(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Ten rigs whose law is off by 1 to 10 % of what it explains, ten of another effect with 6 to 15 %, and one that counts nowhere."""
+    head = ["known", "effect", "found", "exact", "tests", "second_gain", "seed"]
+    head += [f"{when}_{name}" for when in ("before", "after") for name in CHANNELS]
+    lines = []
+    for place in range(10):
+        for known, effect, off in ((1, "leakage", 0.01 * (place + 1)), (0, "spring", 0.01 * (place + 6))):
+            after = (margin() ** 2 + 100.0 * off**2) ** 0.5
+            before = (100.0 + after**2) ** 0.5
+            row = [known, effect, "leakage", 0, 10, place, place, *[repr(before)] * 5, *[repr(after)] * 5]
+            lines.append(",".join(map(str, row)))
+    lines.append(",".join(map(str, [1, "leakage", "spring", 0, 10, 1e6, 99, *["9.0"] * 5, *["8.0"] * 5])))
+    path = tmp_path / "effects.csv"
+    path.write_text("\n".join([",".join(head), *lines]) + "\n", encoding="utf-8")
+    caches = levels.law, levels.laws_off, levels.second_gains_a_test
+    monkeypatch.setattr(levels, "EFFECTS", path)
+    for cache in caches:
+        cache.cache_clear()
+    yield
+    for cache in caches:
+        cache.cache_clear()
+
+
+@pytest.mark.usefixtures("few")
+def test_both_numbers_are_read_from_the_table_of_effects() -> None:
+    known, outside = laws_off()
+    assert known == pytest.approx(0.01 * np.arange(1, 11)) and outside == pytest.approx(0.01 * np.arange(6, 16))
+    # at 5 % five of ten rigs are refused and none accepted, at 6 % four and one, and so on
+    assert law() == pytest.approx(0.05)
+    assert second_gain(10) == pytest.approx(9 - 0.025 * 9)
+
+
+def test_the_form_of_laws_makes_nineteen_of_twenty_intervals_hold_the_truth(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, caches = tmp_path / "intervals.csv", (forms.form_of, forms._needed)
+    errors = np.linspace(0.0, 0.2, 99)
+    rows = [f"{k},leakage,conductance,{error:.6f},0.01,7" for k, error in enumerate(errors)]
+    rows += [f"{k},,coulomb_positive,{0.01 * (-1) ** k},0.02,7" for k in range(6)]
+    rows += ["90,tubing_creep,share,0.9,0.01,7", *[f"{k},entrained_air,air_volume,0.1,0.0,7" for k in range(3)]]
+    path.write_text("seed,effect,parameter,error,deviation,freedom\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    monkeypatch.setattr(forms, "TABLE", path)
+    for cache in caches:
+        cache.cache_clear()
+    try:
+        form, t = forms.form_of("leakage", "conductance"), 2.364624
+        # the 95th smallest of 99
+        assert t * np.hypot(0.01, form) == pytest.approx(errors[94], rel=1e-4)
+        # the largest of three rigs; of one rig nothing is told: as of all effects together
+        assert forms.form_of("entrained_air", "air_volume") == pytest.approx(0.1 / t)
+        assert forms.form_of("tubing_creep", "share") == forms.form_of("a_law_of_a_student", "strength") > form
+        assert forms.form_of("", "coulomb_positive") == forms.form_of("", "viscous_positive") == 0.0
+    finally:
+        for cache in caches:
+            cache.cache_clear()
+
+
+def test_a_table_of_intervals_stands_beside_that_of_effects() -> None:
+    assert all(0.0 < forms.form_of("", f"{kind}_positive") < 0.3 for kind in ("static", "coulomb", "viscous"))
+    assert 0.0 < forms.form_of("a_law_of_a_student", "strength") < 0.5

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import LAW, Null
+from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
 from hjcamp.plants.pump_joint.diagnosis.levels import margin
 
 TESTS, CHANNELS, TWINS = 12, 6, 40
@@ -50,6 +50,7 @@ def test_a_test_that_says_nothing_in_a_channel_does_not_count() -> None:
 def test_a_law_may_be_off_by_a_share_of_what_it_explains() -> None:
     null = made(spread=1e-6)
     like = np.exp(null.logarithms.mean(axis=0))
-    left = 0.9 * LAW * 20.0
-    assert np.all(null.excess(like * 20.0**2, like * left**2) < 1.0)
-    assert np.all(null.excess(like * left**2, like * left**2) > 1.0)
+    left = 0.9 * 0.15 * 20.0
+    assert np.all(null.excess(like * 20.0**2, like * left**2, 0.15) < 1.0)
+    assert np.all(null.excess(like * 20.0**2, like * left**2, 0.1) > 1.0)
+    assert np.all(null.excess(like * left**2, like * left**2, 0.15) > 1.0)

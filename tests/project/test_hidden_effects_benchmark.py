@@ -199,14 +199,14 @@ def test_amplitudes_are_those_of_the_sealed_answer() -> None:
     )  # type: ignore[misc]
     assert (true, covered) == (0.55, None)
     assert ours == pytest.approx(0.01 * 9.81 * 0.02 / 0.00341)
-    stiff = {"compliance": (1 / 1.8e4, 0.9 / 1.8e4, 1.1 / 1.8e4)}
-    assert amplitude_of(
+    stiff = {"compliance": (1 / 1.8e4, 0.9 / 1.8e4, 1.1 / 1.8e4), "friction_share": (0.3, 0.2, 0.4)}
+    known = amplitude_of(
         made_up("effect", ("string_elasticity",), ("string_elasticity",), parameters=stiff), "string_elasticity"
-    ) == (
-        pytest.approx(1 / 1.8e4),
-        pytest.approx(1 / 1.8e4),
-        True,
     )
+    assert known == (pytest.approx(0.3 * 4.12 / 1.8e4), pytest.approx(0.3 * 4.12 / 1.8e4), True)
+    # twice as soft where it is loaded little, as stiff as the linear one under 6 N
+    soft = AMPLITUDES["string_elasticity"].truth({"string_stiffness": 1.8e4, "string_hardening": 4.714e-4}, {})
+    assert 1.4 < soft / (0.3 * 4.12 / 1.8e4) < 2.0
 
 
 def test_amplitudes_of_other_laws_are_what_both_change_where_the_arm_goes() -> None:

@@ -19,7 +19,7 @@ from hjcamp.plants.pump_joint.diagnosis.bootstrap.surrogates import match_scatte
 from hjcamp.plants.pump_joint.diagnosis.fitting.calibrate import calibrate
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.fitting.pattern_search import settle
-from hjcamp.plants.pump_joint.diagnosis.levels import least_gain
+from hjcamp.plants.pump_joint.diagnosis.levels import least_gain, second_gain
 from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import rank_drivers, top_drivers
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 from hjcamp.plants.pump_joint.diagnosis.measured.repetition import RepetitionScatter, scatter_of
@@ -46,8 +46,6 @@ from hjcamp.plants.pump_joint.diagnosis.selection.verdict import judge, lacks, l
 from hjcamp.workers.pool import Crew
 
 Array = NDArray[np.float64]
-# A law that is off in form leaves gains of that many times what is asked.
-LITTLE, PROMISING = 1.6, 2.0
 Report = Callable[[str, float], None]
 
 
@@ -57,7 +55,7 @@ class Diagnosis:
 
     ``reference`` is the published model as `scale_of` calibrates it; None where the diagnosis began from another.
     ``screenings`` are those about the baseline and about the final model. ``rig_chance`` is the share of rigs with nothing
-    missing and other contacts that gain as much as the first step.
+    missing and other contacts that gain as much as the first step. ``nulls`` are twins of the model before each step.
     """
 
     verdict: str
@@ -83,6 +81,7 @@ class Diagnosis:
     reference: Candidate | None = None
     screenings: Sequence[Screening] = ()
     rig_chance: float = 1.0
+    nulls: Sequence[Null] = ()
 
 
 def diagnose(
@@ -116,9 +115,11 @@ class _Search:
         self.features = Features(evidence)
         self.views = Views(evidence, self.effects, crew)
         self.steps: list[Step] = []
+        self.nulls: list[Null] = []
         self.twins_of: Fit | None = None
         self.twins: list[Array] = []
         self.least_gain = least_gain(len(evidence.tests))
+        self.second_gain = second_gain(len(evidence.tests))
         self.lacking: tuple[str, ...] = ()
 
     def run(self, start: Candidate | None, began: float) -> Diagnosis:
@@ -150,6 +151,7 @@ class _Search:
             if step is None:
                 break
             self.steps.append(step)
+            self.nulls.append(null)
             if not self._counts(step) or self._needless(step, base, current, taken, null):
                 break
             current = step.fits[step.best]
@@ -194,6 +196,7 @@ class _Search:
             calibrated.candidate if start is None else None,
             (first, screening),
             rigs,
+            self.nulls,
         )
 
     def _look(self, current: Fit, number: int, whole: bool, taken: Sequence[Step] = ()) -> tuple[Screening, Null]:
@@ -267,7 +270,7 @@ class _Search:
         both = [*taken, step]
         if not taken or rivals_of(taken[0], both, self.steps):
             return False
-        if step.gain >= LITTLE * self.least_gain and not rivals_of(step, both, self.steps):
+        if step.gain >= self.second_gain and not rivals_of(step, both, self.steps):
             return False
         law = law_of(named_by(taken, self.effects))
         return bool(np.all(null.excess(base.mean_square, current.mean_square, law) <= 1.0))
@@ -286,10 +289,10 @@ class _Search:
     def _others(self, taken: list[Step], current: Fit) -> bool:
         """Whether another effect that gained or promised much beside the model before the last step still promises to after it.
 
-        Beside a certain first effect it has to promise somewhat more than `_needless` will ask of it.
+        Beside a certain first effect it has to promise what `_needless` will ask of it.
         """
         step = taken[-1]
-        enough = self.least_gain * (1.0 if rivals_of(taken[0], taken) else PROMISING)
+        enough = self.least_gain if rivals_of(taken[0], taken) else self.second_gain
         own = (step.best, *same_as(self.effects, step.best))
         # what is shown as it is predicted may gain less at its start than it promises
         gained = {name: step.gain_of(name) for name in step.fits}

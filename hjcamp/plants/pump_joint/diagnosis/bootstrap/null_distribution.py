@@ -19,8 +19,6 @@ from hjcamp.plants.pump_joint.diagnosis.screening.normal_equations import Known,
 from hjcamp.plants.pump_joint.diagnosis.screening.screening import Screening
 
 Array = NDArray[np.float64]
-# What the form of a named law may leave: a share of what it explains, and a factor on what any model may leave.
-LAW, FORM = 0.15, 1.09
 JUDGED = 5
 
 
@@ -77,15 +75,14 @@ class Null:
         others = (self.logarithms.sum(axis=0) - self.logarithms) / max(count - 1, 1)
         return np.array([self._mean(one - rest) for one, rest in zip(self.logarithms, others, strict=True)])
 
-    def excess(self, before: Array, after: Array, law: float = LAW) -> Array:
+    def excess(self, before: Array, after: Array, law: float) -> Array:
         """Return the error (channels,) over what may be left: 1 and less is as good as the twins.
 
         ``before`` and ``after`` (tests, channels) are mean squares without and with the named effects. A law may be off
-        by the share ``law`` of the effect itself, since another joint's leak has another shape; 0 for exact laws.
+        by the share ``law`` of the effect itself, since another joint's leak has another shape (`levels.law`); 0 for exact laws.
         """
         first, left = self.over(before), self.over(after)
-        limit = self.limit() * (FORM if law > 0.0 else 1.0)
-        allowed = np.sqrt(limit**2 + law**2 * np.maximum(first**2 - left**2, 0.0))
+        allowed = np.sqrt(self.limit() ** 2 + law**2 * np.maximum(first**2 - left**2, 0.0))
         return np.asarray((left / allowed)[:JUDGED])
 
 

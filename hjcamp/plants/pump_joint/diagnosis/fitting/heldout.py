@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hjcamp.model.candidate import Candidate
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
+from hjcamp.plants.pump_joint.diagnosis.levels.forms import form_of
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 from hjcamp.plants.pump_joint.diagnosis.models.unknowns import Unknown, read, surprise, written
 from hjcamp.plants.pump_joint.diagnosis.residuals.features import Features
@@ -21,8 +22,6 @@ from hjcamp.plants.pump_joint.diagnosis.residuals.views import HOME
 Array = NDArray[np.float64]
 JUDGED = 5
 LEAST_CONDITIONS = 5
-# Relative standard deviation for the form of a law, which all tests share: half of what null.LAW lets an effect be off.
-FORM, FORM_OF_EFFECT = 0.03, 0.075
 MOST_MOVE = 1.0
 
 
@@ -158,8 +157,13 @@ class Local:
         return np.array(moves)
 
     @cached_property
-    def _spread(self) -> tuple[Array, int]:
-        """The standard deviation of each unknown on the fitted scale, and its degrees of freedom; see ``intervals``."""
+    def freedom(self) -> int:
+        """The degrees of freedom of ``deviation``: the units of evidence but one."""
+        return max(len(self._units()) - 1, 1)
+
+    @cached_property
+    def deviation(self) -> Array:
+        """The standard deviation of each unknown (unknowns,) on the fitted scale, by the jackknife; see ``intervals``."""
         units = self._units()
         count = len(units)
         weighted, hessian, _ = self._system(self.fitter)
@@ -168,21 +172,28 @@ class Local:
         # What was known beforehand is evidence too: its own score scatters by its inverse variance.
         known = np.array([unknown.spread for unknown in self.unknowns]) ** -2.0
         inverse = np.linalg.pinv(hessian)
-        variance = (moves**2).sum(axis=0) * (count - 1) / count + (inverse**2) @ known
-        deviation = np.sqrt(variance)
-        places = read(self.fit.candidate, self.unknowns)
-        form = np.array([FORM_OF_EFFECT if one.effect else FORM for one in self.unknowns])
-        form = form * np.array(
+        return np.asarray(np.sqrt((moves**2).sum(axis=0) * (count - 1) / count + (inverse**2) @ known))
+
+    @cached_property
+    def sizes(self) -> Array:
+        """What a share of the value of each unknown is on the fitted scale (unknowns,)."""
+        places = read(self.fit.candidate, self.unknowns).tolist()
+        return np.array(
             [1.0 if one.logarithmic else abs(at) for one, at in zip(self.unknowns, places, strict=True)]
         )
-        return np.hypot(deviation, form), max(count - 1, 1)
+
+    @cached_property
+    def _spread(self) -> Array:
+        """The standard deviation of each unknown on the fitted scale with what the form of a law adds; see ``intervals``."""
+        form = np.array([form_of(one.effect, one.name) for one in self.unknowns])
+        return np.asarray(np.hypot(self.deviation, form * self.sizes))
 
     @property
     def standard_errors(self) -> Array:
         """The standard error of each unknown (unknowns,), SI."""
         places = read(self.fit.candidate, self.unknowns)
         sizes = [math.exp(at) if one.logarithmic else one.scale for one, at in zip(self.unknowns, places, strict=True)]
-        return np.asarray(self._spread[0] * np.array(sizes))
+        return np.asarray(self._spread * np.array(sizes))
 
     @property
     def covariance(self) -> Array:
@@ -198,14 +209,13 @@ class Local:
         with the condition as the unit of evidence, left out one after the other (jackknife; Bell & McCaffrey 2002, Survey
         Methodology 28(2), 169-181): what a model gets wrong about a condition it gets wrong in each of its repetitions,
         and one condition alone may tell a parameter. C conditions, Student's t with C - 1 degrees of freedom; with fewer
-        than five conditions the test is the unit. The form of a law adds 3 % (7.5 % for an effect) of the value, since no
-        number of tests shows that another rig's friction has another shape.
+        than five conditions the test is the unit. What the form of a law adds is what rigs with other laws and contacts show
+        (`levels.forms`): no number of tests of one rig tells it.
         """
         from scipy.special import stdtrit
 
-        deviation, freedom = self._spread
         places = read(self.fit.candidate, self.unknowns)
-        wide = float(stdtrit(freedom, 0.975)) * deviation
+        wide = float(stdtrit(self.freedom, 0.975)) * self._spread
         return {
             (one.effect, one.name): (one.back(place), one.back(place - half), one.back(place + half))
             for one, place, half in zip(self.unknowns, places.tolist(), wide.tolist(), strict=True)

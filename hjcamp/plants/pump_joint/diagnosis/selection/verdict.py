@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from hjcamp.model.effect import Effect
-from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import LAW, Null
+from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
+from hjcamp.plants.pump_joint.diagnosis.levels import law
 from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import (
     bends,
     driver_values,
@@ -158,7 +159,7 @@ def named_by(taken: Sequence[Step], effects: Sequence[type[Effect]]) -> list[typ
 
 def law_of(named: Sequence[type[Effect]]) -> float:
     """Return the share by which the laws of the named effects may be off: none where all are exact, or none is named."""
-    return 0.0 if all(effect.exact_in for effect in named) else LAW
+    return 0.0 if all(effect.exact_in for effect in named) else law()
 
 
 def matters(features: Features, before: Fit, after: Fit) -> bool:
