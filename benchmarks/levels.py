@@ -12,16 +12,15 @@ share of rigs would be named or called outside at other thresholds, for the rigs
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from itertools import cycle, product
 from pathlib import Path
-from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from hidden_effects import STOPPED, results
 from hidden_effects_cases import HiddenCase
+from hidden_effects_ledger import Ledger, code_version
 from levels_page import FRESH, page
 from levels_tables import rows_of, write_tables
 from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES
@@ -48,38 +47,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
     first, count = given.seeds or ((930_000, 132) if given.effects else (910_000, 200))
     if count < 1 or first < 0 or given.workers < 1:
         parser.error("give a first seed of 0 or more, one rig or more, and one worker or more")
-    given.effort, given.tag, given.cluster = "standard", "", None
+    given.effort, given.tag, given.cluster = "standard", code_version(), None
     if not given.score:
-        part = given.into.with_name(f"{given.into.name}.part")
+        part = Ledger(given.into.with_name(f"{given.into.name}.part"))
         if not finished(part, (with_effects if given.effects else rigs)(first, count), given):
             return STOPPED
-        write_tables(given.into, kept(part), given.effects)
-        part.unlink()
+        write_tables(given.into, part.lines(given.tag), given.effects)
+        part.path.unlink()
     if given.page:
         write_whole(given.page, page(rows_of(TABLE), rows_of(FRESH), rows_of(EFFECTS), rows_of(INTERVALS)))
     return 0
 
 
-def finished(part: Path, cases: Sequence[HiddenCase], given: argparse.Namespace) -> bool:
-    """Diagnose the rigs whose result is not in ``part`` yet; return whether all are in."""
-    done = {line["seed"] for line in kept(part)}
-    left = [case for case in cases if case.seed not in done]
+def finished(part: Ledger, cases: Sequence[HiddenCase], given: argparse.Namespace) -> bool:
+    """Diagnose the rigs that this code has not finished yet; return whether all are in."""
+    done = part.finished(given.tag, given.effort)
+    left = [case for case in cases if case.name not in done]
     try:
         for number, line in enumerate(results(left, given, {case.name: {} for case in left}), start=1):
             said = line["failure"] if "failure" in line else line["answer"]["verdict"]
             print(f"{number} of {len(left)}  {line['name']}: {said}", flush=True)
-            with part.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(line) + "\n")
+            part.add(line)
     except KeyboardInterrupt:
         print("stopped; the same command goes on from here")
         return False
     return True
-
-
-def kept(part: Path) -> list[dict[str, Any]]:
-    """Return the results in a file, without a last line that a kill has cut."""
-    lines = part.read_text(encoding="utf-8").splitlines(keepends=True) if part.exists() else []
-    return [json.loads(line) for line in lines if line.endswith("\n")]
 
 
 def rigs(first: int, count: int) -> list[HiddenCase]:

@@ -63,7 +63,7 @@ def test_a_model_that_had_stuck_is_taken_from_where_the_effect_has_led(search: A
 
 def test_what_gained_only_what_a_stuck_base_had_left_is_not_taken(search: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     stuck, looked = fit(502.0), list[float]()
-    search.refitted, search.evidence, search.steps = 470.0, None, []
+    search.refitted, search.evidence, search.steps, search.nulls = 470.0, None, [], []
     search.views, search.scatter, search.report = None, None, lambda *given: None
     null: Any = SimpleNamespace(needed=lambda: 3.0, gains=np.zeros(24))
 

@@ -110,6 +110,7 @@ def search(monkeypatch: pytest.MonkeyPatch) -> Any:
     """A search whose twins are their seeds, and whose gains are below 3 in the first twins and below 9 in all."""
     found: Any = _Search.__new__(_Search)
     found.work, found.least_gain, found.lacking = SimpleNamespace(twins=TWINS, forward=2), 10.0, ()
+    found.second_gain, found.nulls = 15.0, []
     found.effects, found.fitter, found.crew, found.seed = (), None, None, 4
     found.twins_of, found.twins, found.scatter = None, [], None
     found.report, found._match = lambda *given: None, lambda current: None
