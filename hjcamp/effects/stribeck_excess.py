@@ -16,7 +16,8 @@ class StribeckExcess(Effect):
     brings the excess e of static over Coulomb friction itself: for plants that have one dry friction for both.
     Seen as: a breakaway above what sliding needs, a force that falls with speed at low speed, stick-slip.
     Not for: contacts whose static friction is a parameter of its own (see stribeck_friction). No fluid film makes
-    friction rise on breakaway: the excess cannot be negative.
+    friction rise on breakaway: the excess cannot be negative. What fades over more than half the usual speed is no start of sliding:
+    beside viscous friction it would be any bent curve of friction over speed.
     Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138,
     doi:10.1016/0005-1098(94)90209-7.
     """
@@ -24,7 +25,7 @@ class StribeckExcess(Effect):
     acts_on = "contact"
     excess = Parameter("coulomb", 0.3, (0.0, 3.0), text="static friction above Coulomb friction", off=0.0)
     stribeck_speed = Parameter(
-        "speed", 0.1, (5e-3, 2.0), "log-uniform", "speed at which the excess has fallen to 37 %", shape=True
+        "speed", 0.1, (5e-3, 0.5), "log-uniform", "speed at which the excess has fallen to 37 %", shape=True
     )
 
     @staticmethod
