@@ -9,6 +9,10 @@ from typing import Any
 
 from scipy.optimize import brentq
 
+from hjcamp.effects.eccentricity import Eccentricity
+from hjcamp.effects.leakage import Leakage
+from hjcamp.effects.position_friction import PositionFriction
+
 Values = Mapping[str, float]
 JOINT_AREA = math.pi / 4 * 0.004**2
 PULLEY_RADIUS = 0.00682 / 2
@@ -64,7 +68,7 @@ def _leak(hidden: Values, base: Values) -> float:
 
 
 def _our_leak(fitted: Values) -> float:
-    return fitted["conductance"] + fitted["conductance_above"] * max(HELD - fitted["threshold"], 0.0) / HELD
+    return Leakage.loss(HELD, **fitted) / HELD
 
 
 def _swing(curve: Callable[[float], float]) -> float:
@@ -87,13 +91,7 @@ def _friction(hidden: Values, base: Values) -> float:
 
 
 def _our_friction(fitted: Values) -> float:
-    k = fitted["concentration"] if abs(fitted["concentration"]) > 1e-6 else 1e-6
-
-    def level(at: float) -> float:
-        swing = math.sin(2 * math.pi * at / fitted["period"] + fitted["phase"])
-        return 1 + fitted["amplitude"] * math.expm1(k * swing) * abs(k) / (k * math.expm1(abs(k)))
-
-    return _share(level)
+    return _share(lambda at: PositionFriction.coulomb(1.0, at, **fitted))
 
 
 def _play(hidden: Values, base: Values) -> float:
@@ -127,7 +125,7 @@ def _disc(hidden: Values, base: Values) -> float:
 
 
 def _our_disc(fitted: Values) -> float:
-    return _swing(lambda at: fitted["amplitude"] * math.sin(at + fitted["phase"]))
+    return _swing(lambda at: Eccentricity.reading(at, **fitted))
 
 
 def _gain(hidden: Values, base: Values) -> float:

@@ -86,7 +86,7 @@ The cases were run in random order; they stand in `benchmarks/results/hidden_eff
 **What this does not show.** The truth plant (`tests/truth`) shares no code with the model: other integrator, other friction
 law, other noise, its own writer. But the same people wrote both, so what they did not think of is in neither. The rigs
 have seeds {min(seeds)} to {max(seeds)}; development has looked at many below {seen}. The plant's effects and strengths are
-those that development looked at, and eight laws of the library were widened or changed after seeing those of this plant
+those that development looked at, and ten laws of the library were widened or changed after seeing those of this plant
 (docs/decisions/0010). Thresholds come from twins of each campaign and from rigs with nothing missing
 (docs/levels.md), or stand by hand (docs/decisions/0033)."""
 

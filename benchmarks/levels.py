@@ -22,10 +22,10 @@ from hidden_effects import STOPPED, results
 from hidden_effects_cases import HiddenCase
 from hidden_effects_ledger import Ledger, code_version
 from levels_page import FRESH, page
-from levels_tables import rows_of, write_tables
+from levels_tables import write_tables
 from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES
 
-from hjcamp.plants.pump_joint.diagnosis.levels import EFFECTS, TABLE
+from hjcamp.plants.pump_joint.diagnosis.levels import EFFECTS, TABLE, rows_of
 from hjcamp.plants.pump_joint.diagnosis.levels.forms import TABLE as INTERVALS
 from hjcamp.storage import write_whole
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
@@ -85,30 +84,19 @@ def interval_rows(line: Mapping[str, Any]) -> list[dict[str, Any]]:
     answer, (effect,) = line["answer"], line["effects"]
     if answer["verdict"] != "effect" or answer["effects"] != [effect]:
         return []
-    base, amplitude = true_base(line), amplitude_of(line, effect)
-    single = AMPLITUDES[effect].single if effect in AMPLITUDES else ""
+    # a force that is smooth in speed has no static friction to relieve
+    needless = effect == "dither_relief" and line["contact"] == "smooth"
+    base, amplitude = true_base(line), None if needless else amplitude_of(line, effect)
+    compared = {(effect, AMPLITUDES[effect].single): amplitude[:2]} if amplitude is not None else {}
     found = []
     for of, name, value, deviation, freedom in line["behind"]["deviations"]:
-        if (of == effect and name == single and amplitude is not None) and not (
-            # a force that is smooth in speed has no static friction to relieve
-            effect == "dither_relief" and line["contact"] == "smooth"
-        ):
-            error = math.log(amplitude[1] / amplitude[0])
-        elif not of and base.get(name, 0.0) * value > 0.0:
-            error = math.log(value / base[name])
-        else:
+        true, ours = compared.get((of, name), (0.0 if of else base.get(name, 0.0), value))
+        if true * ours <= 0.0:
             continue
+        error = math.log(ours / true)
         row = {"seed": line["seed"], "effect": of, "parameter": name, "error": f"{error:.4g}"}
         found.append(row | {"deviation": f"{deviation:.4g}", "freedom": freedom})
     return found
-
-
-def rows_of(path: Path) -> list[dict[str, Any]]:
-    """Return the rows of a table; none where there is none."""
-    if not path.exists():
-        return []
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def write_table(path: Path, rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> None:

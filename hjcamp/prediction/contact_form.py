@@ -50,8 +50,7 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             windows.forms, windows.slides, windows.place = forms | {name}, None, before.place
             found = _with_form(search, before, name, port, slides)
             # one that chance may give is none: it makes a rough base, beside which little is promised of what is missing
-            shown = found is not None and search.beats(found, before)
-            if found is not None and shown and found.left_out < base.left_out:
+            if found is not None and search.beats(found, before) and found.left_out < base.left_out:
                 base, kept = found, (windows.forms, windows.slides)
         windows.forms, windows.slides = kept
     windows.place = base.place

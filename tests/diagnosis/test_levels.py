@@ -25,7 +25,7 @@ from hjcamp.plants.pump_joint.diagnosis.levels import (
 )
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import CHANNELS as SEEN
 
-ROWS = levels._rows(levels.TABLE)
+ROWS = levels.rows_of(levels.TABLE)
 
 
 def test_the_channels_are_those_that_a_verdict_judges() -> None:

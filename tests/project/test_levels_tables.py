@@ -94,3 +94,9 @@ def test_a_run_goes_on_from_what_is_finished(tmp_path: Path, monkeypatch: pytest
     assert [one["seed"] for one in part.lines("code")] == [930_000, 930_001]
     # what other code has finished is none of these
     assert part.lines("other") == []
+
+
+def test_an_amplitude_that_is_fitted_as_none_has_no_error() -> None:
+    one = line()
+    one["answer"]["candidates"][0]["parameters"]["lag"]["value"] = 0.0
+    assert {row["parameter"] for row in interval_rows(one)} == {"coulomb_positive", "moving_mass"}

@@ -43,7 +43,7 @@ def chance(gain: float, tests: int) -> float:
 @cache
 def margin() -> float:
     """Return the factor on the limit of the twins that `LEVEL` of the rigs with nothing missing exceed in some channel."""
-    return float(np.quantile(_over(_rows(TABLE)).max(axis=1), 1.0 - LEVEL))
+    return float(np.quantile(_over(rows_of(TABLE)).max(axis=1), 1.0 - LEVEL))
 
 
 @cache
@@ -64,7 +64,7 @@ def law() -> float:
 @cache
 def laws_off() -> tuple[Array, Array]:
     """Return by which share the law found is off on rigs with an effect of the library, which was found, and on others (rigs,)."""
-    rows = [row for row in _rows(EFFECTS) if row["found"] and row["exact"] == "0"]
+    rows = [row for row in rows_of(EFFECTS) if row["found"] and row["exact"] == "0"]
     known = [row for row in rows if row["known"] == "1" and row["found"] == row["effect"]]
     return off_of(known), off_of([row for row in rows if row["known"] == "0"])
 
@@ -72,13 +72,13 @@ def laws_off() -> tuple[Array, Array]:
 @cache
 def gains_a_test() -> Array:
     """Return the gain a test (rigs,) of the best effect on each rig with nothing missing."""
-    return np.array([float(row["gain"]) / int(row["tests"]) for row in _rows(TABLE)])
+    return np.array([float(row["gain"]) / int(row["tests"]) for row in rows_of(TABLE)])
 
 
 @cache
 def second_gains_a_test() -> Array:
     """Return the gain a test (rigs,) of the best second effect on each rig with one effect of the library, which was found."""
-    rows = [row for row in _rows(EFFECTS) if row["known"] == "1" and row["found"] == row["effect"]]
+    rows = [row for row in rows_of(EFFECTS) if row["known"] == "1" and row["found"] == row["effect"]]
     return np.array([float(row["second_gain"]) / int(row["tests"]) for row in rows])
 
 
@@ -96,6 +96,7 @@ def _over(rows: Sequence[Mapping[str, str]], when: str = "") -> Array:
 
 
 @cache
-def _rows(table: Path) -> list[dict[str, str]]:
+def rows_of(table: Path) -> list[dict[str, str]]:
+    """Return the rows of a table."""
     with table.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))

@@ -10,10 +10,11 @@ fewer than 19 (split conformal; Lei et al. 2018, doi:10.1080/01621459.2017.13071
 
 from __future__ import annotations
 
-import csv
 import math
 from functools import cache
 from pathlib import Path
+
+from hjcamp.plants.pump_joint.diagnosis.levels import rows_of
 
 TABLE = Path(__file__).with_name("intervals.csv")
 COVERED = 0.95
@@ -39,9 +40,8 @@ def _needed() -> dict[tuple[str, str], list[float]]:
     from scipy.special import stdtrit
 
     found: dict[tuple[str, str], list[float]] = {}
-    with TABLE.open(encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            t = float(stdtrit(int(row["freedom"]), 0.5 + COVERED / 2.0))
-            needed = max((float(row["error"]) / t) ** 2 - float(row["deviation"]) ** 2, 0.0) ** 0.5
-            found.setdefault((row["effect"], row["parameter"]), []).append(needed)
+    for row in rows_of(TABLE):
+        t = float(stdtrit(int(row["freedom"]), 0.5 + COVERED / 2.0))
+        needed = max((float(row["error"]) / t) ** 2 - float(row["deviation"]) ** 2, 0.0) ** 0.5
+        found.setdefault((row["effect"], row["parameter"]), []).append(needed)
     return found
