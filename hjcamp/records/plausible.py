@@ -19,8 +19,8 @@ from hjcamp.records.units import units_of
 from hjcamp.yaml_file import yaml_values
 
 CONFIGURATION = "config.yaml"
-# So few samples of a test are single ones that went wrong; more of them are the column.
-FEW = 0.01
+# So few samples of a test, so few in a row, are single ones that went wrong; more of them are the column.
+FEW, ROW = 0.01, 3
 # What is geared moves by 0.15 to 1.1 of what drives it in all our campaigns; a wrong unit is off by ten and more.
 LEAST_GEARED, MOST_GEARED = 0.05, 4.0
 MOVES = math.radians(20)
@@ -111,14 +111,24 @@ def _outside(name: str, log: TestLog, table: FieldTable, low: float, high: float
         return
     unit, first = table.field(name).unit, int(np.argmax(out))
     held = f"a sound log stays within {low:g} and {high:g} {unit}"
-    if number <= FEW * len(values):
+    if number <= FEW * len(values) and not _lasts(out):
         some = "single sample is" if number == 1 else "samples are"
         time = log.columns["time_s"][first]
         text = f"'{name}': {number} {some} off, {values[first]:.4g} {unit} at sample {first} (time {time:.6g} s)"
         yield Finding(name, f"{text}; {held}; looks like a spike of the logger or the sensor", refused)
         return
+    peak = values[np.argmax(np.abs(values))]
+    if number <= len(values) // 2 and low * NEARLY <= peak <= high * NEARLY:
+        # A wrong unit takes most of a test out of its range; a rig that pushes harder than ours stays near it.
+        yield Finding(name, f"'{name}' reaches {peak:.4g} {unit}; {held}", False)
+        return
     cause = _likely(table, name, values, low, high)
     yield Finding(name, f"'{name}' reaches {values[np.argmax(np.abs(values))]:.4g} {unit}; {held}; {cause}", refused)
+
+
+def _lasts(out: np.ndarray) -> bool:
+    """Whether more than `ROW` samples in a row are marked."""
+    return bool(np.any(np.convolve(out, np.ones(ROW + 1), "valid") > ROW)) if len(out) > ROW else False
 
 
 def _likely(table: FieldTable, name: str, values: np.ndarray, low: float, high: float) -> str:

@@ -66,6 +66,8 @@ def test_a_sound_log_has_no_findings() -> None:
             True,
             "2 samples are off, -1e+04 deg at sample 5",
         ),
+        (lambda c: c["pressure1_mpa"].__setitem__(slice(700, 720), 2.4), "pressure1_mpa", False, "reaches 2.4 MPa; a sound log"),
+        (lambda c: c["pressure1_mpa"].__setitem__(slice(700, 720), 24.0), "pressure1_mpa", True, "reaches 24 MPa; a sound log"),
         (still("pressure1_mpa", 0.0), "pressure1_mpa", True, "in all 1200 samples; a sensor has noise"),
         (still("arm_deg", 12.0), "arm_deg", False, "never changes although 'pump_deg' moves"),
     ],
