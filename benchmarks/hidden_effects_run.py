@@ -84,7 +84,7 @@ def behind(found: Any, effects: Any) -> dict[str, Any]:
             "excess": found.null.excess(found.baseline.mean_square, found.final.mean_square, law).tolist(),
             "limit": found.null.limit().tolist(),
             "over": over(found.null, found.final.mean_square),
-            "one_effect": with_one_effect(found),
+            "one_effect": with_one_effect(found, effects),
             "deviations": deviations(found, effects),
             "tests": len(found.features.evidence.tests),
             "needed": found.null.needed(),
@@ -125,20 +125,25 @@ def deviations(found: Any, effects: Any) -> list[tuple[str, str, float, float, i
     ]
 
 
-def with_one_effect(found: Any) -> dict[str, Any]:
-    """Return what the model with the first effect found leaves and what it left without, and what a second one gains."""
+def with_one_effect(found: Any, effects: Any) -> dict[str, Any]:
+    """Return what the model with the first effect found leaves and what it left without, what a second one gains, and what
+    speaks against its law where that is exact."""
     from hjcamp.plants.pump_joint.diagnosis.selection.step import counted_gain
+    from hjcamp.plants.pump_joint.diagnosis.selection.verdict import against
 
     if not found.taken:
         return {}
     later = len(found.steps) > 1
     null, fit = (found.nulls[1], found.steps[1].screening.about) if later else (found.null, found.final)
+    best = found.steps[0].best
+    drivers = next(effect.exact_in for effect in effects if effect.name == best)
     return {
-        "effect": found.steps[0].best,
+        "effect": best,
         "before": over(null, found.steps[0].screening.about.mean_square),
         "after": over(null, fit.mean_square),
         "second": found.steps[1].best if later else "",
         "gain": max(counted_gain(found.steps[1]), 0.0) if later else 0.0,
+        "against": against(found.fitter.views, found.features, fit, best, drivers[0]) if drivers else {},
     }
 
 

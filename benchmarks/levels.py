@@ -5,8 +5,8 @@
 Nothing is missing on the rigs, or one effect of the library under one of several laws (``--effects``).
 
 The rigs are those of the truth plant (tests/truth), which shares no code with the model; each rig's seed draws its contact.
-What is finished stands in FILE.part, and the same command goes on from it; FILE is replaced once all rigs are in. The page shows which
-share of rigs would be named or called outside at other thresholds, for the rigs that the levels come from and for fresh ones.
+What is finished stands beside FILE, as .jsonl, and the same command goes on from it; FILE is replaced once all rigs are in. The
+page shows which share of rigs would be named or called outside at other thresholds, for those that the levels come from and fresh ones.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--score", action="store_true", help="run nothing, write the page of the tables that are there")
     given = parser.parse_args(arguments)
     given.into = given.into or (EFFECTS if given.effects else TABLE)
-    first, count = given.seeds or ((930_000, 132) if given.effects else (910_000, 200))
+    first, count = given.seeds or ((930_000, 264) if given.effects else (910_000, 200))
     if count < 1 or first < 0 or given.workers < 1:
         parser.error("give a first seed of 0 or more, one rig or more, and one worker or more")
     given.effort, given.tag, given.cluster = "standard", code_version(), None
     if not given.score:
-        part = Ledger(given.into.with_name(f"{given.into.name}.part"))
+        part = Ledger(given.into.with_suffix(".jsonl"))
         if not finished(part, (with_effects if given.effects else rigs)(first, count), given):
             return STOPPED
         write_tables(given.into, part.lines(given.tag), given.effects)
@@ -89,6 +89,7 @@ def with_effects(first: int, count: int) -> list[HiddenCase]:
     outside = [("outside", *kind) for kind in product(STRENGTHS, OUTSIDE_NAMES)]
     chosen = [*zip(range(first, first + count), cycle(known), strict=False)]
     chosen += zip(range(first + APART, first + APART + others), cycle(outside), strict=False)
+    chosen.sort(key=lambda one: one[0] % APART)
     return [
         HiddenCase(f"{effect}-{strength}-{seed}", kind, (effect,), strength, seed)
         for seed, (kind, strength, effect) in chosen

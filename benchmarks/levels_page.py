@@ -12,21 +12,26 @@ from hidden_effects_measure import wilson
 from scipy.special import stdtrit
 
 from hjcamp.plants.pump_joint.diagnosis.levels import (
+    CERTAIN,
     CHANNELS,
     LEVEL,
-    gains_a_test,
+    best_gains,
     law,
     laws_off,
     least_gain,
     margin,
     off_of,
+    promises_a_test,
     second_gain,
-    second_gains_a_test,
+    second_gains,
+    times_usual,
+    usual_gain,
 )
 from hjcamp.plants.pump_joint.diagnosis.levels.forms import COVERED, form_of
 
 FRESH = Path(__file__).with_name("results") / "levels_fresh.csv"
-ASKED = (0.2, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6)
+ASKED = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+SECONDS = (0.2, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6)
 MARGINS = (1.0, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3)
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.5)
 LAWS = (0.0, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0)
@@ -37,7 +42,7 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
     """Return the page: thresholds, operating curves, contacts, how often chance is as small as it says, laws and intervals."""
     parts = [
         HEAD.format(
-            count=len(known), tests=known[0]["tests"], level=LEVEL, gain=least_gain(1), margin=margin(), law=law(),
+            count=len(known), tests=known[0]["tests"], level=LEVEL, gain=quantile(best_gains()), margin=margin(), law=law(),
             second=second_gain(1), effects=sum(row["known"] == "1" for row in effects),
             outside=sum(row["known"] == "0" for row in effects),
         )
@@ -45,11 +50,22 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
     sets = {"these rigs": known} | ({"fresh rigs": fresh} if fresh else {})
     parts.append(
         table(
-            "named where nothing is missing, by the gain asked of a test",
-            ["gain a test", *sets],
+            "named where nothing is missing, by how many times its usual gain an effect is asked",
+            ["times", *sets],
             (
-                [f"{asked:.3g}", *(share(gains(rows) >= asked) for rows in sets.values())]
-                for asked in sorted([*ASKED, least_gain(1)])
+                [f"{asked:.3g}", *(share(claimed(rows) >= asked) for rows in sets.values())]
+                for asked in sorted([*ASKED, quantile(best_gains())])
+            ),
+        )
+    )
+    tests = int(known[0]["tests"])
+    parts.append(
+        table(
+            f"what each effect gains on rigs with nothing missing, and what it is asked, in {tests} tests",
+            ["effect", "promises on average", "usual", "asked"],
+            (
+                [name, *(f"{gain:.2g}" for gain in (tests * promised, usual_gain(name, tests), least_gain(name, tests)))]
+                for name, promised in sorted(promises_a_test().items(), key=lambda row: -row[1])
             ),
         )
     )
@@ -90,7 +106,7 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
 def of_laws(effects: Rows) -> list[str]:
     """Return the tables of rigs with one effect: both errors by how far a law may be off, and what a second effect gains."""
     off, others = laws_off()
-    seconds = second_gains_a_test()
+    seconds = second_gains()
     laws = table(
         "called outside though the right effect was found, and named though the library has none, by the share that a law may be off",
         ["share", "called outside", "named"],
@@ -99,7 +115,7 @@ def of_laws(effects: Rows) -> list[str]:
     second = table(
         "a second effect beside a right one, by the gain asked of a test",
         ["gain a test", "rigs with one effect"],
-        ([f"{asked:.3g}", share(seconds >= asked)] for asked in sorted([*ASKED, second_gain(1)])),
+        ([f"{asked:.3g}", share(seconds >= asked)] for asked in sorted([*SECONDS, second_gain(1)])),
     )
     by_effect = table(
         "rigs with one effect, by effect",
@@ -147,17 +163,19 @@ SAID = (["nothing_missing"], ["effect", "one_of"], ["outside_library"])
 HEAD = """# Levels of the joint's verdict
 
 Made by `make levels`; no line is written by hand. {count} rigs of another program (`tests/truth`), each with one of four laws of
-dry contact and nothing missing, are diagnosed with the whole library, {tests} tests each. A share of {level:g} of them gains {gain:.3g}
-a test with its best effect: so much is asked before an effect is named. The same share leaves {margin:.3g} times what 95 % of their
-twins leave: a model that leaves more is outside the library. Both together are one rig in twenty. The table is
+dry contact and nothing missing, are diagnosed with the whole library, {tests} tests each. Some effects take up what a contact
+leaves that is off in form, others hardly, so that a gain counts by what that effect promises on these rigs on average. The best
+effect gains {gain:.3g} times that, and more than 95 % of the rig's own twins, on a share of {level:g} of them: so much is asked
+before an effect is named. The same share leaves {margin:.3g} times what 95 % of their twins leave: a model that leaves more is
+outside the library. Both together are one rig in twenty. The table is
 `hjcamp/plants/pump_joint/diagnosis/levels/nulls.csv`, from which the program reads both numbers. Intervals are Wilson's, 95 %.
 Verdicts are those of the code that made each table; the levels come from it.
 
 {effects} further rigs have one effect of the library each, under one of several laws, and {outside} an effect that is in none
 (`effects.csv`). A named law may be off by {law:.3g} of what it explains: there the share of the former that is called outside and
-the share of the latter that is named are least together. A second effect is asked {second:.3g} a test where the first leaves what
-its law may: {level:g} of the rigs with one effect gain more. What the form of laws adds to intervals makes 95 % of them hold the
-truth (`intervals.csv`); an effect of which too few amplitudes can be compared has that of all effects together.
+the share of the latter that is named are least together. A second effect is asked {second:.3g} a test where the
+first leaves what its law may: {level:g} of the rigs with one effect gain more. What the form of laws adds to intervals makes 95 %
+of them hold the truth (`intervals.csv`); an effect of which too few amplitudes can be compared has that of all effects together.
 """
 
 
@@ -167,9 +185,14 @@ def table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str
     return "\n".join([*lines, *(f"| {' | '.join(row)} |" for row in rows), ""])
 
 
-def gains(rows: Sequence[Mapping[str, Any]]) -> Any:
-    """Return the gain a test (rigs,)."""
-    return np.array([float(row["gain"]) / int(row["tests"]) for row in rows])
+def claimed(rows: Sequence[Mapping[str, Any]]) -> Any:
+    """Return how many times its usual gain the best effect of each rig gains, 0 where its own twins often gain as much (rigs,)."""
+    return np.where(twins(rows) < CERTAIN, times_usual(rows), 0.0)
+
+
+def quantile(gains: Any) -> float:
+    """Return the gain that a share of `LEVEL` exceeds."""
+    return float(np.quantile(gains, 1.0 - LEVEL))
 
 
 def over(rows: Sequence[Mapping[str, Any]]) -> Any:
@@ -184,8 +207,8 @@ def twins(rows: Sequence[Mapping[str, Any]]) -> Any:
 
 def told(rows: Sequence[Mapping[str, Any]]) -> Any:
     """Return the chance that an answer tells (rigs,): the larger of that by twins and that by rigs with other contacts."""
-    known = np.sort(gains_a_test())
-    beyond = len(known) - np.searchsorted(known, gains(rows), side="left")
+    known = np.sort(best_gains())
+    beyond = len(known) - np.searchsorted(known, times_usual(rows), side="left")
     return np.maximum(twins(rows), (1 + beyond) / (1 + len(known)))
 
 

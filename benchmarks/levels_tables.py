@@ -11,17 +11,21 @@ from typing import Any
 from hidden_effects_amplitudes import AMPLITUDES, amplitude_of, true_base
 from truth.hidden import LIBRARY_NAMES
 
-from hjcamp.plants.pump_joint.diagnosis.levels import CHANNELS
+from hjcamp.plants.pump_joint.diagnosis.levels import AGAINST, CHANNELS, GAIN
 from hjcamp.plants.pump_joint.diagnosis.levels.forms import TABLE as INTERVALS
 from hjcamp.storage import write_whole
 
-COLUMNS = ("seed", "contact", "tests", "gain", *CHANNELS, "twins_p", "verdict", "effects", "processor_seconds")
-# `known`: whether the library has the effect; `exact`: whether the law of the one found is. `before` and `after`: what the model leaves
-# without and with the first effect found, over what 95 % of its twins leave.
+# `gain` is what the best effect gains once it is fitted, as far as it counts; the columns of all effects are what a screening promises.
+COLUMNS = (
+    "seed", "contact", "tests", "best", "gain", *CHANNELS, "twins_p", "verdict", "effects", "processor_seconds",
+    *(f"{GAIN}{name}" for name in LIBRARY_NAMES),
+)  # fmt: skip
+# `known`: whether the library has the effect; `exact`: whether the law of the one found is (then also what speaks against it).
+# `before` and `after`: what the model leaves without and with the first effect found, over what 95 % of its twins leave.
 EFFECT_COLUMNS = (
     "seed", "effect", "law", "strength", "contact", "tests", "known", "found", "exact",
     *(f"{when}_{name}" for when in ("before", "after") for name in CHANNELS),
-    "second", "second_gain", "verdict", "effects", "processor_seconds",
+    *AGAINST, "second", "second_gain", "verdict", "effects", "processor_seconds",
 )  # fmt: skip
 INTERVAL_COLUMNS = ("seed", "effect", "parameter", "error", "deviation", "freedom")
 
@@ -43,8 +47,11 @@ def row_of(line: Mapping[str, Any]) -> dict[str, Any]:
     behind, answer = line["behind"], line["answer"]
     step = behind["steps"][0] if behind["steps"] else None
     gain = max(step["counted"], 0.0) if step else 0.0
+    promised = step["screened"] if step else {}
     return {
         "seed": line["seed"], "contact": line["contact"], "tests": behind["tests"], "gain": f"{gain:.4g}",
+        "best": max(step["weights"], key=step["weights"].get) if step else "",
+        **{f"{GAIN}{name}": f"{promised.get(name, 0.0):.3g}" for name in LIBRARY_NAMES},
         **{name: f"{over:.4g}" for name, over in zip(CHANNELS, behind["over"], strict=False)},
         "twins_p": f"{step['p_value'] if step else 1.0:.4g}", "verdict": answer["verdict"],
         "effects": "+".join(answer["effects"]), "processor_seconds": f"{line['processor_seconds']:.1f}",
@@ -55,7 +62,7 @@ def effect_row(line: Mapping[str, Any]) -> dict[str, Any]:
     """Return what one rig with an effect leaves without and with the first one found, and what a second one gains."""
     behind, answer, (effect,) = line["behind"], line["answer"], line["effects"]
     one = behind["one_effect"]
-    nothing = {"effect": "", "before": behind["over"], "after": behind["over"], "second": "", "gain": 0.0}
+    nothing = {"effect": "", "before": behind["over"], "after": behind["over"], "second": "", "gain": 0.0, "against": {}}
     one = one or nothing
     return {
         "seed": line["seed"], "effect": effect, "law": line["laws"].get(effect, ""), "strength": line["strength"],
@@ -66,6 +73,7 @@ def effect_row(line: Mapping[str, Any]) -> dict[str, Any]:
             for when in ("before", "after")
             for name, over in zip(CHANNELS, one[when], strict=False)
         },
+        **{kind: f"{one['against'][kind]:.4g}" if one["against"] else "" for kind in AGAINST},
         "second": one["second"], "second_gain": f"{one['gain']:.4g}", "verdict": answer["verdict"],
         "effects": "+".join(answer["effects"]), "processor_seconds": f"{line['processor_seconds']:.1f}",
     }  # fmt: skip

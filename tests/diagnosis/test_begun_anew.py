@@ -32,11 +32,11 @@ def step(about: Any, best: str, after: Any) -> Any:
 def search(monkeypatch: pytest.MonkeyPatch) -> Any:
     """A search whose fit without the last effect ends at ``refitted``, and which settles to one less."""
     found: Any = _Search.__new__(_Search)
-    found.effects, found.least_gain, found.features, found.fitter = EFFECTS, 10.0, None, None
+    found.effects, found.features, found.fitter = EFFECTS, None, None
+    found.least_gain = lambda name: 10.0
     found.work = SimpleNamespace(steps=4, sweeps=6, forward=2, hasty=False, twins=24)
     found.refitted = 500.0
     monkeypatch.setattr(diagnose, "unknowns_of", lambda *given: [])
-    monkeypatch.setattr(diagnose, "matters", lambda *given: True)
     monkeypatch.setattr(
         diagnose,
         "refit_without",

@@ -68,8 +68,9 @@ def judged(score: float) -> Judged:
         (1 / 25, 1 / 201, "effect", "No twin of 24, simulated with nothing missing,"),
         (1 / 25, 1 / 201, "effect", "gained as much as leakage does here, and none of 200 simulated rigs"),
         (3 / 25, 4 / 201, "effect", "2 of 24 twins, simulated with nothing missing, gained as much as"),
-        (3 / 25, 4 / 201, "effect", "and 3 of 200 simulated rigs with another contact did (p = 0.12)."),
-        (1 / 25, 1 / 201, "nothing_missing", "gains more than chance, yet the error hardly falls"),
+        (3 / 25, 4 / 201, "effect", "and 3 of 200 simulated rigs with another contact gained as much for their effect"),
+        (3 / 25, 4 / 201, "effect", "(p = 0.12)."),
+        (0.04, 8 / 201, "nothing_missing", "(p = 0.04). A name is given where no more than 5 of these rigs do."),
     ],
 )
 def test_chance_is_a_count_of_twins_and_of_rigs(p_value: float, rig_chance: float, verdict: str, said: str) -> None:

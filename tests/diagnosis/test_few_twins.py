@@ -13,7 +13,7 @@ from hjcamp.plants.pump_joint.diagnosis import diagnose
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.early_stopping import APART, FAR, FIRST, is_clear, is_far
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
 from hjcamp.plants.pump_joint.diagnosis.diagnose import _Search
-from hjcamp.plants.pump_joint.diagnosis.selection.step import LEVEL
+from hjcamp.plants.pump_joint.diagnosis.levels import CERTAIN
 
 TWINS, RIGS, CHANNELS = 60, 20_000, 5
 LAWS: dict[str, Callable[[np.random.Generator, tuple[int, int]], Any]] = {
@@ -42,11 +42,11 @@ def test_where_nothing_is_missing_p_values_keep_their_level(law: str) -> None:
     whole, early = p_values(gains, TWINS), stopped(gains)
     p = np.where(early, p_values(gains, FIRST), whole)
     assert np.all(p[early] == 1 / (1 + FIRST))
-    for level in (0.041, LEVEL, 0.1, 0.25, 0.5, 0.9):
+    for level in (0.041, CERTAIN, 0.1, 0.25, 0.5, 0.9):
         share = np.mean(p < level)
         assert share <= level + 3.0 * np.sqrt(level * (1.0 - level) / rigs)
         assert share >= np.mean(whole < level) - 0.001, "a level that is never used up finds less"
-    assert np.mean((p < LEVEL) != (whole < LEVEL)) < 0.002
+    assert np.mean((p < CERTAIN) != (whole < CERTAIN)) < 0.002
     assert abs(float(np.mean(p)) - 0.5) < 0.02
 
 
@@ -56,7 +56,7 @@ def test_an_effect_is_found_as_often_as_with_all_twins(effect: float) -> None:
     gains[:, 0] += effect
     whole, early = p_values(gains, TWINS), stopped(gains)
     p = np.where(early, p_values(gains, FIRST), whole)
-    assert np.mean((p < LEVEL) != (whole < LEVEL)) < 0.003
+    assert np.mean((p < CERTAIN) != (whole < CERTAIN)) < 0.003
     assert effect < 20.0 or early.mean() > 0.9, "a large gain is clear from few twins"
 
 
@@ -109,7 +109,7 @@ def test_one_channel_that_is_surely_above_is_enough_but_all_have_to_be_below() -
 def search(monkeypatch: pytest.MonkeyPatch) -> Any:
     """A search whose twins are their seeds, and whose gains are below 3 in the first twins and below 9 in all."""
     found: Any = _Search.__new__(_Search)
-    found.work, found.least_gain, found.lacking = SimpleNamespace(twins=TWINS, forward=2), 10.0, ()
+    found.work, found.least_gain, found.lacking = SimpleNamespace(twins=TWINS, forward=2), lambda name: 10.0, ()
     found.second_gain, found.nulls = 15.0, []
     found.effects, found.fitter, found.crew, found.seed = (), None, None, 4
     found.twins_of, found.twins, found.scatter = None, [], None
@@ -150,7 +150,7 @@ def test_a_clear_promise_needs_few_twins(search: Any) -> None:
 
 @pytest.mark.parametrize("promise", [0.5, 9.9, 5.8])
 def test_what_does_not_promise_enough_or_not_clearly_is_asked_of_all(search: Any, promise: float) -> None:
-    search.least_gain = 5.0
+    search.least_gain = lambda name: 5.0
     _, null = search._look(model(leakage=promise), 0, True)
     clear = promise >= 5.0 and promise > FAR * 2.9
     assert (len(null.gains) == FIRST) == clear
@@ -163,7 +163,7 @@ def test_a_gain_less_clear_than_its_promise_is_asked_of_all_from_the_same_seeds(
     screening.about.loss = 0.0
     after, whole = search._certain(step, null)
     assert len(whole.gains) == len(after.null_gains) == TWINS
-    assert after.p_value == whole.p_value(5.0) > LEVEL > 1 / (1 + FIRST)
+    assert after.p_value == whole.p_value(5.0) > CERTAIN > 1 / (1 + FIRST)
     assert search.drawn == [400_000 + index for index in range(TWINS)]
     step = diagnose.Step(screening, {"leakage": SimpleNamespace(loss=-30.0)}, {"leakage": 1.0}, 0.04, null.gains)
     search.twins = search.twins[:FIRST]

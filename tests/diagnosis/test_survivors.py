@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
+from hjcamp.plants.pump_joint.diagnosis.levels import CERTAIN
 from hjcamp.plants.pump_joint.diagnosis.selection import step as step_fits
-from hjcamp.plants.pump_joint.diagnosis.selection.step import LEVEL, PAIR, StepFitter
+from hjcamp.plants.pump_joint.diagnosis.selection.step import PAIR, StepFitter
 
 PREDICTED = {"leakage": 90.0, "tubing_creep": 42.0, "friction_drift": 40.0, "encoder_lag": 5.0}
 
@@ -36,7 +37,7 @@ def test_what_is_fitted(reached: dict[str, float], enough: float, fitted: list[l
         fits.update({name: SimpleNamespace(loss=200.0 - reached[name]) for name in names})
 
     fitting._fit = fit
-    found = fitting._survivors(screening, list(PREDICTED), 0.0, enough)
+    found = fitting._survivors(screening, list(PREDICTED), 0.0, dict.fromkeys(PREDICTED, enough))
     assert together == fitted
     assert list(found) == [name for names in fitted for name in names]
 
@@ -47,7 +48,7 @@ def test_nothing_is_fitted_where_no_fit_could_count(hasty: bool, monkeypatch: py
     screening: Any = SimpleNamespace(about=about, gains=PREDICTED, ranked=PREDICTED)
     null: Any = SimpleNamespace(needed=lambda: 3.0, p_value=lambda gain: 0.01, gains=[])
     fitting: Any = StepFitter.__new__(StepFitter)
-    fitting.work, fitting.least_gain = SimpleNamespace(hasty=hasty, survivors=4), 2.0 * PREDICTED["leakage"] + 1.1
+    fitting.work, fitting.least_gain = SimpleNamespace(hasty=hasty, survivors=4), lambda name: 2.0 * PREDICTED["leakage"] + 1.1
     fitting.fitter, fitting.effects = SimpleNamespace(least=None), ()
     predicted: list[str] = []
 
@@ -59,4 +60,4 @@ def test_nothing_is_fitted_where_no_fit_could_count(hasty: bool, monkeypatch: py
     monkeypatch.setattr(step_fits, "rival_weights", lambda fits, *given: dict.fromkeys(fits, 0.5))
     step = fitting.step(screening, null, 0)
     assert predicted == list(PREDICTED)[:PAIR] == list(step.fits)
-    assert step.p_value == LEVEL, "what could not count is never certain"
+    assert step.p_value == CERTAIN, "what could not count is never certain"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.plants.pump_joint.analyses.diagnosing import Diagnosed, looks_at_final
 from hjcamp.plants.pump_joint.answers.where_words import where_sentences
-from hjcamp.plants.pump_joint.diagnosis.levels import gains_a_test
+from hjcamp.plants.pump_joint.diagnosis.levels import CERTAIN, LEVEL, best_gains
 from hjcamp.report.floor_words import worse_calibrated, worst_words
 from hjcamp.report.units import label, told, told_interval
 
@@ -31,7 +31,6 @@ LEFT = (
 )
 MOVED = 0.01
 APART = 0.95
-LEVEL = 0.05
 
 
 @dataclass(frozen=True)
@@ -75,15 +74,18 @@ class Told(Diagnosed):
         step, p_value = self.found.steps[0], self.content["p_value"]
         twins = len(step.null_gains)
         number = round(step.p_value * (twins + 1)) - 1
-        if self.content["verdict"] == "nothing_missing" and p_value < LEVEL:
-            return f"The best one, {step.best}, gains more than chance, yet the error hardly falls with it."
         if number <= 0:
             said = f"No twin of {twins}, simulated with nothing missing, gained as much as {step.best} does here"
         else:
             said = f"{number} of {twins} twins, simulated with nothing missing, gained as much as {step.best} does here"
-        rigs = len(gains_a_test())
+        rigs = len(best_gains())
         number = round(self.found.rig_chance * (rigs + 1)) - 1
-        return f"{said}, and {number or 'none'} of {rigs} simulated rigs with another contact did (p = {p_value:.2g})."
+        asked = self.content["verdict"] == "nothing_missing" and p_value < CERTAIN
+        more = f" A name is given where no more than {rigs * LEVEL:.0f} of these rigs do." if asked else ""
+        return (
+            f"{said}, and {number or 'none'} of {rigs} simulated rigs with another contact gained as much for their effect "
+            f"(p = {p_value:.2g}).{more}"
+        )
 
     def detectable(self) -> list[str]:
         """Return the smallest amplitude of every effect that would have been seen."""

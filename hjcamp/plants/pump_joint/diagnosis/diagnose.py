@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from hjcamp.plants.pump_joint.diagnosis.bootstrap.surrogates import match_scatte
 from hjcamp.plants.pump_joint.diagnosis.fitting.calibrate import calibrate
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.fitting.pattern_search import settle
-from hjcamp.plants.pump_joint.diagnosis.levels import least_gain, second_gain
+from hjcamp.plants.pump_joint.diagnosis.levels import CERTAIN, least_gain, second_gain
 from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import rank_drivers, top_drivers
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 from hjcamp.plants.pump_joint.diagnosis.measured.repetition import RepetitionScatter, scatter_of
@@ -35,14 +36,13 @@ from hjcamp.plants.pump_joint.diagnosis.screening.screening import (
     unknowns_of,
 )
 from hjcamp.plants.pump_joint.diagnosis.selection.step import (
-    LEVEL,
     StepFitter,
     at_most,
     counted_gain,
     rig_chance,
     same_as,
 )
-from hjcamp.plants.pump_joint.diagnosis.selection.verdict import judge, lacks, law_of, matters, named_by, rivals_of
+from hjcamp.plants.pump_joint.diagnosis.selection.verdict import judge, lacks, law_of, named_by, rivals_of
 from hjcamp.workers.pool import Crew
 
 Array = NDArray[np.float64]
@@ -118,7 +118,7 @@ class _Search:
         self.nulls: list[Null] = []
         self.twins_of: Fit | None = None
         self.twins: list[Array] = []
-        self.least_gain = least_gain(len(evidence.tests))
+        self.least_gain = partial(least_gain, tests=len(evidence.tests))
         self.second_gain = second_gain(len(evidence.tests))
         self.lacking: tuple[str, ...] = ()
 
@@ -171,7 +171,8 @@ class _Search:
         ranked = top_drivers(rank_drivers(self.features, base, floor))
         drivers = [found.driver, *(one for one in ranked if one != found.driver)] if found.driver else ranked
         rigs = rig_chance(self.steps[0], len(self.evidence.tests)) if self.steps else 1.0
-        needed = self.least_gain if self.lacking else max(first_null.needed(), self.least_gain)
+        least = 0.0 if self.lacking else first_null.needed()
+        needed = {effect.name: max(least, self.least_gain(effect.name)) for effect in self.effects}
         return Diagnosis(
             found.verdict,
             found.effects,
@@ -220,9 +221,10 @@ class _Search:
         """
         if not taken:
             promised = max((screening.gains[name] for name in screening.ranked), default=0.0)
-            null = self._null(screening, FIRST) if promised >= self.least_gain else None
+            enough = any(screening.gains[name] >= self.least_gain(name) for name in screening.ranked)
+            null = self._null(screening, FIRST) if enough else None
             return null if null is not None and is_clear(promised, null.gains) else None
-        if len(taken) > 1 or any(at_most(screening, name) >= self.least_gain for name in screening.ranked):
+        if len(taken) > 1 or any(at_most(screening, name) >= self.least_gain(name) for name in screening.ranked):
             return None
         null = self._null(screening, FIRST)
         law = law_of(named_by(taken, self.effects))
@@ -261,9 +263,8 @@ class _Search:
         return replace(step, p_value=null.p_value(gain), null_gains=null.gains), null
 
     def _counts(self, step: Step) -> bool:
-        """Whether a step gains more than chance does, enough, and where it matters."""
-        certain = step.p_value < LEVEL and step.gain >= self.least_gain
-        return certain and matters(self.features, step.screening.about, step.fits[step.best])
+        """Whether a step gains more than its twins do, and more than rigs with nothing missing."""
+        return step.p_value < CERTAIN and step.gain >= self.least_gain(step.best)
 
     def _needless(self, step: Step, base: Fit, current: Fit, taken: list[Step], null: Null) -> bool:
         """Whether a further effect gains little or is one of several, where the certain ones leave what their laws may."""
@@ -292,25 +293,25 @@ class _Search:
         Beside a certain first effect it has to promise what `_needless` will ask of it.
         """
         step = taken[-1]
-        enough = self.least_gain if rivals_of(taken[0], taken) else self.second_gain
+        enough = 0.0 if rivals_of(taken[0], taken) else self.second_gain
         own = (step.best, *same_as(self.effects, step.best))
         # what is shown as it is predicted may gain less at its start than it promises
         gained = {name: step.gain_of(name) for name in step.fits}
         others = [
             name
             for name, promised in step.screening.gains.items()
-            if max(promised, gained.get(name, promised)) > self.least_gain and name not in own
+            if max(promised, gained.get(name, promised)) > self.least_gain(name) and name not in own
         ]
         if not others:
             return False
         screening = screen(self.fitter, current, self.effects, others)
-        return any(at_most(screening, name) > enough for name in others)
+        return any(at_most(screening, name) > max(enough, self.least_gain(name)) for name in others)
 
     def _backward(self, current: Fit, taken: list[Step], null: Null) -> tuple[Fit, list[Step]]:
         """Leave out again what is not needed any more once further effects are in the model."""
         for step in taken[:-1]:
             without = refit_without(self.fitter, current, step.best, self.effects, self.work.steps)
             without = settle(self.fitter, without, unknowns_of(without.candidate, self.effects), self.work.sweeps)
-            if without.loss - current.loss < max(self.least_gain, null.needed()):
+            if without.loss - current.loss < max(self.least_gain(step.best), null.needed()):
                 current, taken = without, [other for other in taken if other is not step]
         return current, taken

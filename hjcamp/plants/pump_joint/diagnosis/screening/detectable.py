@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,9 @@ INVISIBLE = 0.02
 
 
 def detectable_amplitudes(
-    screening: Screening, effects: Sequence[type[Effect]], needed: float
+    screening: Screening, effects: Sequence[type[Effect]], needed: Mapping[str, float]
 ) -> dict[str, tuple[str, float, str]]:
-    """Return for each effect the amplitude whose predicted gain would have been ``needed``: (parameter, value, unit)."""
+    """Return for each effect the amplitude whose predicted gain would be what it is asked by ``needed``: (parameter, value, unit)."""
     found: dict[str, tuple[str, float, str]] = {}
     by_name = {effect.name: effect for effect in effects}
     base = len(screening.unknowns)
@@ -29,7 +29,7 @@ def detectable_amplitudes(
             unexplained = beside.product([base + column])[0, 0]
             if not name or unexplained < 1e-12:
                 continue
-            smallest = math.sqrt(needed / unexplained) * abs(height)
+            smallest = math.sqrt(needed[probe.effect] / unexplained) * abs(height)
             if probe.effect not in found or smallest < found[probe.effect][1]:
                 found[probe.effect] = (name, smallest, by_name[probe.effect].parameters[name].unit)
     return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,7 +11,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.fitting.pattern_search import settle
-from hjcamp.plants.pump_joint.diagnosis.levels import chance
+from hjcamp.plants.pump_joint.diagnosis.levels import CERTAIN, chance
 from hjcamp.plants.pump_joint.diagnosis.screening.detectable import alike
 from hjcamp.plants.pump_joint.diagnosis.screening.responses import work_of
 from hjcamp.plants.pump_joint.diagnosis.screening.screening import (
@@ -25,7 +25,6 @@ from hjcamp.plants.pump_joint.diagnosis.screening.screening import (
     unknowns_of,
 )
 
-LEVEL = 0.05
 SAME = 0.95
 PAIR = 2
 # So far behind the best fit, slips alone may have held a fit back.
@@ -34,12 +33,12 @@ BEHIND = 30.0
 
 @dataclass
 class StepFitter:
-    """Fits one more effect beside a model; ``least_gain`` is what counts, ``report(text, share)`` hears of each fit."""
+    """Fits one more effect beside a model; ``least_gain(name)`` is what counts, ``report(text, share)`` hears of each fit."""
 
     fitter: Fitter
     effects: Sequence[type[Effect]]
     work: Effort
-    least_gain: float
+    least_gain: Callable[[str], float]
     report: Callable[[str, float], None]
 
     def step(self, screening: Screening, null: Null, number: int) -> Step | None:
@@ -50,10 +49,11 @@ class StepFitter:
             if name in screening.ranked
         ]
         # The first step shows what comes nearest, where none of it can count as it is predicted.
-        enough = max(null.needed(), self.least_gain if number or self.work.hasty else 0.0)
-        if not ranked or (number and not any(at_most(screening, name) >= enough for name in ranked)):
+        asked = {name: self.least_gain(name) for name in ranked}
+        enough = {name: max(null.needed(), least if number or self.work.hasty else 0.0) for name, least in asked.items()}
+        if not ranked or (number and not any(at_most(screening, name) >= enough[name] for name in ranked)):
             return None
-        if not any(at_most(screening, name) >= self.least_gain for name in ranked):
+        if not any(at_most(screening, name) >= least for name, least in asked.items()):
             return self._hopeless(screening, null, ranked[:PAIR])
         share = 0.25 + 0.8 * number / (self.work.forward + 1)
         fits = self._survivors(screening, ranked[: self.work.survivors], share, enough)
@@ -77,7 +77,7 @@ class StepFitter:
         """Return a step of effects that cannot gain enough, as they are predicted, without fits."""
         fits = self._predicted(screening, names)
         weights = rival_weights(fits, self.fitter.least, self.effects)
-        return Step(screening, fits, weights, max(null.p_value(max(screening.gains.values())), LEVEL), null.gains)
+        return Step(screening, fits, weights, max(null.p_value(max(screening.gains.values())), CERTAIN), null.gains)
 
     def _predicted(self, screening: Screening, names: Sequence[str]) -> dict[str, Fit]:
         """Return effects as they are predicted, not fitted: what a table shows behind one that is far ahead of them."""
@@ -88,12 +88,14 @@ class StepFitter:
         if self.work.sweeps < 1:
             return
         near = min(fit.loss for fit in fits.values()) + BEHIND
-        names = [name for name, fit in fits.items() if fit.loss < near and at_most(screening, name) > self.least_gain]
+        names = [name for name, fit in fits.items() if fit.loss < near and at_most(screening, name) > self.least_gain(name)]
         context = (self.fitter, [fits[name] for name in names], self.effects, self.work.sweeps)
         for name, fit in zip(names, self.fitter.crew.each(_settle_one, context, range(len(names))), strict=True):
             fits[name] = fit
 
-    def _survivors(self, screening: Screening, names: list[str], share: float, enough: float) -> dict[str, Fit]:
+    def _survivors(
+        self, screening: Screening, names: list[str], share: float, enough: Mapping[str, float]
+    ) -> dict[str, Fit]:
         """Return the fits of the most promising effects, without those that no gain can be hoped of.
 
         More than twice the prediction does not count (`at_most`), so that what cannot reach ``enough`` is never taken, and
@@ -104,7 +106,7 @@ class StepFitter:
         waiting = list(names)
         while waiting:
             gain = max((screening.about.loss - fit.loss for fit in fits.values()), default=screening.gains[waiting[0]])
-            hoped = [name for name in waiting if at_most(screening, name) >= max(gain - WORTH, enough)][:PAIR]
+            hoped = [name for name in waiting if at_most(screening, name) >= max(gain - WORTH, enough[name])][:PAIR]
             if fits and not hoped:
                 break
             together = hoped or waiting[:PAIR]
@@ -144,8 +146,8 @@ def counted_gain(step: Step) -> float:
 
 
 def rig_chance(step: Step, tests: int) -> float:
-    """Return the share of rigs with nothing missing and other contacts that gain as much in so many tests."""
-    return chance(counted_gain(step), tests)
+    """Return the share of rigs with nothing missing and other contacts that gain as unusually much in so many tests."""
+    return chance(step.best, counted_gain(step), tests)
 
 
 def _settle_one(context: tuple[Fitter, list[Fit], tuple[type[Effect], ...], int], index: int) -> Fit:

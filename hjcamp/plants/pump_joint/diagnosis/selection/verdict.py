@@ -11,7 +11,7 @@ import numpy as np
 from hjcamp.model.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
-from hjcamp.plants.pump_joint.diagnosis.levels import law
+from hjcamp.plants.pump_joint.diagnosis.levels import exact, law
 from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import (
     bends,
     driver_values,
@@ -26,14 +26,15 @@ from hjcamp.plants.pump_joint.diagnosis.screening.screening import Step
 
 POSTERIOR = 0.8
 APART = 0.5
-MATTERS = 0.10
-# Breakaways are few, and scatter most.
-SAYS = [place for place, name in enumerate(CHANNELS) if name != "breakaway"]
 SLIDING = CHANNELS.index("sliding")
-STRAIGHT, BENT = 0.5, 0.8
 SHARE = 0.15
 TRAVEL = math.radians(20)
 LEAST_TESTS = 3
+AGAINST = {
+    "left": "what {effect} leaves still depends on {driver}, in which its law is exact",
+    "straight": "what looks like {effect} follows {driver} in a straight line",
+    "bent": "what looks like {effect} follows {driver} from one place on only",
+}
 FOREIGN = {
     "arm_angle": "no effect of the library explains a force that depends on the arm's angle",
     "time": "no effect of the library explains a force that swings with one frequency in all tests",
@@ -78,15 +79,10 @@ def judge(
         )
     for effect in named:
         for driver in effect.exact_in:
-            if share_left(features, final, driver) > MATTERS:
-                reason = (
-                    f"what {effect.name} leaves still depends on {driver.replace('_', ' ')}, in which its law is exact"
-                )
-                return Verdict("outside_library", [], reason, driver)
-            better = _better_shape(views, features, final, effect.name, driver)
-            if better:
-                reason = f"what looks like {effect.name} follows {driver.replace('_', ' ')} {better}"
-                return Verdict("outside_library", [], reason, driver)
+            for kind, size in against(views, features, final, effect.name, driver).items():
+                if size > exact(kind):
+                    reason = AGAINST[kind].format(effect=effect.name, driver=driver.replace("_", " "))
+                    return Verdict("outside_library", [], reason, driver)
     if not taken:
         # a law in the model that is off in form leaves harmonics of the motion
         driver = "" if final.candidate.effects else _foreign(features, null, final)
@@ -121,18 +117,20 @@ def _foreign(features: Features, null: Null, final: Fit) -> str:
     return driver if over[driver] > 0 else ""
 
 
-def _better_shape(views: Views, features: Features, final: Fit, name: str, driver: str) -> str:
-    """Return in words how the force that an effect is to explain follows its driver better than by its law, or nothing."""
+def against(views: Views, features: Features, final: Fit, name: str, driver: str) -> dict[str, float]:
+    """Return what speaks against a law that is exact in a driver: the share of the force that still depends on it, and by how
+    many standard errors a straight line, or one that sets in at one place, fits what the effect is to explain better.
+    """
     force = features.of(views.residuals(final.candidate.without([name])))[:, SLIDING]
     law = force - final.features[:, SLIDING]
     values = driver_values(features)
     valid, sign = features.valid[:, SLIDING], values["direction"]
     along = values[driver]
-    if outdone(features, force, law, [along], sign, valid) > STRAIGHT:
-        return "in a straight line"
-    if outdone(features, force, law, bends(along, valid), sign, valid) > BENT:
-        return "from one place on only"
-    return ""
+    return {
+        "left": share_left(features, final, driver),
+        "straight": outdone(features, force, law, [along], sign, valid),
+        "bent": outdone(features, force, law, bends(along, valid), sign, valid),
+    }
 
 
 def rivals_of(step: Step, taken: Sequence[Step], steps: Sequence[Step] = ()) -> list[str]:
@@ -160,16 +158,6 @@ def named_by(taken: Sequence[Step], effects: Sequence[type[Effect]]) -> list[typ
 def law_of(named: Sequence[type[Effect]]) -> float:
     """Return the share by which the laws of the named effects may be off: none where all are exact, or none is named."""
     return 0.0 if all(effect.exact_in for effect in named) else law()
-
-
-def matters(features: Features, before: Fit, after: Fit) -> bool:
-    """Whether the error falls by a tenth in some channel of two conditions at least (or of the only one)."""
-    conditions = list(features.evidence.conditions.values())
-    better = 0
-    for tests in conditions:
-        first, left = before.mean_square[tests].sum(axis=0), after.mean_square[tests].sum(axis=0)
-        better += bool(np.any((np.sqrt(left) < (1.0 - MATTERS) * np.sqrt(first))[SAYS]))
-    return better >= min(2, len(conditions))
 
 
 def lacks(evidence: Evidence) -> list[str]:
