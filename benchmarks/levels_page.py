@@ -12,10 +12,12 @@ from hidden_effects_measure import wilson
 from scipy.special import stdtrit
 
 from hjcamp.plants.pump_joint.diagnosis.levels import (
+    AGAINST,
     CERTAIN,
     CHANNELS,
     LEVEL,
     best_gains,
+    exact,
     law,
     laws_off,
     least_gain,
@@ -24,6 +26,7 @@ from hjcamp.plants.pump_joint.diagnosis.levels import (
     promises_a_test,
     second_gain,
     second_gains,
+    spoken_against,
     times_usual,
     usual_gain,
 )
@@ -31,6 +34,11 @@ from hjcamp.plants.pump_joint.diagnosis.levels.forms import COVERED, form_of
 
 FRESH = Path(__file__).with_name("results") / "levels_fresh.csv"
 ASKED = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+WORDS = {
+    "left": "share of the force left that depends on its driver",
+    "straight": "standard errors by which a straight line fits better",
+    "bent": "... a line that sets in at one place",
+}
 SECONDS = (0.2, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6)
 MARGINS = (1.0, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3)
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.5)
@@ -64,7 +72,7 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
             f"what each effect gains on rigs with nothing missing, and what it is asked, in {tests} tests",
             ["effect", "promises on average", "usual", "asked"],
             (
-                [name, *(f"{gain:.2g}" for gain in (tests * promised, usual_gain(name, tests), least_gain(name, tests)))]
+                [name, *(f"{gain:.2g}" for gain in (max(tests * promised, 0.0), usual_gain(name, tests), least_gain(name, tests)))]
                 for name, promised in sorted(promises_a_test().items(), key=lambda row: -row[1])
             ),
         )
@@ -130,7 +138,16 @@ def of_laws(effects: Rows) -> list[str]:
             for effect, rows in _by(effects, "effect").items()
         ),
     )
-    return [laws, second, by_effect]
+    spoken = {kind: (exact(kind), *spoken_against(kind)) for kind in AGAINST}
+    of_exact = table(
+        "what speaks against a law that is exact, and rigs on which the law found is",
+        ["what", "up to", "called outside though its effect is there", "named though another is there"],
+        (
+            [WORDS[kind], f"{most:.3g}", share(own > most), share(others <= most)]
+            for kind, (most, own, others) in spoken.items()
+        ),
+    )
+    return [laws, of_exact, second, by_effect]
 
 
 def _largest(rows: Rows, effect: str) -> str:
@@ -173,9 +190,10 @@ Verdicts are those of the code that made each table; the levels come from it.
 
 {effects} further rigs have one effect of the library each, under one of several laws, and {outside} an effect that is in none
 (`effects.csv`). A named law may be off by {law:.3g} of what it explains: there the share of the former that is called outside and
-the share of the latter that is named are least together. A second effect is asked {second:.3g} a test where the
-first leaves what its law may: {level:g} of the rigs with one effect gain more. What the form of laws adds to intervals makes 95 %
-of them hold the truth (`intervals.csv`); an effect of which too few amplitudes can be compared has that of all effects together.
+the share of the latter that is named are least together; so are three numbers for a law that is exact, of one effect. A second
+effect is asked {second:.3g} a test where the first leaves what its law may: {level:g} of the rigs with one effect gain more. What
+the form of laws adds to intervals makes 95 % of them hold the truth (`intervals.csv`); an effect of which too few amplitudes can be
+compared has that of all effects together.
 """
 
 
