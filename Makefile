@@ -26,7 +26,7 @@ help:
 	@echo "make docs    README, docs/ and the catalogue as a site, in site/html; links are checked"
 	@echo "make bench   speed of the model against the same model in SciPy, and of the whole chain"
 	@echo "make benchmark  226 hidden effects on the truth plant (an hour and a half; goes on where it stopped); docs/benchmark.md"
-	@echo "make levels  200 rigs with nothing missing and other contacts, from which the verdict's levels come; docs/levels.md"
+	@echo "make levels  200 rigs with nothing missing and 348 with an effect, other contacts and laws: the verdict's levels (2 hours); docs/levels.md"
 	@echo "make hidden_tables  effects that hide behind means and deviations (21 cases, a minute each); docs/hidden_tables.md"
 	@echo "make any_plant  hidden effects on an axis, tanks, a servo and two joints, imported and diagnosed; docs/any_plant.md"
 	@echo "make foreign_machines  hidden effects on eight machines that others might bring; docs/foreign_machines.md"

@@ -12,11 +12,9 @@ from hidden_effects_measure import wilson
 from scipy.special import stdtrit
 
 from hjcamp.plants.pump_joint.diagnosis.levels import (
-    AGAINST,
-    CERTAIN,
     CHANNELS,
     LEVEL,
-    best_gains,
+    chance,
     exact,
     law,
     laws_off,
@@ -27,18 +25,15 @@ from hjcamp.plants.pump_joint.diagnosis.levels import (
     second_gain,
     second_gains,
     spoken_against,
+    times_asked,
     times_usual,
     usual_gain,
 )
 from hjcamp.plants.pump_joint.diagnosis.levels.forms import COVERED, form_of
+from hjcamp.plants.pump_joint.diagnosis.selection.verdict import AGAINST
 
 FRESH = Path(__file__).with_name("results") / "levels_fresh.csv"
 ASKED = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-WORDS = {
-    "left": "share of the force left that depends on its driver",
-    "straight": "standard errors by which a straight line fits better",
-    "bent": "... a line that sets in at one place",
-}
 SECONDS = (0.2, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6)
 MARGINS = (1.0, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3)
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.5)
@@ -50,7 +45,7 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
     """Return the page: thresholds, operating curves, contacts, how often chance is as small as it says, laws and intervals."""
     parts = [
         HEAD.format(
-            count=len(known), tests=known[0]["tests"], level=LEVEL, gain=quantile(best_gains()), margin=margin(), law=law(),
+            count=len(known), tests=known[0]["tests"], level=LEVEL, gain=times_asked(), margin=margin(), law=law(),
             second=second_gain(1), effects=sum(row["known"] == "1" for row in effects),
             outside=sum(row["known"] == "0" for row in effects),
         )
@@ -61,8 +56,8 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
             "named where nothing is missing, by how many times its usual gain an effect is asked",
             ["times", *sets],
             (
-                [f"{asked:.3g}", *(share(claimed(rows) >= asked) for rows in sets.values())]
-                for asked in sorted([*ASKED, quantile(best_gains())])
+                [f"{asked:.3g}", *(share(times_usual(rows) >= asked) for rows in sets.values())]
+                for asked in sorted([*ASKED, times_asked()])
             ),
         )
     )
@@ -143,7 +138,7 @@ def of_laws(effects: Rows) -> list[str]:
         "what speaks against a law that is exact, and rigs on which the law found is",
         ["what", "up to", "called outside though its effect is there", "named though another is there"],
         (
-            [WORDS[kind], f"{most:.3g}", share(own > most), share(others <= most)]
+            [AGAINST[kind].format(effect="the effect", driver="its driver"), f"{most:.3g}", share(own > most), share(others <= most)]
             for kind, (most, own, others) in spoken.items()
         ),
     )
@@ -203,16 +198,6 @@ def table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str
     return "\n".join([*lines, *(f"| {' | '.join(row)} |" for row in rows), ""])
 
 
-def claimed(rows: Sequence[Mapping[str, Any]]) -> Any:
-    """Return how many times its usual gain the best effect of each rig gains, 0 where its own twins often gain as much (rigs,)."""
-    return np.where(twins(rows) < CERTAIN, times_usual(rows), 0.0)
-
-
-def quantile(gains: Any) -> float:
-    """Return the gain that a share of `LEVEL` exceeds."""
-    return float(np.quantile(gains, 1.0 - LEVEL))
-
-
 def over(rows: Sequence[Mapping[str, Any]]) -> Any:
     """Return what is left over the limit of the twins in the worst channel (rigs,)."""
     return np.array([max(float(row[name]) for name in CHANNELS) for row in rows])
@@ -225,9 +210,8 @@ def twins(rows: Sequence[Mapping[str, Any]]) -> Any:
 
 def told(rows: Sequence[Mapping[str, Any]]) -> Any:
     """Return the chance that an answer tells (rigs,): the larger of that by twins and that by rigs with other contacts."""
-    known = np.sort(best_gains())
-    beyond = len(known) - np.searchsorted(known, times_usual(rows), side="left")
-    return np.maximum(twins(rows), (1 + beyond) / (1 + len(known)))
+    by_rigs = [chance(row["best"], float(row["gain"]), int(row["tests"])) for row in rows]
+    return np.maximum(twins(rows), by_rigs)
 
 
 def verdicts(rows: Sequence[Mapping[str, Any]], contact: str) -> Any:

@@ -11,8 +11,9 @@ from typing import Any
 from hidden_effects_amplitudes import AMPLITUDES, amplitude_of, true_base
 from truth.hidden import LIBRARY_NAMES
 
-from hjcamp.plants.pump_joint.diagnosis.levels import AGAINST, CHANNELS, GAIN
+from hjcamp.plants.pump_joint.diagnosis.levels import CHANNELS, GAIN
 from hjcamp.plants.pump_joint.diagnosis.levels.forms import TABLE as INTERVALS
+from hjcamp.plants.pump_joint.diagnosis.selection.verdict import AGAINST
 from hjcamp.storage import write_whole
 
 # `gain` is what the best effect gains once it is fitted, as far as it counts; the columns of all effects are what a screening promises.

@@ -118,12 +118,12 @@ def _outside(name: str, log: TestLog, table: FieldTable, low: float, high: float
         yield Finding(name, f"{text}; {held}; looks like a spike of the logger or the sensor", refused)
         return
     peak = values[np.argmax(np.abs(values))]
-    if number <= len(values) // 2 and low * NEARLY <= peak <= high * NEARLY:
+    if number <= len(values) // 2 and abs(peak) <= NEARLY * max(abs(low), abs(high)):
         # A wrong unit takes most of a test out of its range; a rig that pushes harder than ours stays near it.
         yield Finding(name, f"'{name}' reaches {peak:.4g} {unit}; {held}", False)
         return
     cause = _likely(table, name, values, low, high)
-    yield Finding(name, f"'{name}' reaches {values[np.argmax(np.abs(values))]:.4g} {unit}; {held}; {cause}", refused)
+    yield Finding(name, f"'{name}' reaches {peak:.4g} {unit}; {held}; {cause}", refused)
 
 
 def _lasts(out: np.ndarray) -> bool:

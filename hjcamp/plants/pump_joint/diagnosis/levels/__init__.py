@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 TABLE = Path(__file__).with_name("nulls.csv")
 EFFECTS = Path(__file__).with_name("effects.csv")
-AGAINST = ("left", "straight", "bent")
 CHANNELS = ("arm", "difference", "line_sum", "line_difference", "sliding")
 # An effect is named on one rig in forty with nothing missing, and one in forty is called outside the library: 5 % in all.
 LEVEL = 0.025
@@ -39,7 +38,13 @@ def least_gain(effect: str, tests: int) -> float:
     with b the best effect of such a rig, where less than `CERTAIN` of the rig's own twins gain as much, which is asked as well: the
     largest of statistics that are studentised (Westfall & Young 1993, Resampling-Based Multiple Testing, section 2.3).
     """
-    return float(np.quantile(best_gains(), 1.0 - LEVEL)) * usual_gain(effect, tests)
+    return times_asked() * usual_gain(effect, tests)
+
+
+@cache
+def times_asked() -> float:
+    """Return how many times what is usual for it an effect is asked."""
+    return float(np.quantile(best_gains(), 1.0 - LEVEL))
 
 
 def second_gain(tests: int) -> float:
@@ -94,7 +99,7 @@ def law() -> float:
 
 @cache
 def exact(kind: str) -> float:
-    """Return how much may speak against a law that is exact, in one of the ways of `AGAINST`.
+    """Return how much may speak against a law that is exact, in one of the ways of `verdict.AGAINST`.
 
     Parts the rigs with an effect of such a law from those with another effect for which it was taken.
     """
@@ -134,10 +139,8 @@ def laws_off() -> tuple[Array, Array]:
 
 @cache
 def best_gains() -> Array:
-    """Return how many times its usual gain the best effect of each rig with nothing missing gains (rigs,), as far as it would count:
-    0 where the rig's own twins often gain as much."""
-    rows = rows_of(TABLE)
-    return np.where([float(row["twins_p"]) < CERTAIN for row in rows], times_usual(rows), 0.0)
+    """Return how many times its usual gain the best effect of each rig with nothing missing gains (rigs,), as far as it counts."""
+    return times_usual(rows_of(TABLE))
 
 
 @cache
@@ -148,8 +151,9 @@ def second_gains() -> Array:
 
 
 def times_usual(rows: Sequence[Mapping[str, str]]) -> Array:
-    """Return how many times its usual gain the best effect of each rig gains (rigs,)."""
-    return np.array([float(row["gain"]) / usual_gain(row["best"], int(row["tests"])) for row in rows])
+    """Return how many times its usual gain the best effect of each rig gains (rigs,), 0 where its own twins often gain as much."""
+    times = [float(row["gain"]) / usual_gain(row["best"], int(row["tests"])) for row in rows]
+    return np.where([float(row["twins_p"]) < CERTAIN for row in rows], times, 0.0)
 
 
 def off_of(rows: Sequence[Mapping[str, str]]) -> Array:

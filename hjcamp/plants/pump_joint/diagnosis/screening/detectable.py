@@ -19,7 +19,7 @@ INVISIBLE = 0.02
 def detectable_amplitudes(
     screening: Screening, effects: Sequence[type[Effect]], needed: Mapping[str, float]
 ) -> dict[str, tuple[str, float, str]]:
-    """Return for each effect the amplitude whose predicted gain would be what it is asked by ``needed``: (parameter, value, unit)."""
+    """Return for each effect the amplitude whose predicted gain would be the ``needed`` one: (parameter, value, unit)."""
     found: dict[str, tuple[str, float, str]] = {}
     by_name = {effect.name: effect for effect in effects}
     base = len(screening.unknowns)
