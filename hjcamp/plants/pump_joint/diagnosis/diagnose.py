@@ -135,11 +135,11 @@ class _Search:
         current, taken = base, list[Step]()
         for number in range(0 if self.lacking else self.work.forward):
             if number and self.work.hasty and not screening.probes:
-                law = law_of(named_by(taken, self.effects))
-                excess = null.excess(base.mean_square, current.mean_square, law)
-                if np.all(excess <= 1.0) and not self._others(taken, current):
+                if self._leaves_no_more(base, current, taken, null) and not self._others(taken, current):
                     break
                 screening, null = self._look(current, number, True, taken)
+            elif number and self._hopeless(screening, base, current, taken, null):
+                break
             step, null = self._certain(fitting.step(screening, null, number), null)
             begun = self._begun_anew(step) if step is not None and self._counts(step) else None
             if begun is not None:
@@ -273,6 +273,17 @@ class _Search:
             return False
         if step.gain >= self.second_gain and not rivals_of(step, both, self.steps):
             return False
+        return self._leaves_no_more(base, current, taken, null)
+
+    def _hopeless(self, screening: Screening, base: Fit, current: Fit, taken: list[Step], null: Null) -> bool:
+        """Whether each further effect would be `_needless` as it is predicted, so that none is fitted."""
+        if rivals_of(taken[0], taken, self.steps):
+            return False
+        promising = any(at_most(screening, name) >= self.second_gain for name in screening.ranked)
+        return not promising and self._leaves_no_more(base, current, taken, null)
+
+    def _leaves_no_more(self, base: Fit, current: Fit, taken: list[Step], null: Null) -> bool:
+        """Whether the model leaves no more than its own twins and what the laws of its effects may be off by."""
         law = law_of(named_by(taken, self.effects))
         return bool(np.all(null.excess(base.mean_square, current.mean_square, law) <= 1.0))
 
