@@ -87,6 +87,12 @@ class Composition:
         return tuple(contact.velocity not in driven for contact in self.contacts)
 
     @property
+    def dragged(self) -> tuple[int, ...]:
+        """For each contact the position of the input that is its velocity, -1 where no input is."""
+        slopes = [f"slope_{self.cut.slopes.get(contact.velocity, '')}" for contact in self.contacts]
+        return tuple(self.inputs.index(slope) if slope in self.inputs else -1 for slope in slopes)
+
+    @property
     def observed(self) -> tuple[str, ...]:
         """The states that are measured: those that the plant says, else those that its sensors are of, once each."""
         of = (item.of for item in self.plant.measured.values())

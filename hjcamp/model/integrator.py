@@ -36,6 +36,8 @@ N = 0
 CONTACTS = 0
 VELOCITIES: Any = ()
 FREE: Any = ()
+SLOPES: Any = ()
+DRAGGED = False
 LEVELS = 0
 AFFINE = True
 CONTACT = True
@@ -45,10 +47,11 @@ RESOLUTION: Any = None
 TYPICAL: Any = None
 MADE = PRESENT = CURVED = WIDTH = CODES = REGIMES = STATES = JACOBIAN = 0
 ABOUT, INPUTS, MOVED, LOW, HIGH = range(5)
-SIDES = 4
-ALL_SIDES = 4
+SIDES = 5
+ALL_SIDES = 5
 KINDS = 9
 CREEP = 0.3
+PACES = (10.0, 3.0, 1.0, 0.3)
 rates: Any = None
 contact: Any = None
 locking: Any = None
@@ -81,27 +84,31 @@ def correct_present(  # type: ignore[no-untyped-def]
 def linearise(side, limits, p, plan, space):  # type: ignore[no-untyped-def]
     """Fill the Jacobian (w, w) of ``space`` with d rates / d z in a regime, by central differences.
 
-    ``side``, for each contact one digit of base 4: 0 held, 1 and 2 moving in the positive and negative direction, 3 creeping
-    as after rest, where nothing locks.
+    ``side``, for each contact one digit: 0 held, 1 and 2 moving in the positive and negative direction, 3 creeping as after
+    rest, where nothing locks; for one that is driven its `pace`.
     """
     start, u, moved, low, high = space[ABOUT], space[INPUTS], space[MOVED], space[LOW], space[HIGH]
     direction = 0.0
     for i in range(N):
         moved[i] = start[i]
-    if CONTACT:
+    if CONTACT or DRAGGED:
         rest = side
         for k in range(CONTACTS):
-            way = 0.0 if rest % SIDES == 0 else (-1.0 if rest % SIDES == 2 else 1.0)
+            digit = rest % SIDES
+            way = 0.0 if digit == 0 else (-1.0 if digit == 2 and SLOPES[k] < 0 else 1.0)
             direction = faced(direction, k, way)
             if FREE[k]:
                 # Well above the speeds at which friction bends, so that the linear part is that of steady sliding.
-                moved[VELOCITIES[k]] = (CREEP if rest % SIDES == 3 else 10.0) * way * TYPICAL[VELOCITIES[k]]
+                moved[VELOCITIES[k]] = (CREEP if digit == 3 else 10.0) * way * TYPICAL[VELOCITIES[k]]
+            elif SLOPES[k] >= 0:
+                u[SLOPES[k]] = way * PACES[digit - 1] * TYPICAL[VELOCITIES[k]]
             rest //= SIDES
         passing = False
         rest = side
         for k in range(CONTACTS):
-            if FREE[k] and (rest % SIDES == 1 or rest % SIDES == 2):
-                passing = passing or locking(k, 0.0, direction, moved, u, p) == 0.0
+            digit = rest % SIDES
+            if SLOPES[k] >= 0 or (FREE[k] and (digit == 1 or digit == 2)):
+                passing = passing or (digit > 0 and locking(k, 0.0, direction, moved, u, p) == 0.0)
             rest //= SIDES
         if passing:
             begin(0.0, direction, moved, u, p)
@@ -143,12 +150,15 @@ def arrive(time, direction, z, u, p, plan, space, steps, h, before, counter):  #
     Return the direction of motion: where nothing locks a slider turns without an event, and is said to creep or slide.
     """
     side = 0
-    if CONTACT:
+    if CONTACT or DRAGGED:
         place = 1
         for k in range(CONTACTS):
             own = facing(direction, k)
             counter[KINDS + k] = 0.0
-            if own != 0.0:
+            if SLOPES[k] >= 0:
+                counter[KINDS + k] = pace(k, u, plan)
+                side += place * int(counter[KINDS + k])
+            elif own != 0.0:
                 if FREE[k] and locking(k, time, direction, z, u, p) == 0.0:
                     if z[VELOCITIES[k]] * own < 0.0:
                         own = -own
@@ -161,6 +171,21 @@ def arrive(time, direction, z, u, p, plan, space, steps, h, before, counter):  #
     counter[8] = regime_row(side, limits, p, plan, space, steps, h)
     forget(before, counter)
     return direction
+
+
+def pace(k, u, plan):  # type: ignore[no-untyped-def]
+    """Return for a driven contact that bends what it drags along the place, from 1, of the least of `PACES` above its speed.
+
+    0 at rest. What is dragged along follows the sooner the faster the contact is.
+    """
+    speed = abs(u[SLOPES[k]]) / TYPICAL[VELOCITIES[k]]
+    if speed == 0.0 or plan[CURVED] == 0:
+        return 0.0
+    place = 1.0
+    for most in PACES[1:]:
+        if speed <= most:
+            place += 1.0
+    return place
 
 
 def forget(before, counter):  # type: ignore[no-untyped-def]
@@ -228,8 +253,12 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
     4 code of what the limiters do, 5 the correction that is accepted, in units of the states' resolution, 6 length of the
     step before, 7 whether the states left the finite numbers: then ``z`` is not a number and nothing moves, 8 row of the
     regime's propagators, negative where the regime is not known, 9 + k whether contact k locks (0) or, where it does not,
-    slides (1) or creeps (2).
+    slides (1) or creeps (2); its `pace` where it is driven.
     """
+    if DRAGGED:
+        for k in range(CONTACTS):
+            if SLOPES[k] >= 0 and pace(k, u, plan) != counter[KINDS + k]:
+                counter[8] = -1.0
     if counter[8] < 0.0 or (LIMITS_VARY and limiting(time, direction, z, u, p) != counter[4]):
         direction = arrive(time, direction, z, u, p, plan, space, steps, h, before, counter)
         counter[7] = 0.0

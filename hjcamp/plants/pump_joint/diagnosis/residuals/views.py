@@ -33,6 +33,7 @@ WINDOWED = 4
 TOLERANCE = 10.0
 KEPT = 24
 SEEN = tuple(channel.signal for channel in PumpJoint.channels)
+PRESSURES = tuple(channel.signal for channel in PumpJoint.channels if channel.field.startswith("pressure"))
 LINES = slice(CHANNELS.index("line_sum"), CHANNELS.index("line_difference") + 1)
 FORCES = CHANNELS.index("sliding")
 
@@ -226,8 +227,13 @@ class Views:
         return self._recent_states.get(key, lambda: self._true_states(model, p, candidate, index))
 
     def _line_readings(self, candidate: Candidate, index: int) -> Array:
-        """Return of one group of tests the readings (n, 4) of the lines driven by pump and arm."""
-        key, model, p = self._line_key(candidate, index)
+        """Return of one group of tests the readings (n, 4) of the lines driven by pump and arm, of which the pressures count."""
+        states, _, _ = self._line_key(candidate, index)
+        hardware = self._groups[index][1]
+        present = self._that_reach(candidate, "lines", PRESSURES)
+        model = self.lines(present, hardware)
+        p = self.vector(model, present, hardware)
+        key = (index, *self._key(model, p, PRESSURES), states if self._shown_otherwise(candidate) else ())
 
         def compute() -> Array:
             observed, _ = self._states(candidate, index)
