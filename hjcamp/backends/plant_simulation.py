@@ -75,13 +75,10 @@ def law_values(config: Mapping[str, Any], law: type[Controller]) -> dict[str, fl
 
 
 def followed_unit(config: Mapping[str, Any], plant: type[Plant]) -> tuple[str, FieldUnit]:
-    """Return the field that the trajectory is in, and its unit: what is controlled, else the input that it is given to."""
+    """Return the field that the trajectory is in, and its unit: the input that it is given to, else what is controlled."""
     law, chosen = law_of(config)
-    if law.results != ("given",):
-        field = controlled_field(plant)
-    else:
-        name = next(iter(commanded(law, plant, chosen)))
-        field = input_field(plant, name)
+    given = next(iter(commanded(law, plant, chosen)), "") if law.results == ("given",) else ""
+    field = input_field(plant, given) if given else controlled_field(plant)
     return field, unit_of_field(field, f"plant {plant.name}")
 
 

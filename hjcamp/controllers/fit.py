@@ -70,6 +70,10 @@ def commanded(law: type[Controller], plant: type[Plant], chosen: str = "") -> di
             if name not in law.results and name not in CLOCK:
                 raise UsageError(f"{where}: it does not give '{name}', which moves the plant's actuators")
         return {name: (name,) for name in plant.actuation.results}
+    if not inputs and not chosen:
+        if law.results == ("given",):
+            return {}  # it moves by itself: the trajectory says how long
+        raise UsageError(f"{where}: the plant has no input")
     alone = len(law.results) == 1 and (bool(chosen) or law.results[0] not in inputs)
     if law.results == PARTS or alone:
         if chosen and chosen not in inputs:

@@ -59,11 +59,12 @@ class Parameter:
         """Return ``value`` as a float; ``UsageError`` where it is no number or not within the bounds."""
         number = finite_number(value)
         low, high = self.bounds
-        if number is None or not low <= number <= high:
+        # files of models have seven digits: a value at its bound may stand beyond it by the last of them
+        if number is None or not (low <= number <= high or any(math.isclose(number, one, rel_tol=1e-6) for one in self.bounds)):
             within = f"a number from {low:g} to {high:g}" if math.isfinite(high - low) else "a finite number"
             unit = "" if self.unit == "1" else f" {self.unit}"
             raise UsageError(f"{path} is {shown(value)}; {within}{unit} is needed")
-        return number
+        return min(max(number, low), high)
 
     def unusual(self, value: float) -> float:
         """Return by how many standard deviations the size of ``value`` differs from what is expected; 0 where nothing is."""

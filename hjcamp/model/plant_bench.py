@@ -98,16 +98,21 @@ def effects_seen(plant: type[Plant], effects: Mapping[str, type[Effect]]) -> str
     given = bench.given(simulator)
     absent = simulator.run_free(simulator.vector({}), given)[0]
     scale = np.maximum(np.std(absent, axis=0), 1e-300)
-    unseen = []
+    unseen, lost = [], []
+    nothing = [name for name, item in plant.parameters.items() if item.default == 0.0]
     for name in effects:
         present = simulator.run_free(simulator.vector({f"gate.{name}": 1.0}), given)[0]
         if not np.all(np.isfinite(present)):
-            raise UsageError(
-                f"plant {plant.name}: with the effect '{name}' at its defaults the simulation leaves the finite numbers"
-            )
-        if np.max(np.sqrt(np.mean((present - absent) ** 2, axis=0)) / scale) < SEEN:
+            if not nothing:
+                raise UsageError(
+                    f"plant {plant.name}: with the effect '{name}' at its defaults the simulation leaves the finite numbers"
+                )
+            lost.append(name)
+        elif np.max(np.sqrt(np.mean((present - absent) ** 2, axis=0)) / scale) < SEEN:
             unseen.append(name)
-    return f"{len(effects) - len(unseen)} of {len(effects)}" + (f"; not {', '.join(unseen)}" if unseen else "")
+    found = f"{len(effects) - len(unseen) - len(lost)} of {len(effects)}" + (f"; not {', '.join(unseen)}" if unseen else "")
+    # bristles bend as far as a dry friction that is not there
+    return found + (f"; not {', '.join(lost)} while {', '.join(nothing)} is 0" if lost else "")
 
 
 def _unknown_starts(plant: type[Plant]) -> list[str]:

@@ -213,7 +213,7 @@ def spoil(name: str, rows: slice, value: object) -> Callable[[dict[str, np.ndarr
         (spoil("t", slice(200, 201), 198.0), "time does not increase at row 201"),
         (
             lambda columns: columns["t"].__setitem__(slice(200, None), columns["t"][200:] + 5.0),
-            "gap of 6 ms after row 200",
+            "gap of 6 ms after row 200 .*, where rows are 1 ms apart; import what is before and after it as tests of their own",
         ),
         (lambda columns: columns.update(t=columns["t"] * 1e-6), "no logger is faster"),
         (spoil("u", slice(9, 10), 1.7e308), "'voltage_v' is inf at sample 9"),
@@ -227,6 +227,13 @@ def test_a_table_that_cannot_be_is_one_message(folder: Path, change: Callable[..
     with pytest.raises(UsageError, match=told) as caught:
         import_file(write_csv(folder / "a.csv", columns), write_map(folder), "out.mcap")
     assert "\n" not in str(caught.value) and not Path("out.mcap").exists()
+
+
+def test_as_many_rows_a_second_as_allowed_are_not_too_many_for_their_rounding(folder: Path) -> None:
+    columns = measured()
+    columns["t"] = 0.7 + columns["t"] * 1e-2  # 100 kHz, in a table that does not begin at 0
+    import_file(write_csv(folder / "a.csv", columns), write_map(folder), "out.mcap")
+    assert Path("out.mcap").exists()
 
 
 HDF5 = (

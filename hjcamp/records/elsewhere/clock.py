@@ -17,19 +17,19 @@ STEADY = 0.01  # of a period: rows this near to a steady clock are taken as they
 DIGITS = 9  # of a period that is read off the rows
 
 
-def usual_step(time: np.ndarray, where: str) -> float:
-    """Return the usual time between rows, s; raises UsageError where time stands still, jumps or is too fast or slow."""
+def usual_step(time: np.ndarray, where: str, most: float = HIGHEST_SAMPLING_HZ) -> float:
+    """Return the usual time between rows, s; refuse a time that stands still, jumps, is slow, or faster than ``most`` Hz."""
     steps = np.diff(time)
     if (steps <= 0).any():
         row = int(np.argmax(steps <= 0)) + 1
         raise UsageError(
-            f"{where}: time does not increase at row {row + 1}: {time[row - 1]:.6g} s, then {time[row]:.6g} s"
+            f"{where}: time does not increase at row {row + 1}: {time[row - 1]:.9g} s, then {time[row]:.9g} s"
         )
     usual = float(np.median(steps))
-    if 1 / usual > HIGHEST_SAMPLING_HZ:
+    if 1 / usual > most * (1 + RATE_TOLERANCE):
         raise UsageError(
             f"{where}: {1 / usual:.4g} rows a second, the whole table is {time[-1] - time[0]:.4g} s; no logger is faster than "
-            f"{HIGHEST_SAMPLING_HZ:g} Hz (is the unit of time_s right? s read as ms are 1000 times too short)"
+            f"{most:g} Hz (is the unit of time_s right? s read as ms are 1000 times too short)"
         )
     if usual > LONGEST_PERIOD_S:
         raise UsageError(
@@ -37,7 +37,10 @@ def usual_step(time: np.ndarray, where: str) -> float:
         )
     if (steps > LONGEST_STEP * usual).any():
         row = int(np.argmax(steps > LONGEST_STEP * usual))
-        raise UsageError(f"{where}: gap of {span(steps[row])} after row {row + 1} (time {time[row]:.6g} s)")
+        raise UsageError(
+            f"{where}: gap of {span(steps[row])} after row {row + 1} (time {time[row]:.9g} s), where rows are {span(usual)} apart; "
+            "import what is before and after it as tests of their own, or bring the table to one period first"
+        )
     return usual
 
 
