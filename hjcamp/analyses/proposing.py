@@ -70,9 +70,12 @@ def propose_after(
     done: PlantDiagnosed, rivals: Sequence[str] = (), tests: int = 3, seed: int = 1, report: Report = silent
 ) -> PlantProposed:
     """Return the proposal after a diagnosis (`PlantDiagnosed`) that is at hand."""
+    from hjcamp.prediction.analysis import in_windows
     from hjcamp.prediction.next.rivals import check_names
 
     check_names(done.analysis.search.library, rivals)
+    if done.analysis.windows.layout.memory:
+        return _proposed(in_windows(done.analysis, seed, report), done.content, [], rivals, tests, seed, None, report)
     known = [done.verdict.model, *([done.verdict.unknown] if done.verdict.unknown else [])]
     known += [one for step in done.analysis.search.steps for one in (*step.named, *step.unknown)]
     return _proposed(done.analysis, done.content, known, rivals, tests, seed, None, report)

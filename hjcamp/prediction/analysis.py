@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,6 +142,7 @@ def calibrated(
     begun = candidate.with_base(known.base)
     kernels = Kernels(plant, both)
     windows, begun = predictable(measured, kernels, begun, free, width or width_of(measured), effort)
+    windows = windows if width else simulated_through(windows, begun)
     layout = windows.layout
     report("calibrating", 0.1)
     search = Search(windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed)
@@ -162,6 +163,13 @@ def calibrated(
     scored = with_contact_forms(search, scored)
     known.base = dict(scored.fitted.candidate.base)
     return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
+
+
+def in_windows(analysis: Analysis, seed: int, report: Report) -> Analysis:
+    """Return the analysis of the same tests over windows that begin anew, where these were simulated through."""
+    search, width = analysis.search, analysis.windows.layout.width
+    library = {name: effect for name, effect in search.library.items() if name not in search.unnamed}
+    return calibrated(analysis.measured, library, analysis.start, report, seed, width=width, forms=search.library)
 
 
 def predictable(
@@ -190,6 +198,21 @@ def predictable(
             break
         found = longer
     return found, candidate
+
+
+def simulated_through(windows: Windows, candidate: Candidate) -> Windows:
+    """Return windows of tests that are simulated through, where tests are too short for windows as long as the plant's memory.
+
+    In shorter windows the starts take most of what the plant does. It has to forget a start within a chapter.
+    """
+    layout = windows.layout
+    total = len(layout.of_test) * layout.width
+    if total >= WINDOWS * SHORTEST:
+        return windows
+    memory = replace(windows, layout=replace(layout, memory=1)).memory(candidate)
+    if memory <= layout.width or total < FEWEST * memory:
+        return windows
+    return replace(windows, layout=replace(layout, memory=memory))
 
 
 def power_of(width: int, order: int) -> float:

@@ -64,6 +64,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
                      "chapters": len(np.unique(analysis.search.chapters)), "windows": len(analysis.windows.starts)},
         "lacking": list(verdict.lacking),
         "window_samples": analysis.windows.layout.width,
+        "simulated_through": analysis.windows.layout.memory > 0,
         "seconds": round(seconds, 3),
     }  # fmt: skip
 

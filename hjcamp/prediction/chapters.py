@@ -23,11 +23,13 @@ SHARES = (1.0, 0.5, 0.25)
 def chapters_of(layout: Layout) -> NDArray[np.int64]:
     """Return the chapter of each window (windows,): equal parts of each condition, its repetitions together.
 
-    Repetitions share what a condition has of its own: apart, they would pass for independent.
+    Repetitions share what a condition has of its own: apart, they would pass for independent. Where tests are simulated through
+    no chapter is shorter than the plant's memory.
     """
     measured, of_test = layout.measured, layout.of_test
     conditions = list(measured.conditions)
-    parts = math.ceil(MOST / len(conditions))
+    most = min(MOST, len(of_test) * layout.width // layout.memory) if layout.memory else MOST
+    parts = math.ceil(most / len(conditions))
     found = np.zeros(len(of_test), dtype=np.int64)
     for test in np.unique(of_test):
         rows = np.flatnonzero(of_test == test)

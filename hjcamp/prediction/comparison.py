@@ -94,8 +94,7 @@ def shown_of(analysis: Analysis, name: str, features: Array, errors: Array) -> S
         if np.any(layout.of_test == test) else np.full(len(rms), np.nan)
         for test in tests
     ])  # fmt: skip
-    shaped = layout.readings.reshape(len(features), layout.width, -1)
-    spread = np.mean((shaped - shaped.mean(axis=1, keepdims=True)) ** 2, axis=(0, 1))
+    spread = np.mean((layout.readings - layout.means) ** 2, axis=0)
     left = np.mean(errors**2, axis=0)
     explained = 1.0 - left / np.maximum(spread, 1e-300)
     return Shown(name, rms, by_test, explained, size(features) / floor_size(analysis), errors)

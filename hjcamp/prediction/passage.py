@@ -87,6 +87,61 @@ class Passage:
         return self.goes_on & _open(self.told) & self.unseen.any()
 
 
+@dataclass(frozen=True)
+class Through:
+    """What the start of each test explains where tests are simulated through.
+
+    ``spans`` (windows, coefficients, states) is an orthonormal basis of it over all windows of a test, ``shifts`` (windows, states,
+    coefficients) is each window's share of the start's shift, ``of_test`` (windows,) the test that a window belongs to.
+    """
+
+    spans: Array
+    shifts: Array
+    of_test: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, readings: Array, of_test: NDArray[np.int64]) -> Through:
+        """Return it for sensitivities of the readings (windows, coefficients, states) to the start of the test."""
+        spans, shifts = np.zeros_like(readings), np.zeros_like(readings).transpose(0, 2, 1)
+        for rows in _tests(of_test):
+            slopes = readings[rows]
+            if not np.isfinite(slopes).all():
+                continue
+            u, s, v = np.linalg.svd(slopes.reshape(-1, slopes.shape[2]), full_matrices=False)
+            keep = _telling(s[None])[0]
+            spans[rows] = (u * keep).reshape(slopes.shape)
+            whole = (v.T * (keep / np.where(keep, s, 1.0))) @ u.T
+            shifts[rows] = whole.reshape(len(v), *slopes.shape[:2]).transpose(1, 0, 2)
+        return cls(spans, shifts, of_test)
+
+    def begun(self, left: Array, starts: Array, ends: Array) -> tuple[Array, Array]:
+        """Return where tests begin best for errors (windows, coefficients) from ``starts`` (windows, states); ``ends`` as given."""
+        return starts + self._summed(np.einsum("wsf,wf->ws", self.shifts, left)), ends
+
+    def unexplained(self, left: Array, starts: Array, ends: Array) -> Array:
+        """Return what no start of a test explains of errors (windows, coefficients)."""
+        del starts, ends
+        explained = self._summed(np.einsum("wfs,wf->ws", self.spans, left))
+        return np.asarray(left - np.einsum("wfs,ws->wf", self.spans, explained))
+
+    @property
+    def open(self) -> NDArray[np.bool_]:
+        """Whether a window's start is partly taken from another (windows,): none is."""
+        return np.zeros(len(self.of_test), dtype=bool)
+
+    def _summed(self, each: Array) -> Array:
+        """Return the sums over each test (windows, k), where they are finite."""
+        found = np.zeros_like(each)
+        for rows in _tests(self.of_test):
+            whole = each[rows].sum(axis=0)
+            found[rows] = np.where(np.isfinite(whole), whole, 0.0)
+        return found
+
+
+def _tests(of_test: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    return [np.flatnonzero(of_test == test) for test in np.unique(of_test)]
+
+
 def _beside(slopes: Array, unseen: NDArray[np.bool_]) -> Array:
     """Return what unseen states' starts change (windows, coefficients, unseen states) beyond what those of measured ones could."""
     if unseen.all():

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hjcamp.prediction.chance import DRAWS
 from hjcamp.prediction.fitting import Fitted
 from hjcamp.prediction.levels import LEVEL
-from hjcamp.prediction.passage import Passage
+from hjcamp.prediction.passage import Passage, Through
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ class Scored:
     fitted: Fitted
     features: Array
     left_out: float
-    place: tuple[Array, Passage]
+    place: tuple[Array, Passage | Through]
 
     def beyond(self, other: Scored) -> tuple[str, ...]:
         """Return the names of effects that another model lacks."""

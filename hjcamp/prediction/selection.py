@@ -330,15 +330,43 @@ class Search:
             step = self.look(model)
             if step.p_value > self.claims or not step.named:
                 break
-            best = next((one for one in step.named if not self.only_scatter(one, model)), step.named[0])
-            if not self.matters(best, model, step.level):
+            # the one that leaves least need not be one that is shown chapter by chapter
+            shown = (one for one in step.named if self.matters(one, model, step.level))
+            best = next(shown, None) or self.better_than_free_laws(model, step)
+            if best is None:
                 beside = self.beside_free_law(model, step)
                 if beside is None:
                     break
                 best = beside
                 self.needed |= set(best.beyond(model))
+            if self.mends(best, model, step):
+                break
             model = self.thinned(self.resettled(best))
         return model
+
+    def mends(self, further: Scored, model: Scored, step: Step) -> bool:
+        """Whether a further name takes no more than a free law over what drives a name that is there.
+
+        Then the law of that one is off in form, which the answer says, and is no second thing that is missing.
+        """
+        there = [self.library[name] for name in model.names if name in self.library and name not in self.windows.forms]
+        for one in step.unknown:
+            free = self.unknowns[_added(one.fitted.candidate, model.fitted.candidate)]
+            other_form = one.left_out <= further.left_out and any(alike_laws(free, name) for name in there)
+            if other_form and self.matters(one, model, step.level_of_unknown):
+                return True
+        return False
+
+    def better_than_free_laws(self, before: Scored, step: Step) -> Scored | None:
+        """Return the effect that leaves less than every free law of the step, where one of these is shown to take what matters.
+
+        That something is missing the free law shows; it is no better news than a name that leaves less.
+        """
+        shown = [one.left_out for one in step.unknown if self.matters(one, before, step.level_of_unknown)]
+        able = (one for one in step.named if shown and one.left_out <= min(shown))
+        return next(
+            (one for one in able if self.error_ratio(one, before) <= 1.0 - MATTERS and not self.only_scatter(one, before)), None
+        )
 
     def beside_free_law(self, before: Scored, step: Step) -> Scored | None:
         """Return a model of the step with an effect that matters beside a free law, which matters beside it, and both more than none.
@@ -382,6 +410,13 @@ def law_of(effect: type[Effect]) -> frozenset[tuple[str, frozenset[str]]] | None
     own = set(effect.parameters)
     found = frozenset((slot, frozenset(set(term.arguments) - own - {slot})) for slot, term in effect.terms.items())
     return found if any(drivers for _, drivers in found) else None
+
+
+def alike_laws(free: Unknown, named: type[Effect]) -> bool:
+    """Whether a free law is another form of a named one: over what drives it, in the same slot or in what a store gains and loses."""
+    driven = any(free.signal in term.arguments for term in named.terms.values())
+    kinds = {getattr(getattr(one, "made_of", (one,))[0], "acts_on", "") for one in (free.effect, named)}
+    return driven and (not set(free.effect.terms).isdisjoint(named.terms) or kinds == {"store", "path"})
 
 
 def _added(candidate: Candidate, before: Candidate) -> str:

@@ -52,9 +52,9 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
     Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
     set, both are what the tests leave.
     """
-    verdict, width = judged(analysis), analysis.windows.layout.width
+    verdict, width, through = judged(analysis), analysis.windows.layout.width, analysis.windows.layout.memory > 0
     shortest = min(test.samples for test in analysis.measured.tests)
-    for times in LONGER if verdict.word == NOTHING or verdict.follows else ():
+    for times in LONGER if (verdict.word == NOTHING or verdict.follows) and not through else ():
         if times * width > shortest:
             break
         seen = at(times * width)
@@ -71,8 +71,8 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
             analysis, verdict = seen, other
     if verdict.follows:
         return analysis, verdict
-    half = min(max(width // 2, SHORTEST), width)
-    if verdict.word != EFFECT or analysis.measured.repeated or half == width:
+    half = width if through else min(max(width // 2, SHORTEST), width)
+    if verdict.word != EFFECT or analysis.measured.repeated or (half == width and not through):
         return analysis, verdict
     other = judged(at(half))
     known = {frozenset(names) for names in other.confidence_set}

@@ -22,7 +22,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.simulator import Given
 from hjcamp.prediction.kernels import Kernels
 from hjcamp.prediction.measured import Measured, MeasuredTest
-from hjcamp.prediction.passage import Passage
+from hjcamp.prediction.passage import Passage, Through
 from hjcamp.prediction.starts import erring_sensors
 
 Array = NDArray[np.float64]
@@ -39,13 +39,15 @@ BENT = 64.0
 class Layout:
     """Tests cut into windows of ``width`` samples, of which one in ``every`` is looked at; the rest of a test belongs to none.
 
-    ``apart``: no window goes on from the one before it.
+    ``apart``: no window goes on from the one before it. ``memory``: where it is not 0, a test begins once and is simulated through,
+    and a start is forgotten in so many samples.
     """
 
     measured: Measured
     width: int
     every: int = 1
     apart: bool = False
+    memory: int = 0
 
     @cached_property
     def whole(self) -> list[int]:
@@ -69,12 +71,17 @@ class Layout:
 
     @cached_property
     def begins(self) -> NDArray[np.int64]:
-        """1 where a test begins, 2 where another window of it does, else 0 (n,)."""
+        """1 where a test begins, 2 where another window of it begins anew, else 0 (n,)."""
         marks = np.zeros(len(self.of_test) * self.width, dtype=np.int64)
-        marks[:: self.width] = 2
+        marks[:: self.width] = 0 if self.memory else 2
         first = np.concatenate([[0], np.cumsum(self.counts)])[:-1]
         marks[first[np.array(self.counts) > 0] * self.width] = 1
         return marks
+
+    @cached_property
+    def begun(self) -> NDArray[np.bool_]:
+        """Whether each window begins from a start of its own (windows,)."""
+        return np.asarray(self.begins[:: self.width] > 0)
 
     def joined(self, columns: Sequence[Array]) -> Array:
         """Return one array of each test (samples, ...), cut to the windows that are looked at and joined (n, ...)."""
@@ -100,6 +107,14 @@ class Layout:
         return self.joined([test.readings for test in self.measured.tests])
 
     @cached_property
+    def means(self) -> Array:
+        """The mean of what was measured from each start to the next (n, sensors), SI."""
+        of_start = np.repeat(np.cumsum(self.begun) - 1, self.width)
+        counts = np.bincount(of_start)[:, None]
+        sums = [np.bincount(of_start, column) for column in self.readings.T]
+        return np.asarray((np.column_stack(sums) / counts)[of_start])
+
+    @cached_property
     def at_ends(self) -> NDArray[np.bool_]:
         """Whether a sensor reads its end (n, sensors)."""
         low, high = self.measured.ends.T
@@ -119,7 +134,7 @@ class Layout:
         """Whether each window begins where the one before it ends (windows,)."""
         begins, ends = self.time[:: self.width], self.time[self.width - 1 :: self.width]
         found = np.zeros(len(self.of_test), dtype=bool)
-        if self.apart:
+        if self.apart or self.memory:
             return found
         gap = np.abs(begins[1:] - ends[:-1] - self.measured.period)
         found[1:] = (self.of_test[1:] == self.of_test[:-1]) & (gap < 0.5 * self.measured.period)
@@ -207,12 +222,12 @@ class Windows:
     slides: NDArray[np.bool_] | None = None
 
     @property
-    def place(self) -> tuple[Array, Passage]:
+    def place(self) -> tuple[Array, Passage | Through]:
         """The starts and what they explain, to come back to."""
         return self.starts, self._passage
 
     @place.setter
-    def place(self, one: tuple[Array, Passage]) -> None:
+    def place(self, one: tuple[Array, Passage | Through]) -> None:
         self.starts, self._passage = one
 
     def readings(self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0) -> tuple[Array, Array]:
@@ -263,24 +278,26 @@ class Windows:
             most = max(most, BENT)
         count = len(begin) * samples
         out, states = np.empty((count, len(measured.sensors))), np.empty((count, begin.shape[1]))
-        ends = np.empty(begin.shape)
+        ends = begin.copy()
         of_all = np.arange(len(begin) * layout.width).reshape(-1, layout.width)[:, :samples].ravel()
         taken = 0
         for simpler, part in self._parts(candidate):
             model, values = self.kernels.model(simpler)
-            marks = layout.begins.copy()
+            marks, begun = layout.begins.copy(), layout.begun.copy()
             alone = part & ~np.concatenate([[False], part[:-1]])
             marks[:: layout.width][alone] = 1
+            begun |= alone
             for given, group in layout.groups:
                 windows = group & part
                 if not windows.any():
                     continue
-                own = np.repeat(windows, samples)
-                rows, p = of_all[own], model.vector({**values, **given})
-                course = Given(measured.period, marks[rows], layout.time[rows], inputs[rows], begin[windows])
+                samples_of = np.repeat(windows, samples)
+                rows, p = of_all[samples_of], model.vector({**values, **given})
+                own = windows & begun
+                course = Given(measured.period, marks[rows], layout.time[rows], inputs[rows], begin[own])
                 ran = model.run_to_ends(p, course, most=most * len(course.time))
-                out[own], states[own] = ran.readings[:, measured.columns], ran.states[:, : begin.shape[1]]
-                ends[windows] = ran.ends
+                out[samples_of], states[samples_of] = ran.readings[:, measured.columns], ran.states[:, : begin.shape[1]]
+                ends[own] = ran.ends
                 taken += ran.steps
         zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
         return Predicted(out + np.array(zeros), states, ends, taken / count)
@@ -295,7 +312,7 @@ class Windows:
 
     def _parts(self, candidate: Candidate) -> list[tuple[Candidate, NDArray[np.bool_]]]:
         """Return the model of each part of the windows: without forms where contacts slide, unless another effect has a memory."""
-        if self.slides is None or self._remembers(candidate) or not self.forms & set(candidate.effects):
+        if self.layout.memory or self.slides is None or self._remembers(candidate) or not self.forms & set(candidate.effects):
             return [(candidate, np.ones(len(self.starts), dtype=bool))]
         return [(candidate.without(self.forms), self.slides), (candidate, ~self.slides)]
 
@@ -317,19 +334,42 @@ class Windows:
             left, passage, starts = self._left(found), self._passage_of(candidate, found), self.starts / self.sizes
             moved = passage.begun(left, starts, found.ends / self.sizes)[0] - starts
             tried = np.maximum(self.starts + np.clip(moved, -3.0, 3.0) * self.sizes, self.lowest)
-            before = np.sum(left**2, axis=1)
+            before = self._of_starts(left)
             kept, self.starts = self.starts, tried
-            after = np.sum(self._left(self._predicted(candidate)) ** 2, axis=1)
+            after = self._of_starts(self._left(self._predicted(candidate)))
             # what readings do not tell of a start changes them by less than their noise
             better = after < before + passage.open
             self.starts = np.where(better[:, None], tried, kept)
         self.renew(candidate)
 
+    def _of_starts(self, left: Array) -> Array:
+        """Return the squares (windows,) of errors (windows, coefficients), summed over all windows that share a start."""
+        squares, shared = np.sum(left**2, axis=1), np.cumsum(self.layout.begun) - 1
+        return np.asarray(np.bincount(shared, squares)[shared])
+
+    def memory(self, candidate: Candidate) -> int:
+        """Return the samples in which the readings forget a start where tests are simulated through: the slowest state.
+
+        Forgotten is what has fallen to 1/e of the most that it made of the readings, for good; the median of the tests.
+        """
+        layout, base, found = self.layout, self.readings(candidate)[0], 0
+        of_test = np.repeat(layout.of_test, layout.width)
+        for k, size in enumerate(self.sizes):
+            moved = self.starts.copy()
+            moved[:, k] += STEP * size
+            with np.errstate(invalid="ignore", over="ignore"):
+                change = np.abs((self.readings(candidate, moved)[0] - base) / layout.measured.noise).max(axis=1)
+            if not np.isfinite(change).all():
+                return len(base)
+            left = [change[of_test == test] for test in np.unique(of_test)]
+            found = max(found, int(np.median([np.flatnonzero(one * np.e >= one.max())[-1] + 1 for one in left])))
+        return found
+
     def renew(self, candidate: Candidate) -> None:
         """Renew what a change of each window's start explains."""
         self._passage = self._passage_of(candidate, self._predicted(candidate))
 
-    def _passage_of(self, candidate: Candidate, base: Predicted) -> Passage:
+    def _passage_of(self, candidate: Candidate, base: Predicted) -> Passage | Through:
         """Return what a change of each start, by its usual size, changes of the readings and the ends that are predicted."""
         readings, ends = [], []
         for k, size in enumerate(self.sizes):
@@ -339,6 +379,8 @@ class Windows:
             change = self.layout.coefficients((changed.readings - base.readings) / STEP)
             readings.append(change.reshape(len(self.starts), -1))
             ends.append((changed.ends - base.ends) / (STEP * self.sizes))
+        if self.layout.memory:
+            return Through.of(np.stack(readings, axis=2), self.layout.of_test)
         return Passage.of(np.stack(readings, axis=2), np.stack(ends, axis=2), self.unseen, self.layout.goes_on)
 
     def growth(self, candidate: Candidate) -> float:

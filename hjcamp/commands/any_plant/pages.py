@@ -108,13 +108,13 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     )
     head, rows = said.comparison_table(found)
     last = found.models[-1]
-    width = f"{layout.width * layout.measured.period:.3g} s"
+    anew = "with each test" if layout.memory else f"anew every {layout.width * layout.measured.period:.3g} s"
     parts = [
         page.table_of(head, rows),
-        page.note(f"Error over windows of {width}. {said.FLOORS[analysis.floor.source]}."),
+        page.note(f"Error {said.over_windows(analysis)}. {said.FLOORS[analysis.floor.source]}."),
         page.bullets(said.notes_on(found)),
         explorer_html(exploration_of(found)),
-        page.note(f"Predictions begin anew every {width}, where each fits best; the table has errors without what those starts do."),
+        page.note(f"Predictions begin {anew}, where each fits best; the table has errors without what those starts do."),
         *(page.picture(caption, pictures[name]) for name, caption in captions.items()),
         page.picture("The worst windows", pictures["windows"]),
         page.heading("Tests"),

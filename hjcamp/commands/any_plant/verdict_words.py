@@ -14,10 +14,12 @@ from hjcamp.commands.any_plant.words import (
     channel_table,
     end_words,
     held_by_bounds,
+    over_windows,
     print_head,
     still_words,
     table,
 )
+from hjcamp.model.base_values import DELAY
 from hjcamp.report.floor_words import worst_words
 from hjcamp.report.units import plain, told, told_interval
 
@@ -83,13 +85,40 @@ class Words:
         return (worst, rows[worst]) if rows[worst]["high"] * (1.0 - MOST_OF_IT) > _least(rows[worst]) else None
 
     @property
-    def named_places(self) -> set[str]:
-        """The places on which the effects act that are named."""
+    def beside(self) -> bool:
+        """Whether the first free law is something beside the named effects, no other form of one of them."""
         from hjcamp.model.vocabulary import read_vocabulary
+        from hjcamp.prediction.selection import alike_laws
 
-        library = self.analysis.search.library
-        slots = {slot for name in self.verdict.effects for slot in library[name].terms}
-        return {port.name for port in read_vocabulary(self.analysis.measured.plant).ports.values() if slots & set(port.names.values())}
+        if not self.content["unknowns"]:
+            return False
+        first, search = self.content["unknowns"][0], self.analysis.search
+        named = [search.library[name] for name in self.verdict.effects]
+        slots = {slot for one in named for slot in one.terms}
+        ports = read_vocabulary(self.analysis.measured.plant).ports.values()
+        places = {port.name for port in ports if slots & set(port.names.values())}
+        return first["port"] not in places and not any(alike_laws(search.unknowns[first["law"]], one) for one in named)
+
+    def _not_enough(self) -> str:
+        """Return in words why what can be told from the motion has no name."""
+        if refused := self.verdict.refused:
+            takes = "takes" if len(refused) == 1 else "take"
+            return f"{' with '.join(refused)}, which predicts better than nothing, {takes} less than half of that and is not all of it"
+        return "no effect of the library is shown to take it chapter by chapter, and no law of one quantity is"
+
+    def _late(self) -> list[str]:
+        """Return what a delay of the base that stands at its bound says."""
+        most = {
+            name.removeprefix(DELAY).replace("_", " "): row for name, row in self.content["calibration"].items()
+            if name.startswith(DELAY) and row["at_bound"] and row["value"] > 0.0
+        }  # fmt: skip
+        if not most or {"command_delay", "sensor_lag"} & {name.split("_at_")[0] for name in self.verdict.effects}:
+            return []
+        said = f"{next(iter(most.values()))['value']:.3g} s"
+        return [
+            f"The delay of {' and '.join(most)} stands at the most that the base may have, {said}: a longer one, or a lag, is an "
+            "effect (command_delay, sensor_lag)."
+        ]
 
     def sentences(self) -> list[str]:
         """The answer in sentences."""
@@ -111,8 +140,7 @@ class Words:
         if verdict.follows:
             found.append(
                 f"{100.0 * verdict.follows:.0f} % of the error can be told from the motion and the inputs of its moment (a "
-                "regression, on chapters left out), but no effect of the library and no law of one quantity takes it: it may "
-                "depend on several, or on what was before."
+                f"regression, on chapters left out), but {self._not_enough()}: it may depend on several, or on what was before."
             )
             told_most = [one.replace("_", " ") for one in self.content["follows_motion"]["quantities"]]
             if told_most:
@@ -132,7 +160,7 @@ class Words:
         if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
             first = self.content["unknowns"][0] if self.content["unknowns"] else None
             left = 100.0 * min(verdict.law_left, 1.0)
-            if first and first["port"] not in self.named_places:
+            if first and self.beside:
                 found.append(
                     f"Something outside the library is missing as well: a {_free_law(first)} takes {left:.0f} % of what both take "
                     "together. Its curve is on the page."
@@ -156,7 +184,7 @@ class Words:
                 found.append(f"Chance: p = {plain(verdict.p_value, 2)} (residuals moved in time, whole library).")
             if verdict.word != "nothing_missing":
                 found += _false_claims(self.content["false_claims"])
-        found += held_by_bounds(self.content["calibration"]) + end_words(self.content["ends"])
+        found += held_by_bounds(self.content["calibration"]) + self._late() + end_words(self.content["ends"])
         found += still_words(self.content["still"])
         return found + self.telling()
 
@@ -207,8 +235,7 @@ class Words:
         own = "" if model == "published" else f" --model {model}"
         if self.verdict.word == "effect":
             added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)
-            rest = self.content["unknowns"] and self.content["unknowns"][0]["port"] not in self.named_places
-            beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if rest else []
+            beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if self.beside else []
             return [f"hjcamp add {added} {paths}{own} --as with_{named}", *beside]
         if self.verdict.word == "one_of":
             return [f"hjcamp next {paths}{own}"] + [
@@ -260,7 +287,7 @@ def print_diagnosis(console: Console, words: Words) -> None:
     """Print the answer."""
     from hjcamp.commands._wrapped import print_wrapped
 
-    analysis, layout = words.analysis, words.analysis.windows.layout
+    analysis = words.analysis
     print_head(console, analysis)
     table(console, CALIBRATED, calibration_table(words.content["calibration"]))
     style = "yellow" if words.far_off and words.verdict.word == "nothing_missing" else STYLES.get(words.verdict.word, "yellow")
@@ -268,7 +295,7 @@ def print_diagnosis(console: Console, words: Words) -> None:
     print_wrapped(console, words.sentences(), 8)
     if rows := words.candidates():
         table(console, CANDIDATES, rows)
-    console.print(f"error   over windows of {layout.width * layout.measured.period:.3g} s", markup=False)
+    console.print(f"error   {over_windows(analysis)}", markup=False)
     table(console, CHANNELS, channel_table(words.content["channels"]))
     print_wrapped(console, [FLOORS[analysis.floor.source] + "."], 8)
     print_wrapped(console, words.worst(), 8, "worst")

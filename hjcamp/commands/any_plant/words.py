@@ -71,9 +71,8 @@ def print_comparison(console: Console, found: Comparison) -> None:
     print_wrapped(console, notes_on(found), 8)
     worse = [one.name for one in found.models if any(one.explained < 0.0)]
     if worse:
-        print_wrapped(
-            console, [f"{', '.join(worse)}: worse than the mean of each window in a channel (explained below 0)."], 8
-        )
+        of = "test" if found.analysis.windows.layout.memory else "window"
+        print_wrapped(console, [f"{', '.join(worse)}: worse than the mean of each {of} in a channel (explained below 0)."], 8)
 
 
 def end_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -187,10 +186,19 @@ def print_head(console: Console, analysis: Analysis) -> None:
         f"plant {measured.plant.name}: {count}{'s' if len(measured.conditions) > 1 else ''}, "
         f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s"
         + (f" of {sum(layout.whole)}, evenly spread" if layout.every > 1 else "")
-        + ", each begun from its own start"
-        + _carried(analysis),
+        + (
+            f", each test simulated through from its own start: the plant remembers {layout.memory * measured.period:.2g} s"
+            if layout.memory
+            else ", each begun from its own start" + _carried(analysis)
+        ),
         markup=False,
     )  # fmt: skip
+
+
+def over_windows(analysis: Analysis) -> str:
+    """Return in words over what an error is taken."""
+    layout = analysis.windows.layout
+    return f"over windows of {layout.width * layout.measured.period:.3g} s" + (", tests simulated through" if layout.memory else "")
 
 
 def _carried(analysis: Analysis) -> str:

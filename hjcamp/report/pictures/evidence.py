@@ -22,6 +22,7 @@ COLOURS = {BOTH: GREEN, FORWARD: BLUE, BACKWARD: RED}
 LINES = {BOTH: "-", FORWARD: "--", BACKWARD: ":"}
 # So few values are bins, and get a dot each.
 FEW = 24
+LONGEST_NAME = 32
 
 
 @dataclass(frozen=True)
@@ -59,8 +60,13 @@ def draw_missing(missing: Missing) -> dict[str, str]:
     labels = across, up, limits
     found = {"before": _panel(before, law, missing.name, "missing: calibrated model", labels)}
     if after:
-        found["after"] = _panel(after, (), missing.name, f"missing: with {missing.name}", labels)
+        found["after"] = _panel(after, (), missing.name, f"missing: {_shortly(missing.name)}", labels)
     return found
+
+
+def _shortly(name: str) -> str:
+    """Return what was added, in words that fit above a panel."""
+    return f"with {name}" if len(name) <= LONGEST_NAME else "with what was found"
 
 
 def _scaled(missing: Missing) -> tuple[str, str, list[list[Branch]]]:

@@ -1,0 +1,83 @@
+"""Tests are simulated through where the plant remembers longer than a window and forgets within a chapter."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import gauge
+import numpy as np
+import pytest
+
+from hjcamp.effects import load_effects
+from hjcamp.prediction import analysis
+from hjcamp.prediction.analysis import calibrated
+from hjcamp.prediction.answer import answer
+from hjcamp.prediction.chapters import chapters_of
+from hjcamp.prediction.measured import Measured, measured_tests
+from hjcamp.prediction.passage import Through
+from hjcamp.prediction.verdict import agreed
+
+NAMES = ("flow_exponent_at_outflow", "overflow_at_upper", "spill_over")
+
+
+def logged(samples: int, brim: float = np.inf) -> Measured:
+    return measured_tests([gauge.measured_log(brim=brim, seed=2, samples=samples)])
+
+
+def test_what_the_start_of_a_test_explains_is_taken_out_of_all_its_windows() -> None:
+    generator = np.random.default_rng(3)
+    of_test = np.array([0, 0, 0, 1, 1])
+    readings = generator.normal(size=(5, 4, 2)) * 100.0
+    wrong = np.array([[1.0, -2.0], [0.5, 3.0]])
+    left = np.einsum("wfs,ws->wf", readings, wrong[of_test])
+    passage = Through.of(readings, of_test)
+    starts = np.zeros((5, 2))
+    np.testing.assert_allclose(passage.unexplained(left, starts, starts), 0.0, atol=1e-10)
+    np.testing.assert_allclose(passage.begun(left, starts, starts)[0], wrong[of_test])
+    # what lies across all that a start can do stays as it is
+    across = generator.normal(size=(5, 4))
+    for rows in (of_test == 0, of_test == 1):
+        span = readings[rows].reshape(-1, 2)
+        flat = across[rows].ravel()
+        across[rows] = (flat - span @ np.linalg.lstsq(span, flat, rcond=None)[0]).reshape(-1, 4)
+    np.testing.assert_allclose(passage.unexplained(left + across, starts, starts), across, atol=1e-10)
+
+
+def test_short_tests_are_simulated_through_and_long_ones_in_windows(tanks: Path) -> None:
+    short = calibrated(logged(800), {}, unknowns=False)
+    layout = short.windows.layout
+    assert layout.memory > layout.width
+    # one test: one start
+    assert layout.begun.sum() == 1 and not layout.goes_on.any()
+    # no chapter is shorter than what the plant remembers
+    sizes = np.bincount(chapters_of(layout)) * layout.width
+    assert sizes.min() >= layout.memory - layout.width and len(sizes) >= 8
+    assert calibrated(logged(8000), {}, unknowns=False).windows.layout.memory == 0
+    assert calibrated(logged(500), {}, unknowns=False).windows.layout.memory == 0
+
+
+def test_readings_of_a_test_that_is_simulated_through_leap_nowhere(tanks: Path) -> None:
+    windows = calibrated(logged(800), {}, unknowns=False).windows
+    base = calibrated(logged(800), {}, unknowns=False).base.fitted.candidate
+    through = windows.readings(base)[0][:, 0]
+    cut = replace(windows, layout=replace(windows.layout, memory=0), starts=windows.starts * 1.02)
+    leaps = np.abs(np.diff(through))[windows.layout.width - 1 :: windows.layout.width]
+    others = np.abs(np.diff(cut.readings(base)[0][:, 0]))[windows.layout.width - 1 :: windows.layout.width]
+    assert leaps.max() < 0.5 * others.max()
+
+
+def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    measured = logged(800, brim=7.0)
+    library = load_effects(plant=measured.plant)
+    chosen = {name: library[name] for name in NAMES}
+
+    def said() -> tuple[str, list[str]]:
+        found = answer(*agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width)), 0.0)
+        return found["verdict"], found["effects"]
+
+    # the other one limits the same tank at the same brim
+    word, names = said()
+    assert word in ("effect", "one_of") and names[0] == "spill_over"
+    monkeypatch.setattr(analysis, "simulated_through", lambda windows, candidate: windows)
+    assert said() == ("cannot_tell", [])
