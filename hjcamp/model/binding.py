@@ -17,7 +17,7 @@ from hjcamp.model.element import ELEMENTS
 from hjcamp.model.instance import Instance
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import KINDS, Port
-from hjcamp.model.quantities import Quantities, in_lines, units_of
+from hjcamp.model.quantities import Quantities, in_lines, is_nothing, units_of
 from hjcamp.model.vocabulary import read_vocabulary
 
 EVERYWHERE = ("time",)
@@ -51,6 +51,10 @@ def bind(effect: type[Effect], plant: type[Plant]) -> tuple[type[Effect], ...]:
     if not able:
         least = min(ports, key=lambda port: len(port.lacks(wanted)))
         raise Unfit(f"{where}: {_lacking(least, least.lacks(wanted))}")
+    if effect.brings:
+        able = [port for port in able if is_nothing(plant, port.names[effect.brings])]
+        if not able:
+            raise Unfit(f"{where}: plant {plant.name} has {effect.brings} of its own in each such place")
     problems: list[UsageError] = []
     groups: dict[str, list[Port]] = {}
     for port in able:

@@ -76,6 +76,8 @@ class Effect:
     same_as: ClassVar[tuple[str, ...]] = ()
     # Parameter, a deflection for each unit of force or a speed, of which every contact has a little: its form, no effect.
     granted: ClassVar[str] = ""
+    # A slot that it brings: it is bound where the plant itself has nothing in it, not where a base parameter would take its place.
+    brings: ClassVar[str] = ""
     # Whether a diagnosis may name it; if not, it is the form of a contact within what is granted, and nothing beyond.
     claimed: ClassVar[bool] = True
     # Whether it is friction that differs from place to place or in time, as every contact's does by a little.

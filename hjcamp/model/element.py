@@ -51,8 +51,8 @@ class Element:
 
 CONTACT = Element(
     "contact",
-    ("velocity", "push", "coulomb"),
-    ("viscous", "static"),
+    ("velocity", "push"),
+    ("coulomb", "viscous", "static"),
     ("travel", "load", "mass"),
     (
         Line("_push", "signal", "{push}", "push", "force before friction"),
@@ -270,6 +270,9 @@ def _complete_contact(pieces: dict[str, str], where: str) -> None:
         raise UsageError(
             f"{where}: the velocity of contact '{name}' must be a state (state.NAME), not {pieces['velocity']}"
         )
+    if pieces["coulomb"] in ("", "0", "0.0"):
+        # no dry friction: a zero in the unit of a push
+        pieces["coulomb"] = f"0.0 * ({pieces['push']})"
     pieces["breakaway"] = f"{name}_static" if pieces["static"] else ""
     pieces["static"] = pieces["static"] or pieces["coulomb"]
     pieces["viscous"] = pieces["viscous"] or "0.0"

@@ -86,7 +86,20 @@ def units_of(plant: type[Plant]) -> Units:
 
 @cached
 def usual_sizes(plant: type[Plant]) -> Mapping[str, float]:
-    """Return how large each name of a plant usually is, SI: what is declared as typical, else the rms over such states."""
+    """Return how large each name of a plant usually is, SI: what is declared as typical, else the rms over such states.
+
+    1 where that is nothing.
+    """
+    return {name: size if size > 0.0 and math.isfinite(size) else 1.0 for name, size in _sizes(plant).items()}
+
+
+def is_nothing(plant: type[Plant], name: str) -> bool:
+    """Return whether a name of a plant is 0 at its declared parameters, and no base parameter could make it anything else."""
+    return _sizes(plant).get(name) == 0.0
+
+
+@cached
+def _sizes(plant: type[Plant]) -> Mapping[str, float]:
     vocabulary = read_vocabulary(plant)
     lines = [
         (f"d_{one.target}" if one.mark == "rate" else one.target, compile(one.expression, "<plant>", "eval"))
@@ -96,7 +109,9 @@ def usual_sizes(plant: type[Plant]) -> Mapping[str, float]:
     regimes = {f"u_{port.names['direction']}" for port in vocabulary.ports.values() if "direction" in port.names}
     squares: dict[str, list[float]] = {name: [] for name in vocabulary.signals}
     for _ in range(DRAWS):
-        scope = plain_functions("") | {f"p_{name}": item.default for name, item in plant.parameters.items()}
+        scope = plain_functions("") | {
+            f"p_{name}": item.default or float(item.base) for name, item in plant.parameters.items()
+        }
         scope |= {f"s_{name}": state.usual(generator) for name, state in plant.states.items()}
         scope |= {f"u_{name}": given.usual(generator) for name, given in plant.inputs.items()}
         scope |= {name: float(generator.choice((-1.0, 1.0))) for name in sorted({*regimes, "u_direction"})}
@@ -109,4 +124,4 @@ def usual_sizes(plant: type[Plant]) -> Mapping[str, float]:
     found |= {name: abs(item.default) for name, item in plant.parameters.items()}
     found |= {name: abs(item.typical) for name, item in plant.inputs.items()}
     found |= {name: abs(item.typical) for name, item in plant.states.items()}
-    return {name: size if size > 0.0 and math.isfinite(size) else 1.0 for name, size in found.items()}
+    return found

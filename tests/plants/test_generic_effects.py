@@ -18,6 +18,8 @@ from hjcamp.plants.pump_joint import PumpJoint
 FILES = effect_files([])
 GENERIC = sorted(name for name, effect in FILES.items() if effect.acts_on)
 PLANTS = ("axis", "tanks", "rotor")
+# where alone some have a place: stores that no path joins, a contact without dry friction
+ALONE = {"internal_leakage": ("two_pumps",), "dry_friction": ("wheel",)}
 FITS = {
     "axis": "command_delay constant_force contact_creep coulomb_asymmetry cubic_spring dead_band friction_drift "
     "hard_stop position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag sensor_offset "
@@ -30,8 +32,7 @@ FITS = {
 @pytest.mark.parametrize("name", GENERIC)
 def test_on_every_plant_that_it_fits(folder: Path, name: str) -> None:
     tried = 0
-    # of those the two pumps alone have stores that no path joins
-    for plant in map(find_plant, ("two_pumps",) if FILES[name].acts_on == "partition" else PLANTS):
+    for plant in map(find_plant, ALONE.get(name, PLANTS)):
         if name in library_of(plant).unfit:
             continue
         for effect in bind(FILES[name], plant):
@@ -54,6 +55,28 @@ def test_the_docstring_tells_equation_sign_and_source(name: str) -> None:
 @pytest.mark.parametrize("plant", FITS)
 def test_which_effects_fit(folder: Path, plant: str) -> None:
     assert list(load_effects(plant=plant)) == FITS[plant].split()
+
+
+@pytest.mark.parametrize(
+    ("coulomb", "fits"),
+    [
+        ("", True),
+        (", coulomb=0.0", True),
+        (", coulomb=parameter.dry", True),
+        (", coulomb=parameter.rub", False),
+        (", coulomb=0.01 * torque", False),
+    ],
+)
+def test_dry_friction_is_for_contacts_that_have_none(folder: Path, coulomb: str, fits: bool) -> None:
+    path = folder / "plants" / "wheel.py"
+    text = path.read_text().replace("viscous=parameter.viscous)", f"viscous=parameter.viscous{coulomb})")
+    # a base parameter that begins at 0 is found by calibrating: beside it nothing could be told
+    own = '    dry = Parameter("N*m", 0.0)\n    rub = Parameter("N*m", 0.0, (0.0, 1.0), base=True)\n    period'
+    path.write_text(text.replace("    period", own))
+    library = library_of(find_plant("wheel"))
+    assert ("dry_friction" in library.effects) == fits
+    if not fits:
+        assert "plant wheel has coulomb of its own" in str(library.unfit["dry_friction"])
 
 
 def test_every_kind_of_place_has_an_effect() -> None:

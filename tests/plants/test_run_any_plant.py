@@ -178,3 +178,43 @@ def test_a_model_of_another_plant_is_refused_by_the_pump_joint(bench: Path) -> N
     (bench / "conf" / "model" / "other.yaml").write_text("name: other\nplant: axis\nparameters: {}\neffects: {}\n")
     with pytest.raises(UsageError, match="is of plant 'axis'; this test is of plant pump_joint"):
         made("model=other")
+
+
+SWING = '''"""A pendulum that swings freely."""
+from hjcamp.plant import Measured, Parameter, Plant, State, body, contact, outside, sensor
+
+
+class Swing(Plant):
+    """A pendulum on a bearing with viscous friction."""
+
+    angle = State("rad", typical=0.3)
+    speed = State("rad/s", typical=2.0)
+    inertia = Parameter("kg*m^2", 1e-4)
+    weight = Parameter("N*m", 1e-2, (1e-4, 1.0), "log-uniform", base=True)
+    viscous = Parameter("N*m*s", 2e-5, (1e-8, 1e-2), "log-uniform", base=True)
+    angle_deg = Measured("encoder", of="angle")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        load = outside("N*m")
+        pull = -parameter.weight * state.angle
+        rub = contact(state.speed, push=pull + load, viscous=parameter.viscous)
+        rate.angle = state.speed
+        rate.speed = body(pull + load - rub, mass=parameter.inertia, load=load, position=state.angle)
+        encoder = sensor(state.angle)
+'''
+
+
+def test_a_plant_without_inputs_moves_by_itself(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (bench / "plants" / "swing.py").write_text(SWING)
+    columns, _ = plant_simulation.run_test(made("plant=swing", "trajectory=hold", "start.angle=0.5"), 1)
+    time, angle = columns["time_s"], np.radians(columns["angle_deg"])
+    # a damped oscillation: decay b / 2 J, frequency sqrt(m g l / J - decay^2)
+    decay = 2e-5 / 2e-4
+    turn = np.sqrt(1e-2 / 1e-4 - decay**2)
+    inside = (time >= 0.0) & (columns["phase"] == plant_simulation.CONTROL)
+    since = time - time[0]
+    expected = 0.5 * np.exp(-decay * since) * (np.cos(turn * since) + decay / turn * np.sin(turn * since))
+    np.testing.assert_allclose(angle[inside], expected[inside], atol=2e-5)
+    assert cli.run(["run", "plant=swing", "controller=plain_pid", "trajectory=hold"]) == 2
+    assert "controller plain_pid does not fit plant swing: the plant has no input" in capsys.readouterr().err

@@ -1,0 +1,79 @@
+"""A motor that rubs dry; its model has viscous friction alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hjcamp.effects import load_effects
+from hjcamp.prediction.analysis import calibrated
+from hjcamp.prediction.answer import answer
+from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.verdict import agreed
+from hjcamp.records.log import TestLog
+
+PERIOD, STEPS = 2e-3, 40
+WHEEL = '''"""A wheel on a motor."""
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, contact, outside, sensor
+
+
+class Wheel(Plant):
+    """A motor turns a wheel against viscous friction."""
+
+    speed = State("rad/s", typical=20.0)
+    voltage = Input("V", typical=3.0)
+    inertia = Parameter("kg*m^2", 1e-5)
+    gain = Parameter("N*m/V", 1.5e-3, (1e-5, 1.0), "log-uniform", base=True)
+    viscous = Parameter("N*m*s", 2e-4, (1e-7, 1e-1), "log-uniform", base=True)
+    period = 2e-3
+    speed_rpm = Measured("encoder", of="speed")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        torque = actuator(parameter.gain * drive.voltage)
+        load = outside("N*m")
+        rub = contact(state.speed, push=torque + load, viscous=parameter.viscous)
+        rate.speed = body(torque + load - rub, mass=parameter.inertia, load=load)
+        encoder = sensor(state.speed)
+'''
+
+
+def measured_log(dry: float, samples: int = 1500) -> TestLog:
+    """Return a test of a motor with dry friction (N m): steps of voltage, small steps of time, and rest where it sticks."""
+    generator = np.random.default_rng(8)
+    voltage = np.repeat(generator.uniform(-4.0, 4.0, samples // 50 + 1), 50)[:samples]
+    speed, found = 0.0, np.empty(samples)
+    for k in range(samples):
+        found[k] = speed
+        for _ in range(STEPS):
+            torque = 2e-3 * voltage[k] - 1.5e-4 * speed
+            moved = speed + PERIOD / STEPS * (torque - dry * np.sign(speed or torque)) / 1e-5
+            # it stays where it is once the push is less than what holds it
+            speed = 0.0 if (speed * moved <= 0.0 and abs(2e-3 * voltage[k]) <= dry) else moved
+    rpm = 30.0 / np.pi * found + generator.normal(scale=2.0, size=samples)
+    columns = {"time_s": np.arange(samples) * PERIOD, "voltage_v": voltage, "speed_rpm": rpm}
+    return TestLog(columns, {"plant": "wheel", "period_s": str(PERIOD), "condition": "steps"})
+
+
+@pytest.mark.parametrize(("dry", "samples"), [(1.2e-3, 1500), (0.0, 1500), (1.2e-3, 6000)])
+def test_dry_friction_is_named_where_the_model_has_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, dry: float, samples: int
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("plants").mkdir()
+    Path("plants/wheel.py").write_text(WHEEL)
+    measured = measured_tests([measured_log(dry, samples)])
+    library = load_effects(plant=measured.plant)
+    names = ("command_delay", "dead_band", "dry_friction", "quadratic_drag", "sensor_lag", "sensor_offset")
+    chosen = {name: library[name] for name in names}
+    found = answer(*agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width)), 0.0)
+    # short tests are simulated through, long ones over windows
+    assert found["simulated_through"] == (samples == 1500)
+    if not dry:
+        assert (found["verdict"], found["effects"]) == ("nothing_missing", [])
+        return
+    assert found["verdict"] in ("effect", "one_of") and found["effects"][0] == "dry_friction"
+    [row] = [one for one in found["candidates"] if one["effect"] == "dry_friction"]
+    assert row["parameters"]["level"]["value"] == pytest.approx(dry, rel=0.1)
