@@ -71,7 +71,13 @@ class Quantities:
         dims |= {PERIOD: Amount(1.0, dimension("s"))}
         whole = evaluated(unit, {**self.units.scope, **dims})
         sizes = {word: self.sizes.get(word, 1.0) for word in words} | {PERIOD: self.plant.period}
-        return self.units.written(whole.dims), float(eval(unit, {"__builtins__": {}}, sizes))
+        # an angle is told in rad where the plant says so, though that has no dimension
+        known = {name: item.unit for name, item in self.plant.states.items()}
+        known |= {name: item.unit for name, item in self.plant.inputs.items()}
+        known |= {item.sensor: known[item.of] for item in self.plant.measured.values() if item.of in known}
+        declared = known.get(self.port.names.get(unit, ""), "")
+        written = declared if declared and dimension(declared) == whole.dims else self.units.written(whole.dims)
+        return written, float(eval(unit, {"__builtins__": {}}, sizes))
 
     def _local(self, name: str) -> str:
         return in_lines(self.units, self.port.names[name])

@@ -79,6 +79,14 @@ def test_dry_friction_is_for_contacts_that_have_none(folder: Path, coulomb: str,
         assert "plant wheel has coulomb of its own" in str(library.unfit["dry_friction"])
 
 
+def test_an_angle_is_told_in_the_unit_of_its_state(folder: Path) -> None:
+    rotor = load_effects(plant="rotor")
+    assert rotor["spring"].parameters["rest_position"].unit == "rad"
+    wheel = load_effects(plant="wheel")
+    assert wheel["sensor_offset"].parameters["offset"].unit == "rad/s"
+    assert load_effects(plant="axis")["spring"].parameters["rest_position"].unit == "m"
+
+
 def test_every_kind_of_place_has_an_effect() -> None:
     assert {effect.acts_on for effect in FILES.values()} - {""} == set(KINDS)
 
