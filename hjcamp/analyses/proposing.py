@@ -60,7 +60,8 @@ def propose_for_plant(
         done = diagnose_plant(data, asked, lambda text, share: report(text, DIAGNOSED * share))
         return propose_after(done, rivals, tests, asked.seed, report)
     report("compiling, once for this plant and its effects", 0.02)
-    width = before["window_samples"] if before else None
+    # tests that were simulated through are so again
+    width = before["window_samples"] if before and not before.get("simulated_through") else None
     analysis = calibrated(data.measured, chosen, start, report, asked.seed, width=width, forms=forms)
     content = before or {"verdict": None, "effects": [], "candidates": [], "confidence_set": [], "unknowns": []}
     return _proposed(analysis, content, [], rivals, tests, asked.seed, kept if before else None, report)
@@ -70,12 +71,9 @@ def propose_after(
     done: PlantDiagnosed, rivals: Sequence[str] = (), tests: int = 3, seed: int = 1, report: Report = silent
 ) -> PlantProposed:
     """Return the proposal after a diagnosis (`PlantDiagnosed`) that is at hand."""
-    from hjcamp.prediction.analysis import in_windows
     from hjcamp.prediction.next.rivals import check_names
 
     check_names(done.analysis.search.library, rivals)
-    if done.analysis.windows.layout.memory:
-        return _proposed(in_windows(done.analysis, seed, report), done.content, [], rivals, tests, seed, None, report)
     known = [done.verdict.model, *([done.verdict.unknown] if done.verdict.unknown else [])]
     known += [one for step in done.analysis.search.steps for one in (*step.named, *step.unknown)]
     return _proposed(done.analysis, done.content, known, rivals, tests, seed, None, report)

@@ -165,13 +165,6 @@ def calibrated(
     return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
 
 
-def in_windows(analysis: Analysis, seed: int, report: Report) -> Analysis:
-    """Return the analysis of the same tests over windows that begin anew, where these were simulated through."""
-    search, width = analysis.search, analysis.windows.layout.width
-    library = {name: effect for name, effect in search.library.items() if name not in search.unnamed}
-    return calibrated(analysis.measured, library, analysis.start, report, seed, width=width, forms=search.library)
-
-
 def predictable(
     measured: Measured, kernels: Kernels, candidate: Candidate, free: Sequence[Free], width: int, effort: str
 ) -> tuple[Windows, Candidate]:
@@ -203,11 +196,12 @@ def predictable(
 def simulated_through(windows: Windows, candidate: Candidate) -> Windows:
     """Return windows of tests that are simulated through, where tests are too short for windows as long as the plant's memory.
 
-    In shorter windows the starts take most of what the plant does. It has to forget a start within a chapter.
+    In shorter windows the starts take most of what the plant does. It has to forget a start within a chapter, and no loop outside
+    its equations may hold it.
     """
     layout = windows.layout
     total = len(layout.of_test) * layout.width
-    if total >= WINDOWS * SHORTEST:
+    if total >= WINDOWS * SHORTEST or layout.measured.plant.loop == "foreign":
         return windows
     memory = replace(windows, layout=replace(layout, memory=1)).memory(candidate)
     if memory <= layout.width or total < FEWEST * memory:

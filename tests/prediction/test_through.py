@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import gauge
 import numpy as np
 import pytest
 
+from hjcamp import cli
 from hjcamp.effects import load_effects
 from hjcamp.prediction import analysis
 from hjcamp.prediction.analysis import calibrated
@@ -17,6 +19,7 @@ from hjcamp.prediction.chapters import chapters_of
 from hjcamp.prediction.measured import Measured, measured_tests
 from hjcamp.prediction.passage import Through
 from hjcamp.prediction.verdict import agreed
+from hjcamp.records.write import write_log
 
 NAMES = ("flow_exponent_at_outflow", "overflow_at_upper", "spill_over")
 
@@ -81,3 +84,20 @@ def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch:
     assert word in ("effect", "one_of") and names[0] == "spill_over"
     monkeypatch.setattr(analysis, "simulated_through", lambda windows, candidate: windows)
     assert said() == ("cannot_tell", [])
+
+
+def test_next_plans_with_tests_that_are_simulated_through(tanks: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("logs").mkdir()
+    write_log(Path("logs/a.mcap"), gauge.measured_log(brim=7.0, seed=2, samples=800))
+    only = ["--only", ",".join(NAMES), "--effort", "quick"]
+    assert cli.run(["diagnose", "logs", *only]) == 0, capsys.readouterr().err
+    said = capsys.readouterr().out
+    assert "each test simulated through from its own start: the plant remembers" in said and ", tests simulated through" in said
+    answer_of = json.loads(Path("diagnose/answer.json").read_text())
+    assert answer_of["simulated_through"] and answer_of["verdict"] == "one_of"
+    assert cli.run(["next", "logs"]) == 0, capsys.readouterr().err
+    said = " ".join(capsys.readouterr().out.split())
+    assert "To be told apart: spill_over" in said and "standard deviations" in said
+    assert cli.run(["compare", "logs"]) == 0
+    assert "each test simulated through" in capsys.readouterr().out
+    assert "Predictions begin with each test, where each fits best" in Path("compare/index.html").read_text()

@@ -39,6 +39,8 @@ def held_by_loop(analysis: Analysis) -> bool:
     if analysis.measured.plant.loop == "foreign":
         return True
     windows, layout = analysis.windows, analysis.windows.layout
+    if layout.memory:
+        return False
     firsts = windows.starts[np.flatnonzero(layout.begins[:: layout.width] == 1)]
     model = analysis.base.fitted.candidate
     shown, _ = run(windows, model, layout.inputs, layout.begins == 1, firsts)
@@ -106,7 +108,7 @@ def bench_of(analysis: Analysis, wanted: Sequence[Wanted], model: Candidate, by_
     """Return the bench of a menu; ``model`` says which inputs a wanted motion needs, and where states are that nothing measures."""
     measured = analysis.measured
     tests = tuple(_test(measured, one) for one in wanted)
-    layout = Layout(_like(measured, tests), analysis.windows.layout.width)
+    layout = Layout(_like(measured, tests), analysis.windows.layout.width, memory=analysis.windows.layout.memory)
     if not by_motion:
         states = analysis.windows.readings(model)[1]
         starts = np.stack([_state_at(analysis, states, one) for one in wanted])
@@ -190,7 +192,7 @@ def _read(layout: Layout, shown: Array) -> Layout:
         replace(test, time=test.time[: len(own)], inputs=test.inputs[: len(own)], readings=own)
         for test, own in zip(layout.measured.tests, np.split(shown, cuts), strict=True)
     )
-    return Layout(_like(layout.measured, tests), layout.width, apart=layout.apart)
+    return Layout(_like(layout.measured, tests), layout.width, apart=layout.apart, memory=layout.memory)
 
 
 def _state_at(analysis: Analysis, states: Array, wanted: Wanted) -> Array:
@@ -207,7 +209,7 @@ def joined_with(
     """Return windows of the measured tests and of chosen simulated ones together, and which of them are new (windows,)."""
     own = analysis.windows.layout
     tests = tuple(simulated.layout.measured.tests[place] for place in chosen)
-    layout = Layout(_like(analysis.measured, (*own.condensed(), *tests)), own.width, apart=simulated.layout.apart)
+    layout = Layout(_like(analysis.measured, (*own.condensed(), *tests)), own.width, apart=simulated.layout.apart, memory=own.memory)
     order = np.concatenate([np.flatnonzero(simulated.layout.of_test == place) for place in chosen])
     found = _windows(analysis, layout, np.concatenate([starts, simulated.starts[order]]))
     return found, np.arange(len(layout.of_test)) >= len(own.of_test)
