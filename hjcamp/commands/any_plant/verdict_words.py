@@ -96,7 +96,9 @@ class Words:
         named = [search.library[name] for name in self.verdict.effects]
         slots = {slot for one in named for slot in one.terms}
         ports = read_vocabulary(self.analysis.measured.plant).ports.values()
-        places = {port.name for port in ports if slots & set(port.names.values())}
+        # what a store spills into belongs to the store below
+        own = {port.name: {name for local, name in port.names.items() if local != "loss_below"} for port in ports}
+        places = {place for place, names in own.items() if slots & names}
         return first["port"] not in places and not any(alike_laws(search.unknowns[first["law"]], one) for one in named)
 
     def _not_enough(self) -> str:
