@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wheel_plant import WHEEL
 
 from hjcamp.effects import load_effects
 from hjcamp.prediction.analysis import calibrated
@@ -15,29 +16,6 @@ from hjcamp.prediction.verdict import agreed
 from hjcamp.records.log import TestLog
 
 PERIOD, STEPS = 2e-3, 40
-WHEEL = '''"""A wheel on a motor."""
-from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, contact, outside, sensor
-
-
-class Wheel(Plant):
-    """A motor turns a wheel against viscous friction."""
-
-    speed = State("rad/s", typical=20.0)
-    voltage = Input("V", typical=3.0)
-    inertia = Parameter("kg*m^2", 1e-5)
-    gain = Parameter("N*m/V", 1.5e-3, (1e-5, 1.0), "log-uniform", base=True)
-    viscous = Parameter("N*m*s", 2e-4, (1e-7, 1e-1), "log-uniform", base=True)
-    period = 2e-3
-    speed_rpm = Measured("encoder", of="speed")
-
-    @staticmethod
-    def equations(state, parameter, drive, rate):
-        torque = actuator(parameter.gain * drive.voltage)
-        load = outside("N*m")
-        rub = contact(state.speed, push=torque + load, viscous=parameter.viscous)
-        rate.speed = body(torque + load - rub, mass=parameter.inertia, load=load)
-        encoder = sensor(state.speed)
-'''
 
 
 def measured_log(dry: float, samples: int = 1500) -> TestLog:

@@ -1,0 +1,26 @@
+"""A plant whose contact has no dry friction."""
+
+WHEEL = '''"""A wheel on a motor, without any dry friction."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, contact, outside, sensor
+
+
+class Wheel(Plant):
+    """A motor turns a wheel against viscous friction."""
+
+    speed = State("rad/s", typical=20.0)
+    voltage = Input("V", typical=3.0)
+    inertia = Parameter("kg*m^2", 1e-5)
+    gain = Parameter("N*m/V", 1.5e-3, (1e-5, 1.0), "log-uniform", base=True)
+    viscous = Parameter("N*m*s", 2e-4, (1e-7, 1e-1), "log-uniform", base=True)
+    period = 2e-3
+    speed_rpm = Measured("encoder", of="speed")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        torque = actuator(parameter.gain * drive.voltage)
+        load = outside("N*m")
+        rub = contact(state.speed, push=torque + load, viscous=parameter.viscous)
+        rate.speed = body(torque + load - rub, mass=parameter.inertia, load=load)
+        encoder = sensor(state.speed)
+'''
