@@ -193,9 +193,8 @@ class Search:
         unseen = {one for one, hidden in zip(states, self.windows.unseen, strict=True) if hidden}
         if any(unseen & set(term.arguments) for term in effect.terms.values()):
             return True
-        generic = (getattr(effect, "made_of", None) or (None,))[0]
         late = any(value > 0.0 for key, value in candidate.base.items() if key.startswith(DELAY))
-        return late and bool(effect.states) and getattr(generic, "acts_on", "") in ("actuator", "sensor")
+        return late and bool(effect.states) and kind_of(effect) in ("actuator", "sensor")
 
     def beside(self, fitted: Fitted) -> Beside:
         """Return the model beside which effects are probed, made once for each fit."""
@@ -333,14 +332,13 @@ class Search:
             # the one that leaves least need not be one that is shown chapter by chapter
             shown = (one for one in step.named if self.matters(one, model, step.level))
             best = next(shown, None) or self.better_than_free_laws(model, step)
-            if best is None:
-                beside = self.beside_free_law(model, step)
-                if beside is None:
-                    break
-                best = beside
-                self.needed |= set(best.beyond(model))
-            if self.mends(best, model, step):
+            alone = best is not None
+            best = best or self.beside_free_law(model, step)
+            if best is None or self.mends(best, model, step):
+                self.windows.place = model.place
                 break
+            if not alone:
+                self.needed |= set(best.beyond(model))
             model = self.thinned(self.resettled(best))
         return model
 
@@ -415,8 +413,14 @@ def law_of(effect: type[Effect]) -> frozenset[tuple[str, frozenset[str]]] | None
 def alike_laws(free: Unknown, named: type[Effect]) -> bool:
     """Whether a free law is another form of a named one: over what drives it, in the same slot or in what a store gains and loses."""
     driven = any(free.signal in term.arguments for term in named.terms.values())
-    kinds = {getattr(getattr(one, "made_of", (one,))[0], "acts_on", "") for one in (free.effect, named)}
+    kinds = {kind_of(free.effect), kind_of(named)}
     return driven and (not set(free.effect.terms).isdisjoint(named.terms) or kinds == {"store", "path"})
+
+
+def kind_of(effect: type[Effect]) -> str:
+    """Return the kind of place that a bound effect acts on; empty where it was written in the names of one plant."""
+    made_of = getattr(effect, "made_of", None)
+    return made_of[0].acts_on if made_of else ""
 
 
 def _added(candidate: Candidate, before: Candidate) -> str:

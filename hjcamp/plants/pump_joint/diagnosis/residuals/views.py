@@ -228,12 +228,12 @@ class Views:
 
     def _line_readings(self, candidate: Candidate, index: int) -> Array:
         """Return of one group of tests the readings (n, 4) of the lines driven by pump and arm, of which the pressures count."""
-        states, _, _ = self._line_key(candidate, index)
         hardware = self._groups[index][1]
         present = self._that_reach(candidate, "lines", PRESSURES)
         model = self.lines(present, hardware)
         p = self.vector(model, present, hardware)
-        key = (index, *self._key(model, p, PRESSURES), states if self._shown_otherwise(candidate) else ())
+        states = self._line_key(candidate, index)[0] if self._shown_otherwise(candidate) else ()
+        key = (index, *self._key(model, p, PRESSURES), states)
 
         def compute() -> Array:
             observed, _ = self._states(candidate, index)
