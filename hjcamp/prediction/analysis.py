@@ -118,7 +118,7 @@ def calibrated(
 
     ``known`` is what windows of another width told; it is brought up to date. Contacts may have the forms among the ``library`` and
     ``forms``; those of ``forms`` alone are not looked for beyond that.
-    Of logs longer than the ``effort`` allows, windows are looked at that are evenly spread over them.
+    Of logs longer than the ``effort`` allows, runs of windows are looked at that are evenly spread over them.
     """
     take_one_thread()
     plant, known = measured.plant, known or Known()
@@ -219,7 +219,7 @@ def _begun(measured: Measured, kernels: Kernels, candidate: Candidate, width: in
     full = Layout(measured, width)
     if not len(full.of_test):
         raise UsageError(f"the tests are shorter than one window of {width} samples")
-    layout = Layout(measured, width, math.ceil(len(full.of_test) * width / MOST_SAMPLES[effort]))
+    layout = Layout(measured, width, min(MOST_SAMPLES[effort] / (len(full.of_test) * width), 1.0))
     states, _ = estimated(measured)
     joined = layout.joined(states)
     declared = list(measured.plant.states.values())

@@ -33,11 +33,15 @@ ZERO = "zero."
 STIFF = 10.0
 # Without a state of its own an effect may take so many: a strong cubic spring takes 50 where the plant takes one.
 BENT = 64.0
+# Where not all windows are looked at, about so many follow one another: an effect that remembers knows where it is but in the first.
+RUN = 8
+# A test has so many such runs at least.
+RUNS_OF_TEST = 4
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Tests cut into windows of ``width`` samples, of which one in ``every`` is looked at; the rest of a test belongs to none.
+    """Tests cut into windows of ``width`` samples, of which a ``share`` is looked at; the rest of a test belongs to none.
 
     ``apart``: no window goes on from the one before it. ``memory``: where it is not 0, a test begins once and is simulated through,
     and a start is forgotten in so many samples.
@@ -45,7 +49,7 @@ class Layout:
 
     measured: Measured
     width: int
-    every: int = 1
+    share: float = 1.0
     apart: bool = False
     memory: int = 0
 
@@ -57,12 +61,24 @@ class Layout:
     @cached_property
     def counts(self) -> list[int]:
         """Number of windows of each test that are looked at."""
-        return [-(-count // self.every) for count in self.whole]
+        return [int(one.sum()) for one in self.of_each]
 
     @cached_property
     def looked_at(self) -> NDArray[np.bool_]:
         """Whether each window of all tests is looked at (all windows,)."""
-        return np.concatenate([np.arange(count) % self.every == 0 for count in self.whole])
+        return np.concatenate(self.of_each)
+
+    @cached_property
+    def of_each(self) -> list[NDArray[np.bool_]]:
+        """Whether each window of each test is looked at: runs of windows, evenly spread, the first at its beginning."""
+        found = []
+        for count in self.whole:
+            seen = round(self.share * count)
+            runs = max(min(seen, RUNS_OF_TEST), seen // RUN, 1)
+            ends = np.round(np.linspace(0, count, runs + 1)).astype(int)
+            looked = np.arange(count) - np.repeat(ends[:-1], np.diff(ends))
+            found.append(looked < np.repeat(np.maximum(np.round(self.share * np.diff(ends)), 1), np.diff(ends)))
+        return found
 
     @cached_property
     def of_test(self) -> NDArray[np.int64]:
@@ -86,14 +102,14 @@ class Layout:
     def joined(self, columns: Sequence[Array]) -> Array:
         """Return one array of each test (samples, ...), cut to the windows that are looked at and joined (n, ...)."""
         parts = []
-        for one, count in zip(columns, self.whole, strict=True):
-            cut = one[: count * self.width].reshape(count, self.width, *one.shape[1:])[:: self.every]
+        for one, count, seen in zip(columns, self.whole, self.of_each, strict=True):
+            cut = one[: count * self.width].reshape(count, self.width, *one.shape[1:])[seen]
             parts.append(cut.reshape(-1, *one.shape[1:]))
         return np.concatenate(parts)
 
     def condensed(self) -> tuple[MeasuredTest, ...]:
         """Return the tests with nothing but the windows that are looked at, one after the other."""
-        if self.every == 1:
+        if self.share >= 1.0:
             return self.measured.tests
         ends = np.cumsum([0, *self.counts]) * self.width
         return tuple(

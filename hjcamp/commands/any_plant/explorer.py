@@ -58,7 +58,7 @@ def _models(found: PlantComparison) -> tuple[Shown, ...]:
 def _predicted(layout: Layout, place: int, one: Shown) -> dict[str, Any]:
     """Return what a model predicts of one test by field (samples,)."""
     rows = np.flatnonzero(np.repeat(layout.of_test, layout.width) == place)
-    begins = layout.every * layout.width * np.arange(layout.counts[place])
+    begins = layout.width * np.flatnonzero(layout.of_each[place])
     at = (begins[:, None] + np.arange(layout.width)).ravel()
     found = {}
     for k, sensor in enumerate(layout.measured.sensors):

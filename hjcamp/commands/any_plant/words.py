@@ -185,7 +185,7 @@ def print_head(console: Console, analysis: Analysis) -> None:
     console.print(
         f"plant {measured.plant.name}: {count}{'s' if len(measured.conditions) > 1 else ''}, "
         f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s"
-        + (f" of {sum(layout.whole)}, evenly spread" if layout.every > 1 else "")
+        + (f" of {sum(layout.whole)}, in runs that are evenly spread" if len(layout.of_test) < sum(layout.whole) else "")
         + (
             f", each test simulated through from its own start: the plant remembers {layout.memory * measured.period:.2g} s"
             if layout.memory
