@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import unknown
+from hjcamp.errors import UsageError, unknown
 
 
 def register(app: typer.Typer) -> None:
@@ -26,11 +26,14 @@ def explain(
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.effects import effect_files
     from hjcamp.report.glossary import ALSO, WORDS, plain_word
 
     check_answer_file(json)
     asked = " ".join(word or [])
     found = plain_word(asked)
+    if asked and found not in WORDS and (name := asked.replace(" ", "_")) in effect_files():
+        raise UsageError(f"'{name}' is an effect, no word of the answers: hjcamp effects {name}")
     if asked and found not in WORDS:
         raise unknown("word", asked, {*WORDS, *ALSO})
     told = {found: WORDS[found]} if asked else dict(WORDS)

@@ -32,6 +32,7 @@ def next_(
         Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
     ] = None,
     effort: Annotated[str, typer.Option(help="Effort of the diagnosis: quick, standard or thorough.")] = "standard",
+    workers: Annotated[int | None, typer.Option(help="Workers of the diagnosis; the number of processors by default.")] = None,
     seed: Annotated[int, typer.Option(help="Seed of everything that is simulated.")] = 1,
     model: Annotated[
         str, typer.Option(help=f"The model to start from, for logs of another plant than {DEFAULT}.")
@@ -39,7 +40,7 @@ def next_(
 ) -> None:
     """Propose the tests that best separate the explanations that remain, as a campaign that runs as it is."""
     from hjcamp.analyses.data import Data
-    from hjcamp.analyses.diagnosing import Asked, check_seed
+    from hjcamp.analyses.diagnosing import Asked
     from hjcamp.campaign.new_file import new_campaign
     from hjcamp.commands._session import check_answer_file
     from hjcamp.commands.any_plant import calls
@@ -48,9 +49,9 @@ def next_(
     check_answer_file(json)
     if not 1 <= tests <= MOST_TESTS:
         raise UsageError(f"--tests {tests}: give a number from 1 to {MOST_TESTS}")
-    check_seed(seed)
+    asked = Asked(model, effort, seed, workers=workers)
+    asked.check()
     new_campaign(name)
     logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
     plant = Data(logs).plant if logs else usual_plant()
-    asked = Asked(model, effort, seed)
     (plant.room("next") or calls).propose(logs, words or [], rivals or [], tests, asked, name, json)

@@ -7,7 +7,7 @@ from hjcamp.model.parameter import Parameter
 
 
 class Spring(Effect):
-    r"""A spring pulls a body back to its rest position: a cable, a hose, a belt, a bellows.
+    r"""A spring pulls a body back to its rest position (a cable, a hose, a belt), or away from it (a beam that tips, a magnet).
 
     .. math:: F \mathrel{+}= -k\,(x - x_0)
 
@@ -17,7 +17,9 @@ class Spring(Effect):
     """
 
     acts_on = "body"
-    stiffness = Parameter("force/position", 0.1, (0.0, 10.0), text="force for each unit of travel", off=0.0)
+    stiffness = Parameter(
+        "force/position", 0.1, (-10.0, 10.0), text="force for each unit of travel; negative where it pushes away", off=0.0
+    )
     rest_position = Parameter("position", 0.0, (-5.0, 5.0), text="position at which it pulls nothing", shape=True)
 
     @staticmethod

@@ -79,9 +79,9 @@ def identified(plant: type[Plant]) -> str:
         left = float(np.linalg.norm(directions[:, place] - others @ weights))
         if left < ALONE:
             rest = [other for other in range(directions.shape[1]) if other != place]
-            labels = [*names, *(f"the start of {state}" for state in _unknown_starts(plant))]
+            labels = [*names, *(f"the start of {state}" for state in _unknown_starts(plant) for _ in given.starts)]
             found = sorted(zip(np.abs(weights), rest, strict=True), reverse=True)
-            partners = [labels[other] for weight, other in found if weight > 0.05]
+            partners = dict.fromkeys(labels[other] for weight, other in found if weight > 0.05)
             raise UsageError(
                 f"plant {plant.name}: the base parameter '{name}' moves together with {', '.join(partners)}: what is measured "
                 "tells only their combination. Fix one of them (base=False), or measure more"
@@ -120,7 +120,7 @@ def _unknown_starts(plant: type[Plant]) -> list[str]:
 
 
 def _sensitivities(simulator: Simulator, given: Given, names: Sequence[str]) -> Array:
-    """Return the change of all readings (readings, parameters and unknown starts) for one relative change of each."""
+    """Return the change of all readings (readings, parameters and each test's unknown starts) for one relative change of each."""
     plant = simulator.composition.plant
     defaults = {name: plant.parameters[name].default for name in names}
     base = simulator.run_free(simulator.vector({}), given)[0]
@@ -137,8 +137,9 @@ def _sensitivities(simulator: Simulator, given: Given, names: Sequence[str]) -> 
         ends = [readings({name: value * (1.0 + sign * STEP)}, given.starts) for sign in (1.0, -1.0)]
         columns.append(np.ravel(ends[0] - ends[1]) / (2.0 * STEP))
     for name in _unknown_starts(plant):
-        move = np.zeros(len(plant.states))
-        move[list(plant.states).index(name)] = STEP * plant.states[name].typical
-        ends = [readings({}, given.starts + sign * move) for sign in (1.0, -1.0)]
-        columns.append(np.ravel(ends[0] - ends[1]) / (2.0 * STEP))
+        for test in range(len(given.starts)):  # each has a start of its own
+            move = np.zeros_like(given.starts)
+            move[test, list(plant.states).index(name)] = STEP * plant.states[name].typical
+            ends = [readings({}, given.starts + sign * move) for sign in (1.0, -1.0)]
+            columns.append(np.ravel(ends[0] - ends[1]) / (2.0 * STEP))
     return np.column_stack(columns)

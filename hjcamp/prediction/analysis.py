@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,22 +16,19 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chapters import FEWEST, chapters_of
 from hjcamp.prediction.contact_form import with_contact_forms
-from hjcamp.prediction.fitting import TURNS_OF_BASE, Free, settled
+from hjcamp.prediction.fitting import TURNS_OF_BASE, Fitted, Free, settled
 from hjcamp.prediction.floor import Floor, floor_of
 from hjcamp.prediction.kernels import Kernels
+from hjcamp.prediction.levels import LEVEL
 from hjcamp.prediction.measured import Measured
 from hjcamp.prediction.scored import Scored
 from hjcamp.prediction.selection import Search
 from hjcamp.prediction.starts import estimated
 from hjcamp.prediction.unknowns import Unknown, ranges_of, unknowns_of
-from hjcamp.prediction.windows import ZERO, Layout, Windows
+from hjcamp.prediction.windows import SHORTEST, SHORTEST_OF_ALL, WINDOWS, ZERO, Layout, Windows
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
-# Samples of a window: four of its eight features are left where a log is so short that it would have too few windows.
-SHORTEST, SHORTEST_OF_ALL = 24, 16
-# So many windows at least: the moments of eight features are known to a tenth from about a hundred.
-WINDOWS = 96
 # Four windows in the time after which a reading has little in common with itself.
 OF_CORRELATION = 0.25
 MOST_DELAY = 2.0
@@ -39,6 +36,8 @@ MOST_DELAY = 2.0
 MOST_GROWTH = 10.0
 # Of a plant with few states a start brings no more than a power of the time; what it grows by itself beyond that is less than this.
 OWN_GROWTH = math.e
+# Of short tests the base is begun from each of its parameters so many times smaller and larger, too.
+BEGUN_APART = 4.0
 # Samples that are looked at: time and memory do not grow with the length of the logs.
 MOST_SAMPLES = {"quick": 12_000, "standard": 32_000, "thorough": 10_000_000}
 
@@ -142,12 +141,14 @@ def calibrated(
     begun = candidate.with_base(known.base)
     kernels = Kernels(plant, both)
     windows, begun = predictable(measured, kernels, begun, free, width or width_of(measured), effort)
-    windows = windows if width else simulated_through(windows, begun)
+    windows = windows if width else simulated_through(windows, Candidate(base, {}), free)
     layout = windows.layout
     report("calibrating", 0.1)
     search = Search(windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed)
     windows.move_starts(begun)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
+    if layout.short:
+        fitted = best_begun(windows, begun, fitted, plant.base_parameters)
     if not np.isfinite(fitted.loss):
         raise UsageError(
             f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "
@@ -193,20 +194,45 @@ def predictable(
     return found, candidate
 
 
-def simulated_through(windows: Windows, candidate: Candidate) -> Windows:
+def simulated_through(windows: Windows, base: Candidate, free: Sequence[Free]) -> Windows:
     """Return windows of tests that are simulated through, where tests are too short for windows as long as the plant's memory.
 
     In shorter windows the starts take most of what the plant does. It has to forget a start within a chapter, and no loop outside
-    its equations may hold it.
+    its equations may hold it. The memory is that of the ``base`` fitted to these windows: one set of logs is looked at in one way,
+    whatever model is asked about.
     """
-    layout = windows.layout
-    total = len(layout.of_test) * layout.width
-    if total >= WINDOWS * SHORTEST or layout.measured.plant.loop == "foreign":
+    layout, plant = windows.layout, windows.layout.measured.plant
+    if not layout.short or plant.loop == "foreign":
         return windows
-    memory = replace(windows, layout=replace(layout, memory=1)).memory(candidate)
-    if memory <= layout.width or total < FEWEST * memory:
+    own = replace(windows)
+    own.move_starts(base)
+    fitted = settled(own, base, free, turns=TURNS_OF_BASE)
+    known = best_begun(own, base, fitted, plant.base_parameters).candidate if np.isfinite(fitted.loss) else base
+    memory = replace(windows, layout=replace(layout, memory=1)).memory(known)
+    if memory <= layout.width or len(layout.of_test) * layout.width < FEWEST * memory:
         return windows
     return replace(windows, layout=replace(layout, memory=memory))
+
+
+def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterable[str]) -> Fitted:
+    """Return the best of a fit and those that begin with one of the named base parameters well below or above where that began.
+
+    Of short tests one fit may be far from the best; one that the tests do not tell from the first (likelihood ratio at the level
+    of all claims) is no better. ``windows`` are left begun where the best has them.
+    """
+    from scipy.special import chdtri
+
+    best, place, least = fitted, windows.place, fitted.loss - 0.5 * float(chdtri(1, LEVEL))
+    for one in fitted.free:
+        for factor in (1.0 / BEGUN_APART, BEGUN_APART) if not one.effect and one.name in names else ():
+            start = one.put(begun, factor * one.value_in(begun))
+            own = replace(windows)
+            own.place = place
+            own.move_starts(start)
+            found = settled(own, start, fitted.free, turns=TURNS_OF_BASE)
+            if found.loss < min(best.loss, least):
+                best, windows.place = found, own.place
+    return best
 
 
 def power_of(width: int, order: int) -> float:

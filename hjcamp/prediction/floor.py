@@ -63,7 +63,8 @@ def floor_of(layout: Layout, features: Array) -> Floor:
         # repetitions of one course may be rounded alike: what they differ by is no less than the sensors' noise
         rounded = float(np.trace(np.linalg.inv(moments))) / d
         return Floor("repetitions", moments, math.hypot(usual_size(repeated, moments), math.sqrt(rounded)))
-    near = _of_neighbours(layout, features)
+    # what is simulated through depends on more of the past than a window shows: windows that are alike need not err alike
+    near = None if layout.memory else _of_neighbours(layout, features)
     if near is not None:
         return Floor("near_replicates", near + np.eye(d))
     return Floor("sensor", np.eye(d))

@@ -17,7 +17,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
 from hjcamp.prediction.chapters import advantages, critical, left_out, ratio_t, told_apart
-from hjcamp.prediction.fitting import TURNS, Fitted, Free, fit, settled
+from hjcamp.prediction.fitting import TURNS, TURNS_OF_BASE, Fitted, Free, fit, settled
 from hjcamp.prediction.floor import motion_of
 from hjcamp.prediction.levels import (
     FITTED,
@@ -120,7 +120,16 @@ class Search:
         Each model has starts of its own: those of another one favour that.
         """
         own = copy.copy(self.windows)
-        return self.scored(settled(own, start, self.free_of(start), near, TURNS), own)
+        return self.scored(self.settled(start, near, own), own)
+
+    def settled(self, start: Candidate, near: Fitted | None = None, windows: Windows | None = None) -> Fitted:
+        """Return the fit of a model from ``start`` with the starts of ``windows``, or those of a copy, moved along."""
+        return settled(windows or copy.copy(self.windows), start, self.free_of(start), near, self.turns)
+
+    @property
+    def turns(self) -> int:
+        """How often a fit and the windows' starts follow one another: of short tests until they agree."""
+        return TURNS_OF_BASE if self.windows.layout.short else TURNS
 
     def look(self, before: Scored) -> Step:
         """Return what a model may miss: screen everything, then fit what promises most."""
@@ -234,7 +243,13 @@ class Search:
         return self.best_of([promise.candidate, before.candidate.with_effect(name, zero)], before)
 
     def best_of(self, starts: Sequence[Candidate], before: Fitted) -> Fitted:
-        """Return the best fit after few rounds from those starts that are best as they are, and from the plain one of the best."""
+        """Return the best fit after few rounds from those starts that are best as they are, and from the plain one of the best.
+
+        Of short tests all are fitted to the end: what is best as it is often leads nowhere, and it takes little.
+        """
+        if self.windows.layout.short:
+            best = min((self.settled(one) for one in starts), key=lambda one: one.loss)
+            return min(best, self.settled(self.plain(best.candidate, before.candidate)), key=lambda one: one.loss)
         starts = sorted(starts, key=lambda one: loss(self.windows.features(one)))[:FITTED_STARTS]
         starts += [one for one in [self.plain(starts[0], before.candidate)] if one.key != starts[0].key]
         tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts]
@@ -307,9 +322,7 @@ class Search:
     def resettled(self, model: Scored) -> Scored:
         """Return a model with the windows' starts moved to where it fits best, if that is better, and leave them there."""
         self.windows.place = model.place
-        found = self.scored(
-            settled(self.windows, model.fitted.candidate, self.free_of(model.fitted.candidate), model.fitted)
-        )
+        found = self.scored(self.settled(model.fitted.candidate, model.fitted, self.windows))
         best = min(found, model, key=lambda one: one.left_out)
         self.windows.place = best.place
         return best

@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hjcamp.prediction.analysis import SHORTEST, Analysis, what_lacks
+from hjcamp.prediction.analysis import Analysis, what_lacks
+from hjcamp.prediction.chapters import critical
 from hjcamp.prediction.floor import in_units, usual_size
-from hjcamp.prediction.levels import LEVEL, LONGER, MOST_OF_IT
+from hjcamp.prediction.levels import LEVEL, LONGER, MATTERS, MOST_OF_IT
 from hjcamp.prediction.scored import Scored, Step
+from hjcamp.prediction.windows import SHORTEST
 
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
 
@@ -47,20 +49,22 @@ def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis,
 def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict over windows of several widths.
 
-    Where no law is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones. All of
-    these looks together may claim something by chance half as often as the first.
+    Where no law is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones. Tests that are
+    simulated through are looked at in windows, of which there are more chapters. All of these looks together may claim something by
+    chance half as often as the first.
     Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
     set, both are what the tests leave.
     """
     verdict, width, through = judged(analysis), analysis.windows.layout.width, analysis.windows.layout.memory > 0
     shortest = min(test.samples for test in analysis.measured.tests)
-    for times in LONGER if (verdict.word == NOTHING or verdict.follows) and not through else ():
+    looks = (1,) if through else LONGER
+    for times in looks if verdict.word == NOTHING or verdict.follows else ():
         if times * width > shortest:
             break
         seen = at(times * width)
         if seen.windows.layout.width < times * width:
             break  # the plant cannot be predicted so far
-        seen.search.claims = LEVEL / (2.0 * len(LONGER))
+        seen.search.claims = LEVEL / (2.0 * len(looks))
         other = judged(seen)
         if other.word == CANNOT_TELL:
             break
@@ -97,10 +101,25 @@ def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
         return verdict
     lacking = (
         f"{sensors[worst].quantity.replace('_', ' ')} errs by {over[worst]:.2g} times its noise, which is more than chance "
-        f"(p = {verdict.p_value:.2g}), but no effect and no unknown takes it on chapters left out; {len(analysis.windows.starts)} "
-        "windows do not tell what is scatter: repeat a test, or make longer ones"
+        f"(p = {verdict.p_value:.2g}), but no effect and no unknown is shown to take it{_nearest(analysis)}; "
+        f"{len(analysis.windows.starts)} windows do not tell what is scatter: repeat a test, or make longer ones"
     )
     return replace(verdict, word=CANNOT_TELL, lacking=(lacking,))
+
+
+def _nearest(analysis: Analysis) -> str:
+    """Return in words which effect takes most of what matters, where one does: in too few chapters to be shown."""
+    search = analysis.search
+    found = [(search.error_ratio(one, step.before), one, step) for step in search.steps for one in step.named]
+    left, model, step = min(found, key=lambda one: one[0], default=(1.0, analysis.base, None))
+    if step is None or left > 1.0 - MATTERS:
+        return ""
+    [name] = model.beyond(step.before)
+    t, count = search.t(model, step.before)
+    needed = critical(count, step.level)
+    return f" ({name} would leave {100.0 * left:.0f} % of it, but not chapter by chapter: t = {t:.1f}" + (
+        f", {needed:.1f} needed)" if math.isfinite(needed) else ")"
+    )
 
 
 def judged(analysis: Analysis) -> Verdict:

@@ -18,7 +18,8 @@ def visited_shapes(effect: type[Effect], plant: type[Plant], ranges: Mapping[str
         return {}
     found = {}
     for port in read_vocabulary(plant).ports.values():
-        if port.kind != generic.acts_on or not {port.names.get(slot) for slot in generic.terms} & set(effect.terms):
+        # what an effect adds to one store it may take from another: its place is where all of it acts
+        if port.kind != generic.acts_on or not {port.names.get(slot) for slot in generic.terms} >= set(effect.terms):
             continue
         called = instance.at.get(port.name, {}) if instance else {}
         for item in generic.parameters.values():

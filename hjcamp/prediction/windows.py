@@ -33,6 +33,10 @@ ZERO = "zero."
 STIFF = 10.0
 # Without a state of its own an effect may take so many: a strong cubic spring takes 50 where the plant takes one.
 BENT = 64.0
+# Samples of a window: four of its eight features are left where a log is so short that it would have too few windows.
+SHORTEST, SHORTEST_OF_ALL = 24, 16
+# So many windows at least: the moments of eight features are known to a tenth from about a hundred.
+WINDOWS = 96
 # Where not all windows are looked at, about so many follow one another: an effect that remembers knows where it is but in the first.
 RUN = 8
 # A test has so many such runs at least.
@@ -84,6 +88,11 @@ class Layout:
     def of_test(self) -> NDArray[np.int64]:
         """The position of the test that each window belongs to (windows,)."""
         return np.repeat(np.arange(len(self.counts)), self.counts)
+
+    @property
+    def short(self) -> bool:
+        """Whether the tests are too few samples for as many windows as there should be: then much can be tried of them."""
+        return len(self.of_test) * self.width < WINDOWS * SHORTEST
 
     @cached_property
     def begins(self) -> NDArray[np.int64]:

@@ -11,6 +11,11 @@ from html import escape
 WORDS: Mapping[str, str] = {
     "floor": "The error below which no model can go: what repetitions of a test do not share, else what alike moments differ by, "
     "else (a lower bound) the sensor's noise.",
+    "simulated through": "Predicted from the start of a test to its end, not window by window: so it is with short tests of a "
+    "plant that forgets its start within them.",
+    "memory": "The time in which a plant's readings forget where a test began (to 37 %): how long it remembers.",
+    "delay": "The time by which an input acts late, fitted with the base up to two samples; more of it is an effect (command_delay, "
+    "sensor_lag).",
     "over the floor": "An error divided by its floor: 1 is as good as repetitions allow, 2 is twice that.",
     "calibrated": "With the base parameters fitted to these tests first, so that a constant that is merely different on this rig "
     "is not called a missing effect.",
@@ -67,6 +72,8 @@ WORDS: Mapping[str, str] = {
     "instant, for it to agree with the measurement.",
 }  # fmt: skip
 ALSO: Mapping[str, str] = {
+    "remembers": "memory",
+    "delays": "delay",
     "driver": "drivers", "law_left": "law left", "heldout": "held-out", "held out": "held-out", "left out": "held-out",
     "chapters left out": "chapter", "posterior": "posterior weight", "weight": "posterior weight", "twins": "twin",
     "residuals moved in time": "surrogate data", "surrogates": "surrogate data", "windows": "window", "chapters": "chapter",

@@ -37,11 +37,12 @@ class Tanks(Plant):
 
 
 def measured_log(
-    end: float = np.inf, brim: float = np.inf, seed: int = 1, samples: int = 1600, bend: float = 0.0
+    end: float = np.inf, brim: float = np.inf, seed: int = 1, samples: int = 1600, bend: float = 0.0, power: float = 0.5
 ) -> TestLog:
     """Return a log of the lower level and the pump's voltage; the gauge ends at ``end``, the upper tank has a ``brim`` (V).
 
-    About 3 V the gauge reads more and more wrong by ``bend`` (V), below by -``bend``.
+    About 3 V the gauge reads more and more wrong by ``bend`` (V), below by -``bend``. The lower tank runs out with a ``power`` of its
+    level, as fast as ever at 4 V.
     """
     generator = np.random.default_rng(seed)
     volts = np.repeat(generator.uniform(0.6, 5.0, samples // 40 + 1), 40)[:samples]
@@ -51,7 +52,7 @@ def measured_log(
         levels[k] = lower
         for _ in range(SMALL):
             through, over = BETWEEN * np.sqrt(upper), SPILL * max(upper - brim, 0.0)
-            below = through + CAUGHT * over - OUTFLOW * np.sqrt(lower)
+            below = through + CAUGHT * over - OUTFLOW * 4.0 ** (0.5 - power) * lower**power
             upper = max(upper + h * (PUMP * volts[k] - through - over), 0.0)
             lower = max(lower + h * below, 0.0)
     levels = levels + bend * np.tanh((levels - 3.0) / 0.3)

@@ -105,7 +105,7 @@ def test_the_spill_of_the_upper_tank_is_named_though_the_gauge_of_the_lower_one_
 def test_an_end_is_nothing_that_a_model_lacks(tanks: Path, seed: int) -> None:
     # taken as it is read, the end passes for an overflow of the lower tank, or for something outside the library
     found, _ = asked(tanks, end=6.0, seed=seed)
-    assert found["verdict"] == "nothing_missing" and found["error"]["baseline"] < 1.1
+    assert found["verdict"] == "nothing_missing" and found["error"]["baseline"] < 1.4
     assert asked(tanks, end=np.inf, seed=seed)[0]["ends"] == {}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import gauge
@@ -12,13 +13,16 @@ import pytest
 
 from hjcamp import cli
 from hjcamp.effects import load_effects
+from hjcamp.model.candidate import Candidate
 from hjcamp.prediction import analysis
 from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import answer
 from hjcamp.prediction.chapters import chapters_of
 from hjcamp.prediction.measured import Measured, measured_tests
 from hjcamp.prediction.passage import Through
-from hjcamp.prediction.verdict import agreed
+from hjcamp.prediction.scored import Follows
+from hjcamp.prediction.selection import Search
+from hjcamp.prediction.verdict import agreed, judged
 from hjcamp.records.write import write_log
 
 NAMES = ("flow_exponent_at_outflow", "overflow_at_upper", "spill_over")
@@ -57,7 +61,7 @@ def test_short_tests_are_simulated_through_and_long_ones_in_windows(tanks: Path)
     sizes = np.bincount(chapters_of(layout)) * layout.width
     assert sizes.min() >= layout.memory - layout.width and len(sizes) >= 8
     assert calibrated(logged(8000), {}, unknowns=False).windows.layout.memory == 0
-    assert calibrated(logged(500), {}, unknowns=False).windows.layout.memory == 0
+    assert calibrated(logged(300), {}, unknowns=False).windows.layout.memory == 0
 
 
 def test_readings_of_a_test_that_is_simulated_through_leap_nowhere(tanks: Path) -> None:
@@ -82,8 +86,25 @@ def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch:
     # the other one limits the same tank at the same brim
     word, names = said()
     assert word in ("effect", "one_of") and names[0] == "spill_over"
-    monkeypatch.setattr(analysis, "simulated_through", lambda windows, candidate: windows)
+    monkeypatch.setattr(analysis, "simulated_through", lambda windows, base, free: windows)
     assert said() == ("cannot_tell", [])
+
+
+def test_what_few_chapters_do_not_show_is_looked_for_in_windows(tanks: Path) -> None:
+    # simulated through there are nine chapters, too few for two things at once
+    measured = measured_tests([gauge.measured_log(brim=7.0, seed=9, samples=800, power=0.4)])
+    library = load_effects(plant=measured.plant)
+    names = ("spill_over", "flow_exponent_at_outflow", "overflow_at_lower", "sensor_offset")
+    at = partial(calibrated, measured, {name: library[name] for name in names})
+    assert at().windows.layout.memory and judged(at()).word == "outside_library"
+    analysis, verdict = agreed(at(), lambda width: at(width=width))
+    assert not analysis.windows.layout.memory and set(verdict.effects) == {"spill_over", "flow_exponent_at_outflow"}
+
+
+def test_one_set_of_logs_is_looked_at_in_one_way_whatever_is_asked(tanks: Path) -> None:
+    measured = logged(800)
+    fast = Candidate({"k1": 0.5, "k3": 0.5, "k4": 0.4}, {})
+    assert calibrated(measured, {}, fast, unknowns=False).windows.layout == calibrated(measured, {}, unknowns=False).windows.layout
 
 
 def test_next_plans_with_tests_that_are_simulated_through(tanks: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -101,3 +122,17 @@ def test_next_plans_with_tests_that_are_simulated_through(tanks: Path, capsys: p
     assert cli.run(["compare", "logs"]) == 0
     assert "each test simulated through" in capsys.readouterr().out
     assert "Predictions begin with each test, where each fits best" in Path("compare/index.html").read_text()
+
+
+def test_what_takes_most_in_too_few_chapters_is_said(
+    tanks: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(Search, "matters", lambda *of, **told: False)
+    monkeypatch.setattr(Search, "follows_motion", lambda *of: Follows(0.0, 0.0))
+    Path("logs").mkdir()
+    write_log(Path("logs/a.mcap"), gauge.measured_log(brim=5.0, seed=2, samples=400))
+    assert cli.run(["diagnose", "logs", "--only", "spill_over,sensor_gain"]) == 0, capsys.readouterr().err
+    said = " ".join(capsys.readouterr().out.split())
+    assert "is shown to take it (spill_over would leave" in said and "of it, but not chapter by chapter: t =" in said
+    assert cli.run(["add", "spill_over", "logs", "--as", "with_spill"]) == 0
+    assert "The error falls, but not chapter by chapter" in " ".join(capsys.readouterr().out.split())

@@ -32,6 +32,12 @@ def test_a_place_and_a_length_are_tried_over_the_visited_travel(axis: Path) -> N
     assert min(periods) == pytest.approx(0.18 / 8.0) and max(periods) == pytest.approx(0.18)
 
 
+def test_what_one_store_loses_and_another_gains_is_tried_over_the_levels_of_the_one(tanks: Path) -> None:
+    plant = find_plant("tanks")
+    levels = {"upper": (1.0, 20.0), "lower": (0.5, 6.0)}
+    assert visited_shapes(load_effects(plant=plant)["spill_over"], plant, levels) == {"brim": (1.0, 20.0)}
+
+
 def test_what_is_visited_is_what_the_log_shows(axis: Path) -> None:
     measured = measured_tests([measured_log()])
     analysis = calibrated(measured, {}, unknowns=False)

@@ -47,3 +47,8 @@ def test_a_page_explains_its_words_once_each_and_no_others() -> None:
     listed = re.findall(r"<dt>([^<]*)</dt>", html)
     assert listed == ["floor", "chapter", "p-value"]
     assert "<dl>" not in discrepancy_page("Another", "", [note("nothing of this")])
+
+
+def test_an_effect_is_no_word_of_the_answers(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", "spill", "over"]) == 2
+    assert "hjcamp effects spill_over" in capsys.readouterr().err

@@ -160,13 +160,25 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
     table(console, CHANNELS, channel_table(content["channels"]))
     error = content["error"]
     said = f"Error on chapters left out, over the floor: {error['before']:.2f} -> {error['after']:.2f}."
-    more = (
-        []
-        if found.helps
-        else ["The error does not fall by a share that matters: this model explains these tests no better."]
-    )
-    print_wrapped(console, [said, *more, *end_words(content["ends"])], 8)
+    print_wrapped(console, [said, *helped(found), *end_words(content["ends"])], 8)
     console.print(f"model   {path}", markup=False)
+
+
+def helped(found: Addition) -> list[str]:
+    """Return in words that a model explains the tests no better, where it is not shown to."""
+    from hjcamp.prediction.chapters import critical
+    from hjcamp.prediction.levels import MATTERS
+
+    if found.helps:
+        return []
+    search, base = found.analysis.search, found.analysis.base
+    if search.error_ratio(found.model, base) > 1.0 - MATTERS:
+        return ["The error does not fall by a share that matters: this model explains these tests no better."]
+    t, chapters = search.t(found.model, base)
+    return [
+        f"The error falls, but not chapter by chapter (t = {t:.1f} over {chapters:.1f} chapters, {critical(chapters):.1f} needed): "
+        "more tests would show whether this model is better."
+    ]
 
 
 def print_calibration(console: Console, analysis: Analysis, rows: Mapping[str, Mapping[str, Any]]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Any
 
@@ -19,7 +20,7 @@ SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 def readable(name: str, unit: str, *values: Array) -> tuple[str, list[Array]]:
     """Return a label with its unit, and the values in it: as people read it, in thousandths where all are below one."""
     factor, called = shown(1.0, unit) if unit != "kg" else (1.0, unit)
-    top = max((float(np.nanmax(np.abs(one))) for one in values if np.size(one)), default=0.0) * factor
+    top = max((float(np.abs(one[np.isfinite(one)]).max(initial=0.0)) for one in map(np.asarray, values)), default=0.0) * factor
     power = 0
     while 0.0 < top < 1.0 and power < 12:
         power, top = power + 3, top * 1e3
@@ -34,7 +35,7 @@ def draw_windows(
     *, observed: str = "measured",
 ) -> str:
     """Return a stretch of one channel: measured and predicted above, residuals below; gaps at the windows' ``edges``."""
-    colours = (RED, GREEN, BLUE, INK)
+    colours = itertools.cycle(itertools.product(("-", "--", ":"), (RED, GREEN, BLUE)))
     label, scaled = readable(name, unit, measured, *(values for _, values in models))
     residual, left = readable("residual", unit, *(measured - values for _, values in models))
 
@@ -42,10 +43,10 @@ def draw_windows(
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
         above.plot(time, scaled[0], color=INK, linewidth=1.0, label=observed)
         inside = edges[(edges > 0) & (edges < len(time))]
-        for (called, _), values, error, colour in zip(models, scaled[1:], left, colours, strict=False):
+        for (called, _), values, error, (line, colour) in zip(models, scaled[1:], left, colours, strict=False):
             values[inside - 1] = error[inside - 1] = np.nan
-            above.plot(time, values, color=colour, linewidth=1.0, label=called)
-            below.plot(time, error, color=colour, linewidth=0.9)
+            above.plot(time, values, line, color=colour, linewidth=1.0, label=called)
+            below.plot(time, error, line, color=colour, linewidth=0.9)
         below.axhline(0.0, color=INK, linewidth=0.6)
         above.legend(fontsize=8, frameon=False, ncols=4)
         dress(above, label)

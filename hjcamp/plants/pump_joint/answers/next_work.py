@@ -27,11 +27,12 @@ DIAGNOSED = 0.6
 
 @dataclass(frozen=True)
 class Words:
-    """The words of the call: logs, what the user fixes of the configuration, and the rivals that were named."""
+    """The words of the call: logs, what the user fixes of the configuration, the rivals that were named, and how many workers help."""
 
     paths: list[Path]
     fixed: dict[str, Any]
     rivals: list[str]
+    workers: int | None = None
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Work:
             given = " ".join(f"{key}={value}" for key, value in self.words.fixed.items())
             raise UsageError(f"{given}: no test of the menu is left with that")
         begin = DIAGNOSED if self.found else 0.0
-        crew = Crew(available())
+        crew = Crew(self.words.workers or available())
         try:
             return propose(
                 self.rivals,
@@ -107,7 +108,7 @@ def work_of(words: Words, library: Mapping[str, Any], effort: str, seed: int, re
     metadata = evidence.tests[0].log.metadata
     fixed = {group: metadata[group] for group in HARDWARE if metadata.get(group)} | words.fixed
     highest = max(float(max(test.pressure1.max(), test.pressure2.max())) for test in evidence.tests) * 1e-6
-    crew = Crew(available())
+    crew = Crew(words.workers or available())
     try:
         found = search(
             evidence,

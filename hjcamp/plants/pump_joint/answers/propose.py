@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,7 +40,7 @@ def propose(
         from hjcamp.plants.pump_joint.diagnosis.design.propose import REPETITIONS
 
         library = load_effects()
-        given = read_words(words, rivals, library)
+        given = replace(read_words(words, rivals, library), workers=asked.workers)
         work = work_of(given, library, asked.effort, asked.seed, report)
         if not isinstance(work, Work):
             content = answer(None, work.verdict, None, None)
