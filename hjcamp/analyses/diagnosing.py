@@ -74,13 +74,14 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     check_asked(asked.ask, chosen)
     report("compiling, once for this plant and its effects", 0.02)
     number = asked.workers or min(available(), MOST_WORKERS)
+    wanted = own_and_asked(chosen, asked.ask)
     at = partial(
-        calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number, known=Known(), forms=forms
-    )
+        calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number, known=Known(), forms=forms,
+        wanted=wanted,
+    )  # fmt: skip
     analysis, verdict = agreed(at(), lambda width: at(width=width))
     analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
     content = answer(analysis, verdict, 0.0)
-    wanted = own_and_asked(chosen, asked.ask)
     content["candidates"] = with_asked(content["candidates"], asked_candidates(analysis, verdict, wanted), wanted)
     content["made_from"] = made_from(data, asked)
     content["seconds"] = round(time.perf_counter() - began, 3)

@@ -112,11 +112,12 @@ def calibrated(
     workers: int = 1,
     known: Known | None = None,
     forms: Mapping[str, type[Effect]] | None = None,
+    wanted: Iterable[str] = (),
 ) -> Analysis:
     """Return the analysis of tests with a model's base parameters, and its effects', calibrated on them.
 
     ``known`` is what windows of another width told; it is brought up to date. Contacts may have the forms among the ``library`` and
-    ``forms``; those of ``forms`` alone are not looked for beyond that.
+    ``forms``; those of ``forms`` alone are not looked for beyond that. ``wanted`` effects are looked at whatever they promise.
     Of logs longer than the ``effort`` allows, runs of windows are looked at that are evenly spread over them.
     """
     take_one_thread()
@@ -144,7 +145,9 @@ def calibrated(
     windows = windows if width else simulated_through(windows, Candidate(base, {}), free)
     layout = windows.layout
     report("calibrating", 0.1)
-    search = Search(windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed)
+    search = Search(
+        windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed, wanted=frozenset(wanted)
+    )
     windows.move_starts(begun)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if layout.short:

@@ -61,7 +61,7 @@ class Search:
     """What a search needs: the windows, the effects that may be missing, the unknowns, the chapters, the base's parameters.
 
     ``unnamed`` are effects of the library that a base may have (the forms of contacts), but that are not looked for; ``needed`` are
-    effects that were found beside a free law.
+    effects that were found beside a free law, ``wanted`` those that are looked at closely whatever they promise.
     """
 
     windows: Windows
@@ -77,6 +77,7 @@ class Search:
     claims: float = LEVEL
     unnamed: frozenset[str] = frozenset()
     needed: frozenset[str] = frozenset()
+    wanted: frozenset[str] = frozenset()
     steps: list[Step] = field(default_factory=list)
     _beside: tuple[Fitted, Beside] | None = None
 
@@ -150,7 +151,7 @@ class Search:
         best = best_promises(promises)
         usual = float(np.median(chance)) if len(chance) else 0.0
         chosen = FITTED if p_value(gain, chance) <= LEVEL else FITTED_BY_CHANCE
-        sure = [name for name in names if name in self.begins or self.hidden_by_base(name, fitted.candidate)]
+        sure = [name for name in names if name in {*self.begins, *self.wanted} or self.hidden_by_base(name, fitted.candidate)]
         able = [name for name, one in best.items() if name in self.library and one.gain > 0.0 and name not in sure]
         able = [name for k, name in enumerate(able[: 2 * chosen]) if k < chosen // 2 or best[name].gain > usual]
         begun = self.each(

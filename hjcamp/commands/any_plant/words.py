@@ -107,12 +107,21 @@ def notes_on(found: Comparison) -> list[str]:
 
 
 def further_off(found: Comparison) -> list[str]:
-    """Return in words where the last model is the worse for being calibrated."""
+    """Return in words where the last model is the worse for being calibrated, and where one errs less in a channel."""
+    from hjcamp.prediction.levels import MATTERS
     from hjcamp.report.floor_words import worse_calibrated
 
-    last = found.models[-1]
+    last, here = found.models[-1], found.calibrated
     why = "the fit weighs what scatters more for less, this number counts all alike; use it as it stands"
-    return worse_calibrated(last.name, last.score, found.calibrated.score, why)
+    said = worse_calibrated(last.name, last.score, here.score, why)
+    better = [
+        f"{one.name} errs less in {sensor.quantity.replace('_', ' ')} than what is calibrated here, though it is farther over the "
+        "floor: where something is missing, the fit gives up some of the largest shape of the error for the others."
+        for k, sensor in enumerate(found.analysis.measured.sensors)
+        for one in found.models
+        if one.rms[k] < (1.0 - MATTERS) * here.rms[k] and one.score > here.score
+    ]
+    return said + better[:1]
 
 
 def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:
