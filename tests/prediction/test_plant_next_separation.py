@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hjcamp.prediction.next.rivals import sets_of
 from hjcamp.prediction.next.separation import Contest, deviate
 
 D, COUNT = 8, 40
@@ -45,3 +46,11 @@ def test_small_differences_have_the_deviate_of_a_likelihood_ratio(size: float) -
 def test_what_a_refit_costs_on_measured_tests_counts() -> None:
     left = np.full((COUNT, D), 0.2)
     assert deviate(left, NOISE, worse=10.0) > deviate(left, NOISE) + 1.0
+
+
+def test_where_tests_cannot_tell_what_takes_most_stands_against_nothing() -> None:
+    rows = [{"effect": name, "heldout_error_ratio": left} for name, left in (("leakage", 0.98), ("overflow", 0.7), ("sensor_lag", 0.4))]
+    answer = {"verdict": "cannot_tell", "effects": [], "confidence_set": [[]], "candidates": rows, "unknowns": []}
+    assert sets_of(answer) == [(), ("sensor_lag",), ("overflow",)]
+    # what would not stand out is looked at where no effect takes anything
+    assert sets_of({**answer, "candidates": rows[:1]}) == []

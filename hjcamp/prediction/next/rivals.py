@@ -12,6 +12,7 @@ import numpy as np
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.analysis import Analysis
+from hjcamp.prediction.levels import MATTERS
 from hjcamp.prediction.next.draws import draws
 from hjcamp.prediction.scored import Scored
 from hjcamp.prediction.screening import Projection
@@ -66,16 +67,14 @@ def question_of(
     ``answer`` is that of the diagnosis, by the keys of ``hjcamp.diagnosis/2``; ``known`` are models that are fitted already.
     Raises ``UsageError`` for a name that the library has not.
     """
-    sets: list[tuple[str, ...]]
+    sets: list[tuple[str, ...]] = []
     for name in names:
         if name in analysis.base.names:
             raise UsageError(f"--rivals {name}: the model that the tests are explained with has it already")
     if names:
         sets = [() if name == NONE else (name,) for name in check_names(analysis.search.library, names)]
-    elif answer["verdict"] in (NOTHING, CANNOT_TELL):
+    elif answer["verdict"] == NOTHING or not (sets := sets_of(answer)):
         return _hidden(analysis, seed)
-    else:
-        sets = sets_of(answer)
     values = {
         row["effect"]: {key: one["value"] for key, one in row["parameters"].items()} for row in answer["candidates"]
     }
@@ -89,11 +88,18 @@ def question_of(
 
 
 def sets_of(answer: Mapping[str, Any]) -> list[tuple[str, ...]]:
-    """Return the sets of names that a diagnosis does not rule out; what it names and the best others where it is sure."""
+    """Return the sets of names that a diagnosis does not rule out; what it names and the best others where it is sure.
+
+    Where it cannot tell: nothing, and the effects that take a share that matters; none where no effect does.
+    """
     named = [tuple(one) for one in answer["confidence_set"]]
     others: list[tuple[str, ...]] = [
         (row["effect"],) for row in answer["candidates"] if row["effect"] not in answer["effects"]
     ]
+    if answer["verdict"] == CANNOT_TELL:
+        rows = sorted(answer["candidates"], key=lambda row: float(row["heldout_error_ratio"]))
+        able = [(row["effect"],) for row in rows if row["heldout_error_ratio"] <= 1.0 - MATTERS]
+        return [(), *able][:MOST_FOUND] if able else []
     if answer["verdict"] == ONE_OF:
         return named[:MOST]
     if answer["verdict"] == EFFECT:
