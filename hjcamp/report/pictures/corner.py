@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hjcamp.report.pictures.conditions import BLUE, INK
-from hjcamp.report.pictures.drawing import draw, dress
+from hjcamp.report.pictures.drawing import draw
 
 Array = NDArray[np.float64]
 #: More parameters than these make panels that nobody reads.
@@ -21,6 +22,8 @@ RADII = tuple(float(np.sqrt(-2.0 * np.log(1.0 - share))) for share in (0.68, 0.9
 
 #: Of two parameters that are more alike a test says hardly more than of their sum or ratio.
 ALIKE = 0.95
+#: Margins of a panel: left, right and below; above, where the value stands.
+SIDE, TOP = 0.06, 0.16
 
 
 def correlation_of(covariance: Array) -> Array:
@@ -44,6 +47,14 @@ def ellipse(correlation: float, radius: float) -> Array:
     return np.asarray(radius * np.stack([np.cos(angle), other]))
 
 
+def _in_panel(row: int, column: int, x: ArrayLike, y: ArrayLike) -> Array:
+    """Return the points (n, 2) of standardized values x and y (n,) in a panel, a unit square without its margins."""
+    shares = [np.atleast_1d(np.asarray(one, dtype=float)) / (2.0 * REACH) for one in (x, y)]
+    across = column + 0.5 + (1.0 - 2.0 * SIDE) * shares[0]
+    down = row + 0.5 * (TOP + 1.0 - SIDE) - (1.0 - SIDE - TOP) * shares[1]
+    return np.column_stack(np.broadcast_arrays(across, down))
+
+
 def draw_corner(names: Sequence[str], values: Sequence[str], correlation: Array) -> str:
     """Return the SVG of two and more parameters: their names, values in words, correlations (k, k); the first ``MOST`` of them.
 
@@ -53,33 +64,38 @@ def draw_corner(names: Sequence[str], values: Sequence[str], correlation: Array)
     count = len(names)
 
     def paint(figure: Any) -> None:
-        axes = figure.subplots(count, count, squeeze=False, sharex=True)
-        for (row, column), axis in np.ndenumerate(axes):
-            if column > row:
-                axis.set_axis_off()
-                axis.text(0.0, 0.5, told_correlation(float(correlation[row, column])).replace("-", "−"), ha="center",
-                          va="center", fontsize=8, color=INK, transform=axis.get_xaxis_transform())  # fmt: skip
-                continue
-            dress(axis, "")
-            axis.set_xlim(-REACH, REACH)
-            axis.set_xticks([-2, 0, 2])
-            axis.tick_params(labelsize=7)
+        from matplotlib.collections import LineCollection
+
+        # one axes for all panels: laying out count x count of them takes longer than the rest of the page
+        axis = figure.subplots()
+        thick: list[Array] = []
+        thin: list[Array] = []
+        frames: list[Array] = []
+        for column, row in itertools.combinations_with_replacement(range(count), 2):
+            frames.append(_in_panel(row, column, [-REACH, -REACH, REACH], [REACH, -REACH, -REACH]))
             if row == column:
                 away = np.linspace(-REACH, REACH, 61)
-                axis.plot(away, np.exp(-0.5 * away**2), color=BLUE, linewidth=1.2)
-                axis.set_ylim(0.0, 1.15)
-                axis.set_yticks([])
-                axis.set_title(values[row], fontsize=7, color=INK)
-            else:
-                for radius, width in zip(RADII, (1.4, 0.8), strict=True):
-                    axis.plot(*ellipse(float(correlation[row, column]), radius), color=BLUE, linewidth=width)
-                axis.plot(0.0, 0.0, "+", color=INK, markersize=4)
-                axis.set_ylim(-REACH, REACH)
-                axis.set_yticks([-2, 0, 2], ["−2", "0", "2"] if not column else [])
-            if row == count - 1:
-                axis.set_xlabel(names[column], fontsize=7.5, color=INK)
-            if not column:
-                axis.set_ylabel(names[row], fontsize=7.5, color=INK)
+                thick.append(_in_panel(row, column, away, REACH * (1.7 * np.exp(-0.5 * away**2) - 1.0)))
+                axis.text(column + 0.5, row + TOP, values[row], fontsize=7, color=INK, ha="center", va="bottom")
+                continue
+            for radius, lines in zip(RADII, (thick, thin), strict=True):
+                lines.append(_in_panel(row, column, *ellipse(float(correlation[row, column]), radius)))
+            axis.plot(*_in_panel(row, column, [0.0], [0.0]).T, "+", color=INK, markersize=4)
+            told = told_correlation(float(correlation[column, row])).replace("-", "−")
+            axis.text(row + 0.5, column + 0.5, told, ha="center", va="center", fontsize=8, color=INK)
+        for lines, colour, width in ((frames, INK, 0.6), (thick, BLUE, 1.3), (thin, BLUE, 0.8)):
+            axis.add_collection(LineCollection(lines, colors=colour, linewidths=width))
+        ticks = {tick: f"{tick}".replace("-", "−") for tick in (-2, 0, 2)}
+        places = [(each, tick) for each in range(count) for tick in ticks]
+        axis.set_xticks([_in_panel(0, each, tick, 0.0)[0, 0] for each, tick in places], [*ticks.values()] * count, fontsize=7)
+        upright = [_in_panel(each, 0, 0.0, tick)[0, 1] for each, tick in places if each]
+        axis.set_yticks(upright, [*ticks.values()] * (count - 1), fontsize=7)
+        for each, name in enumerate(names):
+            axis.text(each + 0.5, count + 0.22, name, fontsize=7.5, color=INK, ha="center", va="top")
+            axis.text(-0.2 - 0.02 * count, each + 0.5, name, fontsize=7.5, color=INK, ha="center", va="center", rotation=90)
+        axis.set(xlim=(0.0, count), ylim=(count, 0.0))
+        axis.tick_params(length=2, color=INK, labelcolor=INK)
+        axis.spines[:].set_visible(False)
 
     side = max(1.2 * count, 3.0)
     return draw((min(side + 1.2, 9.6), side), "corner", paint)
