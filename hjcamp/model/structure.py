@@ -96,10 +96,9 @@ def nonlinear_rates(
             if gate is not None:
                 p[gate] = float(gates)
             for direction in directions:
-                for value, factor in zip(values, (-1.0, 0.0, 1.0), strict=False):
+                for value, time, at in zip(values, (0.1, 0.1, 0.1, 7.3), (z - move, z, z + move, z), strict=True):
                     try:
-                        rates(NO_LIMITS, 0.1, direction, z + factor * move, u, p, value)
-                        rates(NO_LIMITS, 7.3, direction, z, u, p, values[3])
+                        rates(NO_LIMITS, time, direction, at, u, p, value)
                     except (ArithmeticError, ValueError):
                         value[:] = np.nan
                 scale = np.abs(values[0]) + np.abs(values[1]) + np.abs(values[2]) + 1e-300
