@@ -20,6 +20,7 @@ from hjcamp.commands.any_plant.words import (
     table,
 )
 from hjcamp.model.base_values import DELAY
+from hjcamp.prediction.levels import LEVEL
 from hjcamp.report.floor_words import worst_words
 from hjcamp.report.units import plain, told, told_interval
 
@@ -177,13 +178,14 @@ class Words:
             )
             if verdict.word == "nothing_missing" and (far := self.far_off):
                 found.append(self._remains(*far))
-            elif verdict.word == "nothing_missing" and verdict.p_value <= 0.05:
+            elif verdict.word == "nothing_missing" and verdict.p_value <= LEVEL:
                 found.append(
                     f"What is left is more than chance (p = {plain(verdict.p_value, 2)}): something may be there that is small, or "
                     "that the library does not describe."
                 )
-            elif verdict.p_value <= 0.05 or verdict.effects:
-                found.append(f"Chance: p = {plain(verdict.p_value, 2)} (residuals moved in time, whole library).")
+            elif verdict.p_value <= LEVEL or verdict.effects:
+                few = "" if verdict.p_value <= LEVEL else ", the least that so few windows can show"
+                found.append(f"Chance: p = {plain(verdict.p_value, 2)}{few} (residuals moved in time, whole library).")
             if verdict.word != "nothing_missing":
                 found += _false_claims(self.content["false_claims"])
         found += held_by_bounds(self.content["calibration"]) + self._late() + end_words(self.content["ends"])
