@@ -19,13 +19,14 @@ from hjcamp.prediction.contact_form import with_contact_forms
 from hjcamp.prediction.fitting import TURNS_OF_BASE, Fitted, Free, settled
 from hjcamp.prediction.floor import Floor, floor_of
 from hjcamp.prediction.kernels import Kernels
+from hjcamp.prediction.layout import SHORTEST, SHORTEST_OF_ALL, WINDOWS, Layout
 from hjcamp.prediction.levels import LEVEL
 from hjcamp.prediction.measured import Measured
 from hjcamp.prediction.scored import Scored
 from hjcamp.prediction.selection import Search
 from hjcamp.prediction.starts import estimated
 from hjcamp.prediction.unknowns import Unknown, ranges_of, unknowns_of
-from hjcamp.prediction.windows import SHORTEST, SHORTEST_OF_ALL, WINDOWS, ZERO, Layout, Windows
+from hjcamp.prediction.windows import ZERO, Windows
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]

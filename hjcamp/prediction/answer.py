@@ -15,12 +15,13 @@ from hjcamp.prediction.chapters import advantages, chance_of_t, critical
 from hjcamp.prediction.floor import in_units, shared
 from hjcamp.prediction.functional import functional
 from hjcamp.prediction.intervals import Interval, intervals
+from hjcamp.prediction.layout import Layout
 from hjcamp.prediction.leading import leading
 from hjcamp.prediction.measured import Measured
 from hjcamp.prediction.scored import Scored, Step
 from hjcamp.prediction.unknowns import Unknown
 from hjcamp.prediction.verdict import Verdict
-from hjcamp.prediction.windows import ZERO, Layout
+from hjcamp.prediction.windows import ZERO
 
 Array = NDArray[np.float64]
 SCHEMA = "hjcamp.diagnosis/2"

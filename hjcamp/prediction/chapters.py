@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from hjcamp.prediction.bounded_step import bounded_step
 from hjcamp.prediction.fitting import Fitted, moved_by, room_of, whole_loss
+from hjcamp.prediction.layout import Layout
 from hjcamp.prediction.levels import LEVEL
 from hjcamp.prediction.likelihood import covariance, whitener
-from hjcamp.prediction.windows import Layout, Windows
+from hjcamp.prediction.windows import Windows
 
 Array = NDArray[np.float64]
 FEWEST = 8

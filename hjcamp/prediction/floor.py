@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.windows import Layout
+from hjcamp.prediction.layout import Layout
 
 Array = NDArray[np.float64]
 # Moments this far apart are looked at twice, not one after the other.

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.prediction.floor import motion_of
+from hjcamp.prediction.layout import Layout
 from hjcamp.prediction.levels import MATTERS
 from hjcamp.prediction.likelihood import whitener
 from hjcamp.prediction.regression import regressed, spread_over, with_before
-from hjcamp.prediction.windows import Layout
 
 Array = NDArray[np.float64]
 ORDERS = ("", "rate of ", "curvature of ")

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.prediction.floor import motion_of
+from hjcamp.prediction.layout import Layout
 from hjcamp.prediction.likelihood import whitener
-from hjcamp.prediction.windows import Layout
 
 Array = NDArray[np.float64]
 # In spreads of the motion; the other chapters choose among these.

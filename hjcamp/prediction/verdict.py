@@ -11,9 +11,9 @@ import numpy as np
 from hjcamp.prediction.analysis import Analysis, what_lacks
 from hjcamp.prediction.chapters import critical
 from hjcamp.prediction.floor import in_units, usual_size
+from hjcamp.prediction.layout import SHORTEST
 from hjcamp.prediction.levels import LEVEL, LONGER, MATTERS, MOST_OF_IT
 from hjcamp.prediction.scored import Scored, Step
-from hjcamp.prediction.windows import SHORTEST
 
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
 

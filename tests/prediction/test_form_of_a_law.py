@@ -11,7 +11,8 @@ from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.prediction.selection import Search, alike_laws
+from hjcamp.prediction.laws import alike_laws
+from hjcamp.prediction.selection import Search
 from hjcamp.prediction.unknowns import Unknown, unknowns_of
 
 

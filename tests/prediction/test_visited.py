@@ -11,9 +11,9 @@ from carriage import measured_log
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.prediction.analysis import calibrated
+from hjcamp.prediction.laws import law_of
 from hjcamp.prediction.measured import measured_tests
 from hjcamp.prediction.screening import amplitudes_of, shape_grid
-from hjcamp.prediction.selection import law_of
 from hjcamp.prediction.visited import visited_shapes
 
 HERE = {"position": (-0.02, 0.16), "velocity": (-0.3, 0.3)}

@@ -14,8 +14,8 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.analysis import MOST_SAMPLES, Analysis, calibrated, what_lacks, width_of
 from hjcamp.prediction.fitting import Free
 from hjcamp.prediction.intervals import intervals
+from hjcamp.prediction.layout import Layout
 from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.windows import Layout
 from hjcamp.records.log import TestLog
 
 

@@ -89,7 +89,7 @@ class Words:
     def beside(self) -> bool:
         """Whether the first free law is something beside the named effects, no other form of one of them."""
         from hjcamp.model.vocabulary import read_vocabulary
-        from hjcamp.prediction.selection import alike_laws
+        from hjcamp.prediction.laws import alike_laws
 
         if not self.content["unknowns"]:
             return False
