@@ -139,7 +139,8 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
     for name, state in plant.states.items():
         start[name] += state.scatter * float(again["scatter"]) * generator.standard_normal()
     counts, noise = sensors_of(plant, known)
-    late = np.array([delays.get(name, 0.0) for name in simulator.composition.inputs]) / plant.period
+    # what acts earlier than its log says does so on paper alone: no loop sends a command before it knows it
+    late = np.array([max(delays.get(name, 0.0), 0.0) for name in simulator.composition.inputs]) / plant.period
     test = LoopTest(
         control=law.vector(gains),
         first=rest,

@@ -23,6 +23,7 @@ class {title}(Plant):
     position = State("m", typical=0.1)
     velocity = State("m/s", typical=0.05)
 
+    # hold="linear" where the input runs on between two samples, not held by a converter
     voltage = Input("V", text="drive voltage; the logs hold it as voltage_v")
 
     gain = Parameter("N/V", 35.0, text="force for one volt")

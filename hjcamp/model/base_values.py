@@ -12,7 +12,7 @@ DELAY = "delay."
 
 
 def checked_base(given: object, plant: type[Plant], where: str) -> dict[str, float]:
-    """Return values by name, SI; ``delay.INPUT`` (s) says how much later than its log an input acts on the plant.
+    """Return values by name, SI; ``delay.INPUT`` (s) says how much later than its log an input acts on the plant (earlier: negative).
 
     ``delay: {INPUT: value}`` says the same. Raises ``UsageError`` for a name or a value that the plant cannot have.
     """
@@ -47,6 +47,6 @@ def _delay(name: str, value: object, plant: type[Plant], where: str) -> float:
     known = plant.given_inputs()
     if name.removeprefix(DELAY) not in known:
         raise unknown("input", name.removeprefix(DELAY), known, f"{where}.{name} of plant {plant.name}")
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= float(value) < 1e6:
-        raise UsageError(f"{where}.{name} is {shown(value)}; a delay of 0 or more in seconds is needed")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(float(value)) < 1e6:
+        raise UsageError(f"{where}.{name} is {shown(value)}; a delay in seconds is needed")
     return float(value)

@@ -32,7 +32,9 @@ Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
 # Four windows in the time after which a reading has little in common with itself.
 OF_CORRELATION = 0.25
-MOST_DELAY = 2.0
+# In samples: how much earlier and later than its log an input may act. One that runs linearly acts half a sample earlier than held; the
+# channels of a record are read within a sample.
+EARLY, MOST_DELAY = 1.0, 2.0
 # Of what a start brings, at the end of a window over that in its first half: a constant jerk makes it 8; more grows by itself.
 MOST_GROWTH = 10.0
 # Of a plant with few states a start brings no more than a power of the time; what it grows by itself beyond that is less than this.
@@ -133,7 +135,7 @@ def calibrated(
             any(np.ptp(test.inputs[:, list(plant.inputs).index(name)]) > 0.0 for test in measured.tests)
             and item.hold == "previous"
         ):
-            free.append(Free("", DELAY + name, measured.period, 0.0, MOST_DELAY * measured.period))
+            free.append(Free("", DELAY + name, measured.period, -EARLY * measured.period, MOST_DELAY * measured.period))
             base[DELAY + name] = 0.0
     for sensor, step in zip(measured.sensors, measured.steps, strict=True):
         if step > 0.0:  # where a counter begins to count is known to a step
@@ -147,8 +149,9 @@ def calibrated(
     layout = windows.layout
     report("calibrating", 0.1)
     search = Search(
-        windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed, wanted=frozenset(wanted)
-    )
+        windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed, wanted=frozenset(wanted),
+        declared=dict(candidate.base),
+    )  # fmt: skip
     windows.move_starts(begun)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if layout.short:

@@ -152,21 +152,29 @@ class Layout:
 
     @cached_property
     def inputs(self) -> Array:
-        """The given inputs (n, inputs of the plant)."""
-        return self.joined([test.inputs for test in self.measured.tests])
+        """The given inputs (n, inputs of the plant), which hold from each sample to the next: of what runs linearly the mean."""
+        half = -0.5 * self.measured.period
+        given = self.measured.plant.inputs
+        return self._moved({self.names.index(name): half for name in self.names if given[name].hold == "linear"})
 
     def delayed(self, delays: Mapping[str, float]) -> Array:
         """Return the inputs (n, inputs), each later by its delay (s): whole samples, and the fraction of one as a mean."""
         late = {self.names.index(name): delay for name, delay in delays.items() if delay != 0.0}
         if not late:
             return self.inputs
+        found = self.inputs.copy()
+        found[:, list(late)] = self._moved(late)[:, list(late)]
+        return found
+
+    def _moved(self, late: Mapping[int, float]) -> Array:
+        """Return the inputs as measured (n, inputs), those at some places later by a time (s), earlier where that is negative."""
         columns = []
         for test in self.measured.tests:
             moved = test.inputs.copy()
             for place, delay in late.items():
                 whole, part = divmod(delay / self.measured.period, 1.0)
                 rows = np.arange(test.samples) - int(whole)
-                now, before = test.inputs[np.maximum(rows, 0), place], test.inputs[np.maximum(rows - 1, 0), place]
+                now, before = (test.inputs[np.clip(one, 0, test.samples - 1), place] for one in (rows, rows - 1))
                 moved[:, place] = (1.0 - part) * now + part * before
             columns.append(moved)
         return self.joined(columns)

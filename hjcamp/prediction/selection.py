@@ -62,7 +62,8 @@ class Search:
     """What a search needs: the windows, the effects that may be missing, the unknowns, the chapters, the base's parameters.
 
     ``unnamed`` are effects of the library that a base may have (the forms of contacts), but that are not looked for; ``needed`` are
-    effects that were found beside a free law, ``wanted`` those that are looked at closely whatever they promise.
+    effects that were found beside a free law, ``wanted`` those that are looked at closely whatever they promise;
+    ``declared`` are the base's parameters before they were fitted.
     """
 
     windows: Windows
@@ -79,6 +80,7 @@ class Search:
     unnamed: frozenset[str] = frozenset()
     needed: frozenset[str] = frozenset()
     wanted: frozenset[str] = frozenset()
+    declared: Mapping[str, float] = field(default_factory=dict)
     steps: list[Step] = field(default_factory=list)
     _beside: tuple[Fitted, Beside] | None = None
 
@@ -236,6 +238,9 @@ class Search:
             most.append(refined(self.windows, self.beside(before), projection, effect, most[0], self.visited(name)))
             own.append(dict(most[0].candidate.effects[name]))
         starts = [one.candidate for one in most] + [before.candidate.with_effect(name, one) for one in own]
+        if self.windows.layout.short:
+            # the base may have taken the place of the effect
+            starts += [before.candidate.with_base(self.declared).with_effect(name, one) for one in own]
         return self.best_of(starts, before)
 
     def begun_unknown(self, before: Fitted, promise: Promise) -> Fitted:

@@ -11,6 +11,7 @@ import numpy as np
 from hjcamp.prediction.analysis import Analysis, what_lacks
 from hjcamp.prediction.chapters import critical
 from hjcamp.prediction.floor import in_units, usual_size
+from hjcamp.prediction.intervals import intervals
 from hjcamp.prediction.layout import SHORTEST
 from hjcamp.prediction.levels import LEVEL, LONGER, MATTERS, MOST_OF_IT
 from hjcamp.prediction.scored import Scored, Step
@@ -90,8 +91,11 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
 def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
     """Return that these tests cannot tell, where "nothing" would be said of most of an error that no floor explains.
 
-    So it is where no floor is known, most of what a sensor errs by is more than its noise, and all of it more than chance.
+    So it is where no floor is known, most of what a sensor errs by is more than its noise, and all of it more than chance; and where
+    the base left what it may be.
     """
+    if verdict.word == NOTHING and (held := _held(analysis)):
+        return replace(verdict, word=CANNOT_TELL, lacking=(held,))
     if verdict.word != NOTHING or analysis.floor.source != "sensor" or verdict.p_value > LEVEL:
         return verdict
     sensors = analysis.measured.sensors
@@ -105,6 +109,24 @@ def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
         f"{len(analysis.windows.starts)} windows do not tell what is scatter: repeat a test, or make longer ones"
     )
     return replace(verdict, word=CANNOT_TELL, lacking=(lacking,))
+
+
+def _held(analysis: Analysis) -> str:
+    """Return in words which base parameter its bounds keep from going on, far from what is declared; empty where none does.
+
+    A bound of 0 is natural: none has less friction.
+    """
+    plant, chapters = analysis.measured.plant, analysis.search.chapters
+    for one in intervals(analysis.base.fitted, chapters):
+        if one.effect or one.name not in plant.base_parameters or not one.at_bound or not one.told:
+            continue
+        size = max(abs(one.low), abs(one.high))
+        if abs(one.value) > 1e-9 * size and not one.low <= plant.parameters[one.name].default <= one.high:
+            return (
+                f"{one.name.replace('_', ' ')} stands at its bound, far from what is declared: these tests do not tell it, its bounds "
+                "are wrong, or it takes the place of what is missing"
+            )
+    return ""
 
 
 def _nearest(analysis: Analysis) -> str:

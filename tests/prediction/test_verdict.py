@@ -20,7 +20,7 @@ from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import answer
 from hjcamp.prediction.floor import Floor
 from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.verdict import agreed, judged
+from hjcamp.prediction.verdict import Verdict, agreed, judged
 
 LIBRARY = ("constant_force", "quadratic_drag", "spring")
 HIDDEN = {
@@ -122,10 +122,21 @@ def test_where_nothing_is_seen_longer_windows_are_looked_at(
         )
 
     monkeypatch.setattr(verdict, "judged", judged)
+    monkeypatch.setattr(verdict, "_held", lambda analysis: "")
     analysis, found = verdict.agreed(of(100), of)
     assert (analysis.windows.layout.width, found.word) == (width, word)
     # the two further looks claim something by chance half as often as the first, together
     assert levels == [0.05, 0.0125]
+
+
+def test_nothing_is_missing_is_not_said_of_a_base_that_its_bounds_hold(axis: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = axis / "plants" / "axis.py"
+    file.write_text(file.read_text().replace("(1.0, 1e3)", "(90.0, 1e3)"))  # 80 kg is right
+    analysis = calibrated(measured_tests([measured_log()]), {}, unknowns=False)
+    nothing = Verdict("nothing_missing", (), analysis.base, 1.0, ((),), 0.0, None, ())
+    monkeypatch.setattr(verdict, "judged", lambda one: nothing)
+    found = verdict.agreed(analysis, lambda width: analysis)[1]
+    assert found.word == "cannot_tell" and found.lacking[0].startswith("mass stands at its bound, far from what is declared")
 
 
 def test_any_number_of_threads_gives_the_same(axis: Path) -> None:

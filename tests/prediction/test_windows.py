@@ -51,6 +51,18 @@ def test_a_delayed_input_is_a_mean_of_two_samples(axis: Path) -> None:
     volts = measured.tests[0].inputs[: len(late), 0]
     assert np.allclose(late[2:, 0], 0.75 * volts[1:-1] + 0.25 * volts[:-2])
     assert layout.delayed({"voltage": 0.0}) is layout.inputs
+    early = layout.delayed({"voltage": -0.5 * PERIOD})
+    assert np.allclose(early[:-1, 0], 0.5 * volts[1:] + 0.5 * volts[:-1])
+
+
+def test_an_input_that_runs_linearly_acts_by_its_mean_over_the_sample(axis: Path) -> None:
+    file = axis / "plants" / "axis.py"
+    file.write_text(file.read_text().replace('voltage = Input("V", ', 'voltage = Input("V", hold="linear", '))
+    measured = measured_tests([measured_log(seconds=2.0)])
+    assert measured.plant.inputs["voltage"].hold == "linear"
+    layout = Layout(measured, 50)
+    volts = measured.tests[0].inputs[: len(layout.inputs), 0]
+    assert np.allclose(layout.inputs[:-1, 0], 0.5 * volts[1:] + 0.5 * volts[:-1])
 
 
 def test_tests_that_are_too_short_say_what_they_lack(axis: Path) -> None:

@@ -43,7 +43,7 @@ def calibration_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
 
 def _held(row: Mapping[str, Any]) -> bool:
     """Whether a parameter stands at a bound that is no natural one: none has less friction or delay than 0."""
-    return bool(row.get("at_bound") and row["value"])
+    return bool(row.get("at_bound") and abs(row["value"]) > 1e-9 * max(abs(end or 0.0) for end in row["ci95"]))
 
 
 def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
