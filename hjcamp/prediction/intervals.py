@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,6 +39,17 @@ class Interval:
         if self.told:
             return {"ci95": [self.low, self.high]}
         return {"ci95": [end if math.isfinite(end) else None for end in (self.low, self.high)], "told": False}
+
+
+def limited(row: Mapping[str, Any]) -> bool:
+    """Whether a row of a base parameter stands at a bound that is no natural one: none has less friction than 0."""
+    return bool(row.get("at_bound") and abs(row["value"]) > 1e-9 * max(abs(end or 0.0) for end in row["ci95"]))
+
+
+def held_away(row: Mapping[str, Any], declared: float) -> bool:
+    """Whether tests tell a base parameter, and a bound keeps it from going on, far from what is declared."""
+    low, high = row["ci95"]
+    return limited(row) and bool(row.get("told", True)) and not low <= declared <= high
 
 
 @dataclass(frozen=True)

@@ -100,9 +100,9 @@ class Layout:
         """Return the tests with nothing but the windows that are looked at, one after the other."""
         if self.share >= 1.0:
             return self.measured.tests
-        ends = np.cumsum([0, *self.counts]) * self.width
+        ends, inputs = np.cumsum([0, *self.counts]) * self.width, self._moved({})
         return tuple(
-            replace(test, time=self.time[a:b], inputs=self.inputs[a:b], readings=self.readings[a:b])
+            replace(test, time=self.time[a:b], inputs=inputs[a:b], readings=self.readings[a:b])
             for test, a, b in zip(self.measured.tests, ends[:-1], ends[1:], strict=True)
         )
 
@@ -153,18 +153,18 @@ class Layout:
     @cached_property
     def inputs(self) -> Array:
         """The given inputs (n, inputs of the plant), which hold from each sample to the next: of what runs linearly the mean."""
-        half = -0.5 * self.measured.period
+        return self._moved(self._between)
+
+    @cached_property
+    def _between(self) -> dict[int, float]:
+        """By how much the mean over a sample is later (s) than what runs linearly is at its beginning, by the input's place."""
         given = self.measured.plant.inputs
-        return self._moved({self.names.index(name): half for name in self.names if given[name].hold == "linear"})
+        return {k: -0.5 * self.measured.period for k, name in enumerate(self.names) if given[name].hold == "linear"}
 
     def delayed(self, delays: Mapping[str, float]) -> Array:
         """Return the inputs (n, inputs), each later by its delay (s): whole samples, and the fraction of one as a mean."""
         late = {self.names.index(name): delay for name, delay in delays.items() if delay != 0.0}
-        if not late:
-            return self.inputs
-        found = self.inputs.copy()
-        found[:, list(late)] = self._moved(late)[:, list(late)]
-        return found
+        return self._moved(self._between | late) if late else self.inputs
 
     def _moved(self, late: Mapping[int, float]) -> Array:
         """Return the inputs as measured (n, inputs), those at some places later by a time (s), earlier where that is negative."""

@@ -11,7 +11,7 @@ import numpy as np
 from hjcamp.prediction.analysis import Analysis, what_lacks
 from hjcamp.prediction.chapters import critical
 from hjcamp.prediction.floor import in_units, usual_size
-from hjcamp.prediction.intervals import intervals
+from hjcamp.prediction.intervals import held_away, intervals
 from hjcamp.prediction.layout import SHORTEST
 from hjcamp.prediction.levels import LEVEL, LONGER, MATTERS, MOST_OF_IT
 from hjcamp.prediction.scored import Scored, Step
@@ -112,16 +112,12 @@ def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
 
 
 def _held(analysis: Analysis) -> str:
-    """Return in words which base parameter its bounds keep from going on, far from what is declared; empty where none does.
-
-    A bound of 0 is natural: none has less friction.
-    """
+    """Return in words which base parameter its bounds keep from going on, far from what is declared; empty where none does."""
     plant, chapters = analysis.measured.plant, analysis.search.chapters
     for one in intervals(analysis.base.fitted, chapters):
-        if one.effect or one.name not in plant.base_parameters or not one.at_bound or not one.told:
+        if one.effect or one.name not in plant.base_parameters:
             continue
-        size = max(abs(one.low), abs(one.high))
-        if abs(one.value) > 1e-9 * size and not one.low <= plant.parameters[one.name].default <= one.high:
+        if held_away({"value": one.value, "at_bound": one.at_bound, **one.row}, plant.parameters[one.name].default):
             return (
                 f"{one.name.replace('_', ' ')} stands at its bound, far from what is declared: these tests do not tell it, its bounds "
                 "are wrong, or it takes the place of what is missing"

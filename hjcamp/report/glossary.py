@@ -14,8 +14,8 @@ WORDS: Mapping[str, str] = {
     "simulated through": "Predicted from the start of a test to its end, not window by window: so it is with short tests of a "
     "plant that forgets its start within them.",
     "memory": "The time in which a plant's readings forget where a test began (to 37 %): how long it remembers.",
-    "delay": "The time by which an input acts late, fitted with the base up to two samples; more of it is an effect (command_delay, "
-    "sensor_lag).",
+    "delay": "The time by which an input acts later than its log says, fitted with the base from one sample early to two late; "
+    "more of it is an effect (command_delay, sensor_lag).",
     "over the floor": "An error divided by its floor: 1 is as good as repetitions allow, 2 is twice that.",
     "calibrated": "With the base parameters fitted to these tests first, so that a constant that is merely different on this rig "
     "is not called a missing effect.",

@@ -113,7 +113,7 @@ class Words:
         """Return what a delay of the base that stands at its bound says."""
         most = {
             name.removeprefix(DELAY).replace("_", " "): row for name, row in self.content["calibration"].items()
-            if name.startswith(DELAY) and row["at_bound"] and row["value"] > self.analysis.measured.period
+            if name.startswith(DELAY) and row["at_bound"] and row["value"] > 0.0
         }  # fmt: skip
         if not most or {"command_delay", "sensor_lag"} & {name.split("_at_")[0] for name in self.verdict.effects}:
             return []

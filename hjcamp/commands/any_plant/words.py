@@ -34,26 +34,24 @@ def channel_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
 
 def calibration_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
     """Rows of a base parameter: declared, here, 95 %."""
+    from hjcamp.prediction.intervals import limited
+
     return [
         [name.replace("_", " ").replace("delay.", "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
-         told_interval(row) + ("  at its bound" if _held(row) else "")]
+         told_interval(row) + ("  at its bound" if limited(row) else "")]
         for name, row in rows.items()
     ]  # fmt: skip
 
 
-def _held(row: Mapping[str, Any]) -> bool:
-    """Whether a parameter stands at a bound that is no natural one: none has less friction or delay than 0."""
-    return bool(row.get("at_bound") and abs(row["value"]) > 1e-9 * max(abs(end or 0.0) for end in row["ci95"]))
-
-
 def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Return a sentence for each base parameter that its bounds keep away from what is declared: often a wrong sign."""
+    from hjcamp.prediction.intervals import held_away
+
     return [
         f"{name.replace('_', ' ')} is held by its bound, {told(row['value'], row['unit'])}, far from what is declared: is a sign or "
         "a unit wrong in the plant's file or in the import map? What is named may stand for that."
         for name, row in rows.items()
-        if _held(row) and row.get("told", True) and not name.startswith("delay.")
-        and not row["ci95"][0] <= row["published"] <= row["ci95"][1]
+        if not name.startswith("delay.") and held_away(row, row["published"])
     ]
 
 

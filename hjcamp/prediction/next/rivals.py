@@ -73,7 +73,9 @@ def question_of(
             raise UsageError(f"--rivals {name}: the model that the tests are explained with has it already")
     if names:
         sets = [() if name == NONE else (name,) for name in check_names(analysis.search.library, names)]
-    elif answer["verdict"] == NOTHING or not (sets := sets_of(answer)):
+    elif answer["verdict"] != NOTHING:
+        sets = sets_of(answer)
+    if not sets and answer["verdict"] in (NOTHING, CANNOT_TELL):
         return _hidden(analysis, seed)
     values = {
         row["effect"]: {key: one["value"] for key, one in row["parameters"].items()} for row in answer["candidates"]
