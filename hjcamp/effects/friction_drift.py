@@ -16,13 +16,14 @@ def drifted(friction, time, travelled, drift, settling_time, pace):
 
 
 class FrictionDrift(Effect):
-    r"""Static and Coulomb friction change during a test, by warming or wear, at a rate that fades.
+    r"""Friction changes during a test, by warming or wear, at a rate that fades.
 
-    .. math:: F \leftarrow F\,\bigl(1 + d\,\tau\,(1 - e^{-q/\tau})\bigr), \quad q = t + s / v_0
+    .. math:: F \leftarrow F\,\bigl(1 + d\,\tau\,(1 - e^{-q/\tau})\bigr), \quad
+              C_v \leftarrow C_v\,\bigl(1 + d_v\,\tau\,(1 - e^{-q/\tau})\bigr), \quad q = t + s / v_0
 
-    with t = 0 at the start of the command, where the base friction applies, and s the travel since then; the next test
-    starts anew. A pace v_0 far above the speeds of the test: it goes with time; far below: with the travel alone. A long
-    settling time: a steady drift.
+    with F static and Coulomb, C_v viscous friction, t = 0 at the start of the command, where the base friction applies, and
+    s the travel since then; the next test starts anew. A pace v_0 far above the speeds of the test: it goes with time; far
+    below: with the travel alone. A long settling time: a steady drift.
     Seen as: the same motion needs another force late in a test than early in it.
     Not for: change from test to test (scatter), or with rest (see static_friction_ageing).
     Source: a body that warms by its own friction, first order (Incropera & DeWitt (2002), section 5.1);
@@ -31,7 +32,12 @@ class FrictionDrift(Effect):
 
     acts_on = "contact"
     scatters = True
-    drift = Parameter("1/period", 5e-5, (-1e-3, 2e-3), text="share of friction gained in each second at first", off=0.0)
+    drift = Parameter(
+        "1/period", 5e-5, (-1e-3, 2e-3), text="share of dry friction gained in each second at first", off=0.0
+    )
+    viscous_drift = Parameter(
+        "1/period", 0.0, (-1e-3, 2e-3), text="share of viscous friction gained in each second at first", off=0.0
+    )
     settling_time = Parameter(
         "period", 1e4, (200.0, 1e5), "log-uniform", "time after which the rate has fallen to 37 %", shape=True
     )
@@ -65,3 +71,8 @@ class FrictionDrift(Effect):
     def coulomb(coulomb, time, travelled, drift, settling_time, pace):
         """Coulomb friction by now."""
         return part(drifted, coulomb, time, travelled, drift, settling_time, pace)
+
+    @staticmethod
+    def viscous(viscous, time, travelled, viscous_drift, settling_time, pace):
+        """Viscous friction by now."""
+        return part(drifted, viscous, time, travelled, viscous_drift, settling_time, pace)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copyreg
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hjcamp.errors import UsageError, unknown
@@ -158,7 +158,12 @@ def _bound(
         "exact_in": instance.exact_in if instance else effect.exact_in,
         **groups,
     }
-    given = instance.declared if instance else {}
+    given, without = (instance.declared, instance.without) if instance else ({}, ())
+    for slot in without:
+        if slot not in effect.terms:
+            raise unknown("slot", slot, effect.terms, f"effect {name}, without")
+    terms = {slot: term for slot, term in effect.terms.items() if slot not in without}
+    unread = {one for slot in without for one in effect.terms[slot].arguments} - _read_by(effect, terms)
     for port in ports:
         called = {own: own for own in effect.parameters}
         called |= {own: f"{own}_{port.name}" if len(ports) > 1 else own for own in effect.states}
@@ -167,19 +172,19 @@ def _bound(
         if effect.granted:
             body["granted"] = called[effect.granted]
         quantities = Quantities(plant, port)
-        for parameter in effect.parameters.values():
+        for parameter in (one for one in effect.parameters.values() if one.name not in unread):
             own = called[parameter.name]
             body.setdefault(own, given.get(own) or quantities.parameter(parameter))
         for state in effect.states.values():
             own = called[state.name]
             body.setdefault(own, given.get(own) or quantities.state(state))
         names = {**port.names, **called}
-        taken = {port.names[local] for local in _read_by(effect) & set(port.names)} & set(called.values())
+        taken = {port.names[local] for local in _read_by(effect, terms) & set(port.names)} & set(called.values())
         if taken:
             raise Unfit(
                 f"effect {name}: its own '{sorted(taken)[0]}' is also a name of plant {plant.name}; call that otherwise"
             )
-        groups["terms"] |= {port.names[slot]: term.on(names) for slot, term in effect.terms.items()}
+        groups["terms"] |= {port.names[slot]: term.on(names) for slot, term in terms.items()}
         for kind in ("rates", "updates", "starts"):
             groups[kind] |= {called[state]: term.on(names) for state, term in getattr(effect, kind).items()}
     if unused := set(given) - set(body):
@@ -190,8 +195,8 @@ def _bound(
     return bound
 
 
-def _read_by(effect: type[Effect]) -> set[str]:
-    groups = (effect.terms, effect.rates, effect.updates, effect.starts)
+def _read_by(effect: type[Effect], terms: Mapping[str, Term]) -> set[str]:
+    groups = (terms, effect.rates, effect.updates, effect.starts)
     return {name for group in groups for term in group.values() for name in term.arguments}
 
 

@@ -15,12 +15,14 @@ class Instance:
 
     ``of`` is the effect's file, ``at`` names the places. For each it maps parameters and states of the effect to their
     names here, and names of the kind to others of the plant. A ``Parameter`` or ``State`` that is declared here, under
-    its name here and in SI units, takes the place of the effect's own; a docstring does, too.
+    its name here and in SI units, takes the place of the effect's own; a docstring does, too. ``without`` names slots of
+    the effect that stay as they are here; parameters that only they read are left out.
     """
 
     name: ClassVar[str] = ""
     of: ClassVar[str] = ""
     at: ClassVar[Mapping[str, Mapping[str, str]]] = {}
+    without: ClassVar[tuple[str, ...]] = ()
     same_as: ClassVar[tuple[str, ...]] = ()
     exact_in: ClassVar[tuple[str, ...]] = ()
     declared: ClassVar[Mapping[str, Parameter | State]] = {}

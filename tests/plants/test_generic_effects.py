@@ -49,7 +49,7 @@ def test_the_docstring_tells_equation_sign_and_source(name: str) -> None:
     assert effect.equation() and all(part in text for part in ("Seen as: ", "Not for: ", "Source: "))
     assert all(parameter.text for parameter in effect.parameters.values())
     assert any(parameter.off is not None for parameter in effect.parameters.values())
-    assert 1 <= len(effect.parameters) <= 4 and effect.acts_on in KINDS
+    assert 1 <= len(effect.parameters) <= 5 and effect.acts_on in KINDS
 
 
 @pytest.mark.parametrize("plant", FITS)
@@ -271,6 +271,33 @@ def test_a_plant_names_its_own_instances(folder: Path) -> None:
         path.write_text(text.replace(old, new))
         with pytest.raises(UsageError, match=said):
             library_of("axis")
+
+
+DRY_ALONE = '''
+class RoughPlace(Instance):
+    """A rough place; this guide has next to no viscous friction."""
+
+    of = "position_friction"
+    at = {"guide": {}}
+    without = ("viscous",)
+'''
+
+
+def test_an_instance_leaves_out_what_its_place_need_not_have(folder: Path) -> None:
+    path = folder / "plants" / "axis.py"
+    text = path.read_text().replace("import Input", "import Input, Instance")
+    head, body = text.split("\n\n\nclass ", 1)
+    body = body.replace("    position = State", "    instances = (RoughPlace,)\n    position = State", 1)
+    text = f"{head}\n{DRY_ALONE}\n\nclass {body}"
+    place = next(name for name in ("guide", "friction") if f"{name} = contact(" in text)
+    text = text.replace('{"guide": {}}', f'{{"{place}": {{}}}}')
+    path.write_text(text)
+    effect = library_of("axis").effects["rough_place"]
+    assert list(effect.parameters) == ["amplitude", "period", "phase", "concentration"]
+    assert "friction_viscous" not in effect.terms and "friction_coulomb" in effect.terms
+    path.write_text(text.replace('("viscous",)', '("viscos",)'))
+    with pytest.raises(UsageError, match=r"unknown slot 'viscos'.*did you mean 'viscous'"):
+        library_of("axis")
 
 
 TWO = '''"""Two carriages."""

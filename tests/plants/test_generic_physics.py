@@ -186,8 +186,14 @@ def test_friction_along_the_travel_and_with_time() -> None:
         # half of a narrow bump's height at half the width of the normal curve of 1 / sqrt(k)
         half = made.signals(MOVING | {"position": place + 0.2 * sqrt(2.0 * log(2.0) / 4.0) / (2.0 * pi)})
         assert abs(half["friction_coulomb"] / COULOMB - 1.0) == pytest.approx(0.25, rel=0.06)
+    made = model("axis", "position_friction", amplitude=0.5, viscous_amplitude=0.2, period=0.2, phase=0.0)
+    found = made.signals(MOVING | {"position": 0.05})
+    assert found["friction_viscous"] == pytest.approx(VISCOUS * 1.2) and found["friction_coulomb"] == pytest.approx(COULOMB * 1.5)
     made = model("axis", "friction_drift", drift=0.5, settling_time=0.2, pace=2.5)
     course = [{"time": k * MILLI} for k in range(100)]
+    assert seen(made, course, "friction_viscous")[-1] == pytest.approx(VISCOUS)
+    thin = model("axis", "friction_drift", drift=0.0, viscous_drift=-0.5, settling_time=0.2, pace=2.5)
+    assert seen(thin, course, "friction_viscous")[-1] == pytest.approx(VISCOUS * (1 - 0.1 * (1 - exp(-0.099 / 0.2))))
     assert seen(made, course, "friction_static")[-1] == pytest.approx(COULOMB * (1 + 0.1 * (1 - exp(-0.099 / 0.2))))
 
 

@@ -93,8 +93,22 @@ class EntrainedAir(Instance):
 
 
 class FrictionDrift(Instance):
+    r"""Static and Coulomb friction of the seals change during a test, by warming or wear, at a rate that fades.
+
+    .. math:: F \leftarrow F\,\bigl(1 + d\,\tau\,(1 - e^{-q/\tau})\bigr), \quad q = t + s / v_0
+
+    with t = 0 at the start of the command, where the base friction applies, and s the travel since then; the next test
+    starts anew. A pace v_0 far above the speeds of the test: it goes with time; far below: with the travel alone. A long
+    settling time: a steady drift. Viscous friction stays.
+    Seen as: the same motion needs another force late in a test than early in it.
+    Not for: change from test to test (scatter), or with rest (see static_friction_ageing).
+    Source: a body that warms by its own friction, first order (Incropera & DeWitt (2002), section 5.1);
+    Armstrong-Helouvry (1991), Control of Machines with Friction, chapter 4.
+    """
+
     of = "friction_drift"
     at = {"seal": {}}  # noqa: RUF012
+    without = ("viscous",)
     drift = Parameter("1/s", 0.05, (-1.0, 2.0), text="share of friction gained in each second at first", off=0.0)
     settling_time = Parameter(
         "s", 10.0, (0.2, 100.0), "log-uniform", "time after which the rate has fallen to 37 %", shape=True
@@ -138,6 +152,7 @@ class PositionFriction(Instance):
 
     of = "position_friction"
     at = {"seal": {"travel": "slider_angle"}}  # noqa: RUF012
+    without = ("viscous",)
     amplitude = Parameter("1", 0.2, (0.0, 0.9), text="largest change of friction over its mean", off=0.0)
     period = Parameter(
         "rad", 6.283185307179586, (0.3, 6.3), "log-uniform", "arm angle of one period, a turn or less", shape=True
