@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hjcamp.commands.any_plant.words import calibration_table, held_by_bounds
+from hjcamp.commands.any_plant.words import calibration_table, held_by_bounds, late_inputs
 
 
 def row(value: float, low: float, high: float, at_bound: bool) -> dict[str, dict[str, object]]:
@@ -26,3 +26,17 @@ def test_no_friction_at_all_and_a_delay_at_its_longest_are_no_wrong_sign() -> No
     assert held_by_bounds(row(0.0, 0.0, 0.3, True)) == [] and calibration_table(row(0.0, 0.0, 0.3, True))[0][-1] == "0 to 0.3"
     late = {"delay.current": row(0.004, 0.003, 0.004, True)["push_gain"] | {"published": 0.0, "unit": "s"}}
     assert held_by_bounds(late) == [] and calibration_table(late)[0][-1].endswith("at its bound")
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "at_bound", "said"),
+    [
+        (0.004, 0.003, True, ["stands at the most"]), (0.0022, 0.0021, False, ["The current acts 0.0022 s late, more than"]),
+        (0.0022, 0.0019, False, []), (-0.002, -0.002, True, []),
+    ],
+)  # fmt: skip
+def test_a_delay_that_no_log_is_off_by_is_said(value: float, low: float, at_bound: bool, said: list[str]) -> None:
+    late = {"delay.current": row(value, low, 0.004, at_bound)["push_gain"]}
+    found = late_inputs(late, ["spring"], 0.002)
+    assert len(found) == len(said) and all(one in whole for one, whole in zip(said, found, strict=True))
+    assert late_inputs(late, ["sensor_lag_at_scale"], 0.002) == []

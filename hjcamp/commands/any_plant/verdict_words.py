@@ -14,12 +14,12 @@ from hjcamp.commands.any_plant.words import (
     channel_table,
     end_words,
     held_by_bounds,
+    late_inputs,
     over_windows,
     print_head,
     still_words,
     table,
 )
-from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.levels import LEVEL
 from hjcamp.report.floor_words import worst_words
 from hjcamp.report.units import plain, told, told_interval
@@ -109,20 +109,6 @@ class Words:
             return f"{' with '.join(refused)}, which predicts better than nothing, {takes} less than half of that and is not all of it"
         return "no effect of the library is shown to take it chapter by chapter, and no law of one quantity is"
 
-    def _late(self) -> list[str]:
-        """Return what a delay of the base that stands at its bound says."""
-        most = {
-            name.removeprefix(DELAY).replace("_", " "): row for name, row in self.content["calibration"].items()
-            if name.startswith(DELAY) and row["at_bound"] and row["value"] > 0.0
-        }  # fmt: skip
-        if not most or {"command_delay", "sensor_lag"} & {name.split("_at_")[0] for name in self.verdict.effects}:
-            return []
-        said = f"{next(iter(most.values()))['value']:.3g} s"
-        return [
-            f"The delay of {' and '.join(most)} stands at the most that the base may have, {said}: a longer one, or a lag, is an "
-            "effect (command_delay, sensor_lag)."
-        ]
-
     def sentences(self) -> list[str]:
         """The answer in sentences."""
         verdict, error = self.verdict, self.content["error"]
@@ -188,7 +174,8 @@ class Words:
                 found.append(f"Chance: p = {plain(verdict.p_value, 2)}{few} (residuals moved in time, whole library).")
             if verdict.word != "nothing_missing":
                 found += _false_claims(self.content["false_claims"])
-        found += held_by_bounds(self.content["calibration"]) + self._late() + end_words(self.content["ends"])
+        rows, period = self.content["calibration"], self.analysis.measured.period
+        found += held_by_bounds(rows) + late_inputs(rows, verdict.effects, period) + end_words(self.content["ends"])
         found += still_words(self.content["still"])
         return found + self.telling()
 

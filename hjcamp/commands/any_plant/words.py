@@ -55,6 +55,26 @@ def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
     ]
 
 
+def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], period: float) -> list[str]:
+    """Return what delays of the base say that stand at their bound, or are longer than a log may be off: one sample of ``period``."""
+    if {"command_delay", "sensor_lag"} & {name.split("_at_")[0] for name in named}:
+        return []
+    late = {
+        name.removeprefix("delay.").replace("_", " "): row
+        for name, row in rows.items() if name.startswith("delay.") and row["value"] > 0.0
+    }  # fmt: skip
+    if most := [name for name, row in late.items() if row["at_bound"]]:
+        return [
+            f"The delay of {' and '.join(most)} stands at the most that the base may have, {late[most[0]]['value']:.3g} s: a longer "
+            "one, or a lag, is an effect (command_delay, sensor_lag)."
+        ]
+    return [
+        f"The {name} acts {row['value']:.3g} s late, more than the one sample by which a log may be off: the base takes so short a "
+        "delay or lag for itself (command_delay, sensor_lag)."
+        for name, row in late.items() if (row["ci95"][0] or 0.0) > period
+    ]  # fmt: skip
+
+
 CHANNELS = ("channel", "calibrated", "with what was found", "floor")
 CALIBRATED = ("parameter", "declared", "here", "95 %")
 
