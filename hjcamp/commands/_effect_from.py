@@ -100,7 +100,9 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     values, first, last = even_steps(row["knots"]["x"], row["knots"]["y"], KNOTS)
     quantity, signal = str(row["quantity"]), str(row["signal"])
     text = f"{quantity} at {row['port']}".replace("_", " ")
-    table = Table("amplitude", tuple(row["slots"]), values, curve["y_unit"], text)
+    # a gain is so many times what is asked
+    factor = f"{port.names['demand']} * " if quantity == "gain" else ""
+    table = Table("amplitude", tuple(row["slots"]), values, curve["y_unit"], text, factor)
     return Begun(
         plant, port.subsystem or port.kind, signal.replace("_", " "), signal, (signal,), curve["x_unit"], first, last,
         (table,), f"the diagnosis {file}",

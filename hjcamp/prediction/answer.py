@@ -255,7 +255,8 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
         known = search.unknowns[name]
         reference = step.before if step else analysis.base
         row = {
-            "driver": f"{known.place}_{known.driver}" if known.driver != "time" else "time", "law": name,
+            "driver": known.driver if known.driver == "time" or known.quantity == "gain" else f"{known.place}_{known.driver}",
+            "law": name,
             "quantity": known.quantity, "port": known.place, "signal": known.signal, "slots": list(known.effect.terms),
             "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
         }  # fmt: skip

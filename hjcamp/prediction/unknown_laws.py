@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import linecache
 from collections.abc import Callable
+from functools import lru_cache
+from types import new_class
 from typing import Any
 
 from hjcamp.model.effect import Effect
@@ -22,25 +24,29 @@ class _Hats:
     .. math:: h(x) = \sum_k a_k \max(0, 1 - |w - k|), \quad w = (n - 1) \min(\max(\tfrac{x - low}{high - low}, 0), 1)
 
     ``on`` are the slots on which it acts, in units of the last one; ``over`` is what drives it. A law that ``changes`` its
-    slot comes after all that add to it.
+    slot comes after all that add to it; one that is a share of something is so many ``times`` that, and its driver is in ``unit``.
     """
 
-    def __init_subclass__(cls, on: str, over: str, knots: int, changes: bool = False) -> None:
-        slots, unit = on.split(), "s" if over == "time" else over
+    def __init_subclass__(
+        cls, on: str, over: str, knots: int, changes: bool = False, times: str = "", unit: str = ""
+    ) -> None:
+        slots, unit = on.split(), unit or ("s" if over == "time" else over)
         own = {"low": Parameter(unit, -1.0, BIG), "high": Parameter(unit, 1.0, (-9e8, 1.1e9))}
-        own |= {f"a{k}": Parameter(slots[-1], 0.0, BIG, off=0.0) for k in range(knots)}
+        own |= {f"a{k}": Parameter("1" if times else slots[-1], 0.0, BIG, off=0.0) for k in range(knots)}
         for name, parameter in own.items():
             setattr(cls, name, parameter)
             parameter.__set_name__(cls, name)
         for slot in slots:
-            setattr(cls, slot, staticmethod(_sum_of_hats(cls.__name__, slot, over, knots, changes)))
+            setattr(cls, slot, staticmethod(_sum_of_hats(cls.__name__, slot, over, knots, changes, times)))
         super().__init_subclass__()
 
 
-def _sum_of_hats(law: str, slot: str, over: str, knots: int, changes: bool) -> Callable[..., Any]:
+def _sum_of_hats(law: str, slot: str, over: str, knots: int, changes: bool, times: str) -> Callable[..., Any]:
     """Return the method of a slot; its text is kept where ``inspect``, and so the kernel, finds it."""
-    names = [*([slot] if changes else []), over, "low", "high", *(f"a{k}" for k in range(knots))]
-    hats = [f"a{k} * max(0.0, 1.0 - abs(w{f' - {k}.0' if k else ''}))" for k in range(knots)]
+    first = [*([slot] if changes else []), over, *([times] if times else [])]
+    names = [*dict.fromkeys(first), "low", "high", *(f"a{k}" for k in range(knots))]
+    factor = f"{times} * " if times else ""
+    hats = [f"{factor}a{k} * max(0.0, 1.0 - abs(w{f' - {k}.0' if k else ''}))" for k in range(knots)]
     text = (
         f"def {slot}({', '.join(names)}):\n"
         f'    """Value at this {over}."""\n'
@@ -158,6 +164,21 @@ LAWS: tuple[type[Effect], ...] = (
     ForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
     FrictionOverLoad, LossOverLevel, FlowOverUpstream, CommandOverDemand, ReadingOverTrue,
 )  # fmt: skip
+
+
+@lru_cache(maxsize=256)
+def gain_over(plant: str, command: str, demand: str, driver: str, unit: str) -> type[Effect]:
+    r"""Return the law of a drive whose gain depends on a state of the plant, or changes during a test, in the plant's names.
+
+    .. math:: u \mathrel{+}= u_d\,h(x)
+
+    ``unit`` is that of the ``driver``. A pump that slips under pressure, a motor whose field weakens, an amplifier that warms.
+    """
+    about = {"on": command, "over": driver, "knots": 6, "times": demand, "unit": unit}
+    own = {"subsystem": "actuator", "name": f"unknown_gain_of_{command}_over_{driver}"}
+    # the text of its method is kept by the class' name
+    made: type[Effect] = new_class(f"Gain_{plant}_{command}_{driver}", (_Hats, Effect), about, lambda body: body.update(own))
+    return made
 
 
 def amplitudes_of_law(law: type[Effect]) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction import unknown_laws
-from hjcamp.prediction.unknown_laws import amplitudes_of_law
+from hjcamp.prediction.unknown_laws import amplitudes_of_law, gain_over
 
 Array = NDArray[np.float64]
 LOOKED_AT = 400
@@ -71,6 +71,20 @@ def unknowns_of(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -
                 usual = ranges.get(port.size_of(next(iter(law.terms))), (0.0, 1.0))
                 size = max(abs(usual[0]), abs(usual[1])) or 1.0
                 found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size)
+    return found | _gains(plant, ranges)
+
+
+def _gains(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:
+    """Return the unknowns of drives whose gain depends on a state of the plant, or on time."""
+    found = {}
+    for port in read_vocabulary(plant).ports.values():
+        if port.kind != "actuator":
+            continue
+        for driver, unit in {**{name: item.unit for name, item in plant.states.items()}, "time": "s"}.items():
+            low, high = ranges.get(driver, (0.0, 0.0))
+            if high - low > 1e-9 * max(abs(low), abs(high)):
+                law = gain_over(plant.name, port.names["command"], port.names["demand"], driver, unit)
+                found[law.name] = Unknown(law, port.name, "gain", driver, driver, low, high, 1.0)
     return found
 
 

@@ -51,15 +51,16 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
     """Return the verdict over windows of several widths.
 
     Where no law is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones. Tests that are
-    simulated through are looked at in windows, of which there are more chapters. All of these looks together may claim something by
-    chance half as often as the first.
+    simulated through are looked at in windows, of which there are more chapters, also where a free law alone is shown that leaves
+    more than a name. All of these looks together may claim something by chance half as often as the first.
     Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
     set, both are what the tests leave.
     """
     verdict, width, through = judged(analysis), analysis.windows.layout.width, analysis.windows.layout.memory > 0
     shortest = min(test.samples for test in analysis.measured.tests)
     looks = (1,) if through else LONGER
-    for times in looks if verdict.word == NOTHING or verdict.follows else ():
+    open_still = verdict.word == NOTHING or bool(verdict.follows) or (through and _left_less_by_a_name(analysis, verdict))
+    for times in looks if open_still else ():
         if times * width > shortest:
             break
         seen = at(times * width)
@@ -86,6 +87,13 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
     sets = (verdict.effects, *other.confidence_set)
     group = tuple(dict.fromkeys(name for names in sets for name in names))
     return analysis, replace(verdict, word=ONE_OF, effects=group, confidence_set=sets)
+
+
+def _left_less_by_a_name(analysis: Analysis, verdict: Verdict) -> bool:
+    """Whether a named effect leaves less than the free law for which something outside the library is said to be missing."""
+    if verdict.word != OUTSIDE or verdict.unknown is None:
+        return False
+    return any(one.left_out <= verdict.unknown.left_out for one in analysis.search.steps[0].named)
 
 
 def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
@@ -174,7 +182,7 @@ def judged(analysis: Analysis) -> Verdict:
         left = tuple(name for name in added if not _covered(analysis, model, unknown, name))
         if not left:
             law_left = max(law_left, 1.0 - taken / max(_taken(base, unknown), 1e-12))
-            return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, ())
+            return Verdict(OUTSIDE, (), base, p_value, (), law_left, _alone(analysis, unknown, added), ())
         if left != added:
             covered = set(added) - set(left)
             model, unknown = (search.fitted(one.fitted.candidate.without(covered)) for one in (model, unknown))
@@ -244,6 +252,13 @@ def _covered(analysis: Analysis, model: Scored, unknown: Scored, name: str) -> b
         return False
     less = search.fitted(model.fitted.candidate.without([name]))
     return _taken(less, model) < MOST_OF_IT * _taken(less, rest)
+
+
+def _alone(analysis: Analysis, unknown: Scored, names: tuple[str, ...]) -> Scored:
+    """Return a free law without names that it makes needless, as it was fitted in the first step or fitted anew."""
+    law = set(unknown.names) - set(names)
+    fitted = (one for one in analysis.search.steps[0].unknown if set(one.names) == law)
+    return next(fitted, None) or analysis.search.fitted(unknown.fitted.candidate.without(names))
 
 
 def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], unknown: Scored | None) -> list[Scored]:

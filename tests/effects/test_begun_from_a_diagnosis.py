@@ -69,6 +69,20 @@ def test_the_curve_of_any_plant_is_the_law_of_the_file(here: Path, capsys: pytes
     assert "mine passes" in capsys.readouterr().out
 
 
+def test_a_gain_becomes_a_share_of_what_is_asked(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    knots = {"x": [0.0, 0.2, 0.4], "y": [0.1, 0.0, -0.2]}
+    row = {
+        "driver": "velocity", "quantity": "gain", "port": "force", "signal": "velocity", "slots": ["force"],
+        "curve": {"x_unit": "m/s", "y_unit": "1"}, "knots": knots,
+    }  # fmt: skip
+    effect = begun(SPRING | {"unknowns": [row]}, "axis")
+    check_units(effect, find_plant("axis"))
+    for speed, share in ((0.0, 0.1), (0.1, 0.05), (0.3, -0.1), (0.9, -0.2)):
+        assert at_defaults(effect, "force", velocity=speed, force_demand=50.0) == pytest.approx(50.0 * share, abs=1e-2)
+    assert cli.run(["effects", "test", "mine", "--plant", "axis"]) == 0
+    assert "mine passes" in capsys.readouterr().out
+
+
 def test_both_directions_become_a_force_and_friction(here: Path) -> None:
     effect = begun(joint(), "pump_joint")
     check_units(effect, find_plant("pump_joint"))

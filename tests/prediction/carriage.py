@@ -27,10 +27,11 @@ def measured_log(
     seed: int = 1,
     condition: str = "swing",
     path: Callable[[Array], Array] | None = None,
+    gain: Callable[[float, float], float] = lambda x, v: GAIN,
 ) -> TestLog:
     """Return a log of position (counted) and voltage; ``force`` (N) of position and velocity is what may be hidden.
 
-    ``path`` gives the wanted place (m) over time (s) where it is not three sines.
+    ``path`` gives the wanted place (m) over time (s) where it is not three sines, ``gain`` (N/V) what the motor makes of a volt.
     """
     generator = np.random.default_rng(seed)
     phases = generator.uniform(0.0, 2.0 * np.pi, 3)
@@ -50,7 +51,7 @@ def measured_log(
         voltage = 160.0 * (target - x) - 6.0 * v
         volts[k] = voltage
         for _ in range(SMALL):
-            push = GAIN * voltage + float(force(x, v)) - VISCOUS * v
+            push = gain(x, v) * voltage + float(force(x, v)) - VISCOUS * v
             if v == 0.0 and abs(push) <= COULOMB:
                 continue
             way = math.copysign(1.0, v if v != 0.0 else push)

@@ -123,7 +123,7 @@ class Words:
             found.append(f"These tests do not rule out: {sets}.")
         if verdict.word == "outside_library" and self.content["unknowns"]:
             found.append(
-                f"A {_free_law(self.content['unknowns'][0])}, of a form that no effect of the library has, predicts better. Its curve "
+                f"A {free_law(self.content['unknowns'][0])}, of a form that no effect of the library has, predicts better. Its curve "
                 "is on the page."
             )
         if verdict.follows:
@@ -151,7 +151,7 @@ class Words:
             left = 100.0 * min(verdict.law_left, 1.0)
             if first and self.beside:
                 found.append(
-                    f"Something outside the library is missing as well: a {_free_law(first)} takes {left:.0f} % of what both take "
+                    f"Something outside the library is missing as well: a {free_law(first)} takes {left:.0f} % of what both take "
                     "together. Its curve is on the page."
                 )
             else:
@@ -248,8 +248,10 @@ def _false_claims(shares: Mapping[str, float]) -> list[str]:
     return [f"No test was repeated. As much as was found is promised in {', '.join(said)}, where nothing is."] if said else []
 
 
-def _free_law(row: Mapping[str, Any]) -> str:
+def free_law(row: Mapping[str, Any]) -> str:
     """Return what a free law adds, where, and what it depends on."""
+    if row["quantity"] == "gain":
+        return f"gain of {row['port'].replace('_', ' ')} that depends on {row['driver'].replace('_', ' ')}"
     place, driver = row["port"], row["driver"].rpartition("_")[2]
     where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
     return f"{row['quantity']} {where} {driver}"
