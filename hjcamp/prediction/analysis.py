@@ -170,7 +170,7 @@ def calibrated(
     scored = search.scored(fitted)
     scored = with_contact_forms(search, scored)
     known.base = dict(scored.fitted.candidate.base)
-    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
+    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features, search.predicted(scored)))
 
 
 def predictable(

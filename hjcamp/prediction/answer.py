@@ -71,8 +71,10 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
 
 
 def _leading(analysis: Analysis, verdict: Verdict) -> list[str]:
-    search = analysis.search
-    return leading(search.windows.layout, analysis.base.features, search.chapters) if verdict.follows else []
+    search, base = analysis.search, analysis.base
+    if not verdict.follows:
+        return []
+    return leading(search.windows.layout, base.features, search.chapters, search.predicted(base))
 
 
 def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]:

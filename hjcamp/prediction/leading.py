@@ -17,13 +17,13 @@ MOST_WINDOWS = 300
 MOST_NAMED = 3
 
 
-def leading(layout: Layout, features: Array, chapters: NDArray[np.int64]) -> list[str]:
+def leading(layout: Layout, features: Array, chapters: NDArray[np.int64], readings: Array) -> list[str]:
     """Return up to three quantities, the one that tells most first; the last of them takes a tenth of what all take at least.
 
     A quantity is the mean, the slope or the curvature of a channel or an input in a window, or all three of them in the window before.
     """
     rows = spread_over(len(features), MOST_WINDOWS)
-    groups = {name: columns[rows] for name, columns in _quantities(layout).items()}
+    groups = {name: columns[rows] for name, columns in _quantities(layout, readings).items()}
     values, parts = (features @ whitener(features))[rows], chapters[rows]
 
     def left(names: list[str]) -> float:
@@ -42,10 +42,10 @@ def leading(layout: Layout, features: Array, chapters: NDArray[np.int64]) -> lis
     return found
 
 
-def _quantities(layout: Layout) -> dict[str, Array]:
+def _quantities(layout: Layout, readings: Array) -> dict[str, Array]:
     """Return the columns of the motion (windows, m) by name."""
     moving = [name for name, column in zip(layout.names, layout.inputs.T, strict=True) if np.std(column) > 0.0]
-    motion = motion_of(layout)
+    motion = motion_of(layout, readings)
     both = with_before(layout, motion)
     m = motion.shape[1]
     per = m // (len(layout.measured.sensors) + len(moving))

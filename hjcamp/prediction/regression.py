@@ -35,10 +35,10 @@ class Regression:
     features: Array
 
 
-def regression_of(layout: Layout, features: Array, chapters: NDArray[np.int64]) -> Regression:
+def regression_of(layout: Layout, features: Array, chapters: NDArray[np.int64], readings: Array) -> Regression:
     """Return what a regression of features (windows, d) on the windows' motion, with and without the one before, leaves."""
     rows = spread_over(len(features), MOST_WINDOWS)
-    motion, white = motion_of(layout), whitener(features)
+    motion, white = motion_of(layout, readings), whitener(features)
     described = [motion[rows], with_before(layout, motion)[rows]]
     left = regressed(described, (features @ white)[rows], chapters[rows])
     return Regression(rows, left @ np.linalg.inv(white))

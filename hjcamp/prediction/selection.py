@@ -146,7 +146,7 @@ class Search:
         )
         probes = [probe for one in found for probe in one]
         layout = self.windows.layout
-        orders = moved_orders(layout.of_test, motion_of(layout), self.seed + len(self.steps))
+        orders = moved_orders(layout.of_test, motion_of(layout, layout.readings), self.seed + len(self.steps))
         promised = chance_gains(projection, probes, orders, self.seed + len(self.steps))
         gain, chance = promised.gain, promised.shifted
         effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
@@ -303,7 +303,7 @@ class Search:
         It is shown where a regression predicts chapters left out better at the level of all claims, by a share that matters,
         and by more than friction that differs as every contact's does.
         """
-        found = regression_of(self.windows.layout, model.features, self.chapters)
+        found = regression_of(self.windows.layout, model.features, self.chapters, self.predicted(model))
         before, chapters = model.features[found.rows], self.chapters[found.rows]
         apart = told_apart(found.features, before, chapters)
         t, count = ratio_t(advantages(found.features, before, chapters), apart)
@@ -313,6 +313,13 @@ class Search:
         if np.linalg.norm(before - found.features) <= np.linalg.norm(self.scatter(model)[found.rows]):
             return nothing
         return Follows(1.0 - left, max(math.log(size(before) / size(found.features)), 0.0))
+
+    def predicted(self, model: Scored) -> Array:
+        """Return what a model predicts of all readings (n, sensors), from its own starts: motion without the sensors' noise."""
+        kept, self.windows.place = self.windows.place, model.place
+        found = self.windows.readings(model.fitted.candidate)[0]
+        self.windows.place = kept
+        return np.where(np.isfinite(found), found, self.windows.layout.readings)
 
     def beats(self, model: Scored, other: Scored, level: float = LEVEL) -> bool:
         """Whether a model is better on chapters that it does not know, at a level."""

@@ -28,10 +28,12 @@ def measured_log(
     condition: str = "swing",
     path: Callable[[Array], Array] | None = None,
     gain: Callable[[float, float], float] = lambda x, v: GAIN,
+    noise: float = 0.0,
 ) -> TestLog:
     """Return a log of position (counted) and voltage; ``force`` (N) of position and velocity is what may be hidden.
 
-    ``path`` gives the wanted place (m) over time (s) where it is not three sines, ``gain`` (N/V) what the motor makes of a volt.
+    ``path`` gives the wanted place (m) over time (s) where it is not three sines, ``gain`` (N/V) what the motor makes of a volt;
+    ``noise`` (m) is what the log has beside the place, white.
     """
     generator = np.random.default_rng(seed)
     phases = generator.uniform(0.0, 2.0 * np.pi, 3)
@@ -59,5 +61,6 @@ def measured_log(
             if v != 0.0 and after * v < 0.0:
                 after = 0.0
             x, v = x + 0.5 * h * (v + after), after
+    places = places + noise * generator.standard_normal(len(time))
     columns = {"time_s": time, "position_m": places, "voltage_v": volts}
     return TestLog(columns, {"plant": "axis", "period_s": str(PERIOD), "condition": condition})

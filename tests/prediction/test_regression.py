@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
+from pathlib import Path
 
-from hjcamp.prediction.regression import RIDGES, kernel, predictions, regressed
+import numpy as np
+from carriage import measured_log
+
+from hjcamp.prediction.analysis import calibrated
+from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.regression import RIDGES, kernel, predictions, regressed, regression_of
 
 CHANCE = np.random.default_rng(7)
 MOTION = CHANCE.standard_normal((240, 3))
@@ -39,3 +44,15 @@ def test_what_was_before_is_taken_where_it_is_described() -> None:
     values = np.sin(before[:, :1]) + 0.1 * CHANCE.standard_normal((240, 1))
     assert left(values) > 0.95
     assert left(values, MOTION, np.hstack([MOTION, before])) < 0.5
+
+
+def test_noise_that_is_more_than_the_motion_of_a_window_does_not_tell_itself(axis: Path) -> None:
+    # curvatures of what was measured are the noise's own, which is what is left
+    measured = measured_tests([measured_log(seconds=6.0, noise=3e-4, path=lambda t: 0.05 * np.sin(2.0 * np.pi * 0.1 * t))])
+    analysis = calibrated(measured, {}, unknowns=False, width=16)
+    layout, base = analysis.windows.layout, analysis.base
+    told = regression_of(layout, base.features, analysis.search.chapters, analysis.search.predicted(base))
+    assert analysis.search.rms_ratio(told.features, base.features[told.rows]) > 0.97
+    # it does where the motion is described by the readings that hold it
+    own = regression_of(layout, base.features, analysis.search.chapters, layout.readings)
+    assert analysis.search.rms_ratio(own.features, base.features[own.rows]) < 0.95
