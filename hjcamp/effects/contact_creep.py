@@ -11,8 +11,9 @@ from hjcamp.model.parameter import Parameter
 class ContactCreep(Effect):
     r"""A contact creeps under any push instead of sticking: friction rises from zero over a small speed.
 
-    .. math:: f = F_c\,\mathrm{sign}(v)\,(1 - e^{-3 |v| / v_c}) + C_v v
+    .. math:: f = F_c\,\mathrm{sign}(v)\,\bigl(1 - e^{-(3 |v| / v_c)^n}\bigr)^{1/n} + C_v v
 
+    with a sharpness n: 1 bends from rest on, 2 is nearly a tanh, straight at first.
     Seen as: a slow drift under a constant push where a dry contact would rest; no jump of the force at a reversal.
     A diagnosis does not name it: over more than a small speed this is the curve of any damper.
     Not for: what springs back at rest (see presliding), or friction that falls with speed (see stribeck_excess).
@@ -26,6 +27,7 @@ class ContactCreep(Effect):
     creep_speed = Parameter(
         "speed", 0.05, (1e-4, 1.0), "log-uniform", "speed at which 95 % of the friction are there", off=0.0
     )
+    sharpness = Parameter("1", 1.0, (0.7, 4.0), text="1: bends from rest on; 2: straight at first, nearly a tanh", shape=True)
 
     @staticmethod
     def locks(locks):
@@ -33,7 +35,7 @@ class ContactCreep(Effect):
         return 0.0 * locks
 
     @staticmethod
-    def friction(friction, velocity, speed, direction, coulomb, creep_speed):
+    def friction(friction, velocity, speed, direction, coulomb, creep_speed, sharpness):
         """Friction with a dry part that passes rest without a leap."""
-        share = 1.0 - exp(-3.0 * speed / creep_speed)
+        share = (1.0 - exp(-((3.0 * speed / creep_speed) ** sharpness))) ** (1.0 / sharpness)
         return friction - direction * coulomb + (coulomb if velocity > 0.0 else -coulomb) * share

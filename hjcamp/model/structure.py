@@ -88,22 +88,31 @@ def nonlinear_rates(
     """
     n = len(composition.states)
     found = np.zeros(n, dtype=bool)
-    values = [np.zeros(n) for _ in range(4)]
+    values = [np.zeros(n) for _ in range(6)]
+    known = composition.plant.inputs
     with np.errstate(all="ignore"):
         gate = list(composition.parameters).index(GATES) if composition.gated else None
         for u, drawn, z, move, directions in points or points_of(composition):
             p = drawn.copy()
             if gate is not None:
                 p[gate] = float(gates)
+            usual = u.copy()
+            for k, name in enumerate(composition.inputs):
+                usual[k] = known[name].default if name in known else u[k]
             for direction in directions:
-                for value, time, at in zip(values, (0.1, 0.1, 0.1, 7.3), (z - move, z, z + move, z), strict=True):
+                places = (z - move, z, z + move, z, z, z + move)
+                for k, (value, time, at) in enumerate(zip(values, (0.1, 0.1, 0.1, 7.3, 0.1, 0.1), places, strict=True)):
                     try:
-                        rates(NO_LIMITS, time, direction, at, u, p, value)
+                        rates(NO_LIMITS, time, direction, at, u if k < 4 else usual, p, value)
                     except (ArithmeticError, ValueError):
                         value[:] = np.nan
                 scale = np.abs(values[0]) + np.abs(values[1]) + np.abs(values[2]) + 1e-300
                 bend = np.abs(values[0] + values[2] - 2.0 * values[1]) / scale
                 found |= ~(bend <= 1e-9) | (values[3] != values[1])
+                # the propagators are of the usual inputs: an input that multiplies a state bends its rate, too
+                scale += np.abs(values[4]) + np.abs(values[5])
+                turn = np.abs(values[2] - values[1] - values[5] + values[4]) / scale
+                found |= ~(turn <= 1e-9)
     return found
 
 

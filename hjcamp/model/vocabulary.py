@@ -21,6 +21,9 @@ from hjcamp.model.port import Port
 
 NAMESPACES = {"state": "s_", "parameter": "p_", "drive": "u_", "rate": "d_"}
 
+# Names of the functions into which the lines of equations are written (`hjcamp.model.function_sources`, `step_source`).
+TAKEN = frozenset({"a", "abs", "before", "direction", "f", "gates", "int", "out", "p", "row", "steps", "z"})
+
 
 @dataclass(frozen=True)
 class Statement:
@@ -281,6 +284,11 @@ class _Reader:
             raise UsageError(
                 f"{where}: '{statement.target}' is assigned twice; give what the second line computes a name of its own"
             )
+        plant, name = self.plant, statement.target
+        named = zip(NAMESPACES.values(), (plant.states, plant.parameters, plant.inputs, plant.states), strict=True)
+        own = {f"{prefix}{one}" for prefix, declared in named for one in declared}
+        if statement.mark != "rate" and name in TAKEN | own:
+            raise UsageError(f"{where}: '{name}' is a name that the compiled model has for itself; call this line otherwise")
         self.statements.append(statement)
 
     def _unit_of(self, rule: str, given: Mapping[str, str], where: str) -> str:

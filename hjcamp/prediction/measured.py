@@ -15,6 +15,7 @@ from hjcamp.model.parameter import finite_number
 from hjcamp.model.plant import ALWAYS, Plant
 from hjcamp.prediction.ends import ends_of, within
 from hjcamp.prediction.noise import noise_of, step_of
+from hjcamp.prediction.repetitions import apart_by_course
 from hjcamp.records.find import refuse_mixed_plants
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
@@ -61,7 +62,7 @@ class MeasuredTest:
 
 @dataclass(frozen=True)
 class Measured:
-    """All tests of one plant, ``period`` s between samples; tests of one condition are repetitions of each other."""
+    """All tests of one plant, ``period`` s between samples; tests of one condition and one course are repetitions."""
 
     plant: type[Plant]
     period: float
@@ -146,7 +147,7 @@ def measured_tests(logs: Sequence[TestLog]) -> Measured:
     units = [unit_of_field(name, f"plant {plant.name}") for name in present]
     sensors = tuple(Sensor(name, unit.shown, unit.scale) for name, unit in zip(present, units, strict=True))
     columns = tuple(list(plant.measured).index(name) for name in present)
-    return Measured(plant, period, sensors, columns, tuple(_test(log, plant, sensors) for log in logs))
+    return Measured(plant, period, sensors, columns, apart_by_course([_test(log, plant, sensors) for log in logs]))
 
 
 def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> MeasuredTest:

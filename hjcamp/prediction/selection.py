@@ -108,14 +108,15 @@ class Search:
         return found
 
     def free_of(self, candidate: Candidate) -> list[Free]:
-        """Return all free parameters of a candidate: of the form of a contact how far it gives way, no more."""
+        """Return all free parameters of a candidate: of the form of a contact that could be an effect how far it gives way, no more."""
         found = list(self.base_free)
         for name in candidate.effects:
             if name in self.unknowns:
                 found += free_of_unknown(self.unknowns[name])
                 continue
-            own, form = free_of_effect(self.library[name]), name in self.windows.forms
-            found += [one for one in own if not form or one.name == self.library[name].granted]
+            effect = self.library[name]
+            whole = name not in self.windows.forms or not effect.claimed
+            found += [one for one in free_of_effect(effect) if whole or one.name == effect.granted]
         return found
 
     def fitted(self, start: Candidate, near: Fitted | None = None) -> Scored:

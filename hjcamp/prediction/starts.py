@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.model.effect import Effect
+from hjcamp.model.place_checks import PlainModel
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.measured import Measured
 
@@ -50,15 +51,21 @@ def estimated(measured: Measured) -> tuple[list[Array], Array]:
     """
     plant: Any = measured.plant
     names = list(plant.states)
-    seen = {plant.measured[one.field].of: k for k, one in enumerate(measured.sensors) if plant.measured[one.field].of}
+    shown = {k: shown_by(plant, one.field) for k, one in enumerate(measured.sensors) if plant.measured[one.field].of}
+    seen: dict[str, int] = {}
+    for k, (_, gain) in shown.items():  # of several sensors of one state the one that tells it best
+        of = plant.measured[measured.sensors[k].field].of
+        if of not in seen or measured.noise[k] / abs(gain) < measured.noise[seen[of]] / abs(shown[seen[of]][1]):
+            seen[of] = k
     held = {contact.velocity for contact in read_vocabulary(plant).contacts}
     error = np.full(len(names), np.nan)
     states = [np.full((test.samples, len(names)), np.nan) for test in measured.tests]
     for name, k in seen.items():
+        zero, gain = shown[k]
         place, noise = names.index(name), float(measured.noise[k])
-        error[place] = noise
+        error[place] = noise / abs(gain)
         for test, found in zip(measured.tests, states, strict=True):
-            found[:, place] = test.readings[:, k]
+            found[:, place] = (test.readings[:, k] - zero) / gain
         above = name
         order = 0
         while (above := next((rate for rate, of in rate_of(plant).items() if of == above), "")) and above not in seen:
@@ -66,13 +73,28 @@ def estimated(measured: Measured) -> tuple[list[Array], Array]:
             if order > 2:
                 break
             half, deviation = _half(measured, k, order)
-            error[names.index(above)] = deviation
+            error[names.index(above)] = deviation / abs(gain)
             for test, found in zip(measured.tests, states, strict=True):
                 values = slope(test.readings[:, k], half, measured.period, order)
                 if above in held:
                     values = np.where(_rests(test.readings[:, k], values, half, noise, deviation), 0.0, values)
-                found[:, names.index(above)] = values
+                found[:, names.index(above)] = values / gain
     return states, error
+
+
+@cache
+def shown_by(plant: Any, field: str) -> tuple[float, float]:
+    """Return what the sensor of a field reads where the state that it shows is 0, and for one unit of it; (0, 1) where it bends."""
+    one, place = plant.measured[field], PlainModel(plant)
+    size = plant.states[one.of].typical
+    with np.errstate(all="ignore"):
+        try:
+            low, zero, high = (place.signals({one.of: x})[one.sensor] for x in (-size, 0.0, size))
+        except (ArithmeticError, ValueError, KeyError):
+            return 0.0, 1.0
+    gain = (high - low) / (2.0 * size)
+    straight = abs(high + low - 2.0 * zero) <= 1e-6 * (abs(high) + abs(low))
+    return (zero, gain) if gain != 0.0 and np.isfinite(gain) and straight else (0.0, 1.0)
 
 
 def slope(values: Array, half: int, period: float, order: int = 1) -> Array:

@@ -103,9 +103,12 @@ def ranges_of(
 ) -> dict[str, tuple[float, float]]:
     """Return the range (1st to 99th percentile) of every signal and state along ``states`` (n, states), SI."""
     vocabulary = read_vocabulary(plant)
+    # lines may read a rate that is given above them
     lines = [
-        (one.target, compile(one.expression, "<plant>", "eval")) for one in vocabulary.statements if one.mark != "rate"
+        (f"d_{one.target}" if one.mark == "rate" else one.target, compile(one.expression, "<plant>", "eval"))
+        for one in vocabulary.statements
     ]
+    rates = {f"d_{one.target}" for one in vocabulary.statements if one.mark == "rate"}
     regimes = {
         f"u_{port.names['direction']}": port.names.get("velocity", "")
         for port in vocabulary.ports.values()
@@ -127,7 +130,8 @@ def ranges_of(
         with suppress(ArithmeticError, ValueError):
             for name, code in lines:
                 scope[name] = eval(code, scope)
-                seen.setdefault(name, []).append(float(scope[name]))
+                if name not in rates:
+                    seen.setdefault(name, []).append(float(scope[name]))
         for name, value in own.items():
             seen.setdefault(name, []).append(value)
     found = {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, log, pi, sin, sqrt
+from math import exp, log, pi, sin, sqrt, tanh
 from pathlib import Path
 
 import pytest
@@ -205,6 +205,13 @@ def test_a_creeping_contact_holds_nothing_and_has_its_friction_above_the_creep_s
         found = made.signals({"velocity": sign * speed, "direction": 1.0, "voltage": 2.0})
         assert found["friction"] == pytest.approx(sign * (COULOMB * share + VISCOUS * speed))
         assert found["friction_locks"] == 0.0
+
+
+def test_a_sharp_creep_is_nearly_a_tanh() -> None:
+    made = model("axis", "contact_creep", creep_speed=0.01, sharpness=2.0)
+    for x in (0.1, 0.5, 1.0, 2.0):
+        found = made.signals({"velocity": x * 0.01 / 3.0, "direction": 1.0})["friction"] - VISCOUS * x * 0.01 / 3.0
+        assert found == pytest.approx(COULOMB * tanh(x), rel=0.05)
 
 
 def test_static_friction_ages_with_the_rest() -> None:

@@ -143,3 +143,37 @@ def test_what_is_curved_with_an_input_alone_is_followed(folder: Path) -> None:
             (0.0, period), state, rtol=1e-11, atol=1e-14,
         )  # fmt: skip
         state = found.y[:, -1]
+
+
+MIXER = '''"""A stirred tank."""
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, path, sensor, store
+
+
+class Mixer(Plant):
+    r"""What flows in takes the place of what was there.
+
+    .. math:: \\dot T = (q / V)\\,(T_{in} - T)
+    """
+
+    warmth = State("K", typical=20.0)
+    flow = Input("m^3/s", typical=1e-3, default=0.0)
+    volume = Parameter("m^3", 0.02, base=True)
+    inlet = Parameter("K", 60.0)
+    period = 5.0
+    warmth_k = Measured("probe", of="warmth")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        rate.warmth = drive.flow / parameter.volume * (parameter.inlet - state.warmth)
+        probe = sensor(state.warmth)
+'''
+
+
+def test_an_input_that_multiplies_a_state_is_followed_as_exactly_as_a_coefficient(folder: Path) -> None:
+    (folder / "plants" / "mixer.py").write_text(MIXER, encoding="utf-8")
+    model = simulator("mixer")
+    flow = np.where(np.arange(40) < 20, 2e-3, 6e-3)
+    _, states = model.run_free(model.vector({}), given(model, 5.0, 40, [[10.0]], flow=flow))
+    passed = np.concatenate([[0.0], np.cumsum(5.0 * flow / 0.02)[:-1]])
+    # a step of 5 s is half a time constant, and more: a step by Euler would err by kelvins
+    assert np.abs(states[:, 0] - (60.0 - 50.0 * np.exp(-passed))).max() < 2e-3

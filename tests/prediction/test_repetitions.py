@@ -1,0 +1,31 @@
+"""Tests that are called alike are repetitions where they follow one course."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from carriage import measured_log
+
+from hjcamp.prediction.measured import measured_tests
+
+
+def groups(*logs: object) -> list[list[int]]:
+    return list(measured_tests(list(logs)).conditions.values())  # type: ignore[arg-type]
+
+
+def test_the_same_swing_is_a_repetition_and_another_one_is_not(axis: Path) -> None:
+    swings = [measured_log(seconds=4.0, seed=seed) for seed in (1, 1, 2)]
+    assert groups(*swings) == [[0, 1], [2]]
+    names = list(measured_tests(swings).conditions)
+    assert len(set(names)) == 2 and all(name.startswith("swing (") for name in names)
+    # noise in the log, and in what the loop makes of it, is no other course; nor is a shorter test
+    noisy = measured_log(seconds=4.0, seed=1, noise=1e-4)
+    noisy.columns["voltage_v"] = noisy.columns["voltage_v"] + 9.0 * np.random.default_rng(3).standard_normal(2000)
+    assert groups(measured_log(seconds=4.0, seed=1), measured_log(seconds=4.0, path=lambda t: 0.05 * np.sin(t))) == [[0], [1]]
+    assert groups(swings[0], noisy, measured_log(seconds=3.0, seed=1)) == [[0, 1, 2]]
+
+
+def test_other_conditions_stay_apart_and_their_names_as_they_are(axis: Path) -> None:
+    found = measured_tests([measured_log(seconds=2.0, condition=name) for name in ("a", "b", "a")])
+    assert found.conditions == {"a": [0, 2], "b": [1]}
