@@ -285,8 +285,9 @@ class _Reader:
                 f"{where}: '{statement.target}' is assigned twice; give what the second line computes a name of its own"
             )
         plant, name = self.plant, statement.target
-        named = zip(NAMESPACES.values(), (plant.states, plant.parameters, plant.inputs, plant.states), strict=True)
-        own = {f"{prefix}{one}" for prefix, declared in named for one in declared}
+        states, parameters, inputs, rates = NAMESPACES["state"], NAMESPACES["parameter"], NAMESPACES["drive"], NAMESPACES["rate"]
+        own = {f"{prefix}{one}" for one in plant.states for prefix in (states, rates)}
+        own |= {f"{parameters}{one}" for one in plant.parameters} | {f"{inputs}{one}" for one in plant.inputs}
         if statement.mark != "rate" and name in TAKEN | own:
             raise UsageError(f"{where}: '{name}' is a name that the compiled model has for itself; call this line otherwise")
         self.statements.append(statement)
