@@ -92,6 +92,7 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.effects._curve_template import Begun, Table, even_steps
     from hjcamp.known_plants import find_plant
     from hjcamp.model.vocabulary import read_vocabulary
+    from hjcamp.prediction.unknowns import TIMES
 
     ports = read_vocabulary(find_plant(plant)).ports
     if row["port"] not in ports:
@@ -100,8 +101,11 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     values, first, last = even_steps(row["knots"]["x"], row["knots"]["y"], KNOTS)
     quantity, signal = str(row["quantity"]), str(row["signal"])
     text = f"{quantity} at {row['port']}".replace("_", " ")
-    # a gain is so many times what is asked
-    factor = f"{port.names['demand']} * " if quantity == "gain" else ""
+    factor = ""
+    if quantity == "gain":
+        # a gain is so many times what is asked; what a law reads of its own slot it must hand on
+        slot, times = (port.names[name] for name in TIMES[port.kind])
+        factor = f"{slot} + {times} * " if slot == times else f"{times} * "
     table = Table("amplitude", tuple(row["slots"]), values, curve["y_unit"], text, factor)
     return Begun(
         plant, port.subsystem or port.kind, signal.replace("_", " "), signal, (signal,), curve["x_unit"], first, last,

@@ -39,6 +39,8 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
     """Return the answer as plain values."""
     model, base = verdict.model, analysis.base
     least = floor_size(analysis)
+    # of what is outside the library its free law shows how much could be gained
+    shown = verdict.unknown if verdict.unknown and not verdict.effects else model
     return {
         "schema": SCHEMA,
         "plant": analysis.measured.plant.name,
@@ -48,7 +50,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "p_value": float(verdict.p_value),
         "candidates": candidates(analysis, verdict),
         "error": {"baseline": base.left_out / least, "augmented": model.left_out / least, "floor": 1.0},
-        "channels": channel_rows(analysis, model),
+        "channels": channel_rows(analysis, shown),
         "calibration": calibration(analysis),
         "where": [],
         "worst": worst(analysis, model),
@@ -263,6 +265,7 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
             "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
         }  # fmt: skip
         if place == 0:
+            row["left"] = analysis.search.error_ratio(one, analysis.base)
             row["curve"] = curve_of(analysis, one, name)
             row["knots"] = knots_of(known, one.fitted.candidate.effects[name])
         rows.append(row)

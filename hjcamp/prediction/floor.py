@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.prediction.layout import Layout
+from hjcamp.prediction.levels import MOST_OF_IT
 
 Array = NDArray[np.float64]
 # Moments this far apart are looked at twice, not one after the other.
@@ -65,9 +66,19 @@ def floor_of(layout: Layout, features: Array, readings: Array) -> Floor:
         return Floor("repetitions", moments, math.hypot(usual_size(repeated, moments), math.sqrt(rounded)))
     # what is simulated through depends on more of the past than a window shows: windows that are alike need not err alike
     near = None if layout.memory else _of_neighbours(layout, features, readings)
-    if near is not None:
+    if near is not None and not _alike_by_no_means(near, features):
         return Floor("near_replicates", near + np.eye(d))
     return Floor("sensor", np.eye(d))
+
+
+def _alike_by_no_means(near: Array, features: Array) -> bool:
+    """Whether windows of like motion differ by most of what any windows do, far above the noise: that is scatter, or a structure finer
+    than their likeness, and no one can tell.
+    """
+    whole = features.T @ features / len(features)
+    if np.trace(whole) * (1.0 - MOST_OF_IT) ** 2 <= len(whole):
+        return False
+    return bool(np.trace(np.linalg.solve(whole + np.eye(len(whole)), near)) > MOST_OF_IT * len(whole))
 
 
 def _of_repetitions(layout: Layout, features: Array) -> Array | None:

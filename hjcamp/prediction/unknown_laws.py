@@ -43,7 +43,7 @@ class _Hats:
 
 def _sum_of_hats(law: str, slot: str, over: str, knots: int, changes: bool, times: str) -> Callable[..., Any]:
     """Return the method of a slot; its text is kept where ``inspect``, and so the kernel, finds it."""
-    first = [*([slot] if changes else []), over, *([times] if times else [])]
+    first = [*([slot] if changes or times == slot else []), over, *([times] if times else [])]
     names = [*dict.fromkeys(first), "low", "high", *(f"a{k}" for k in range(knots))]
     factor = f"{times} * " if times else ""
     hats = [f"{factor}a{k} * max(0.0, 1.0 - abs(w{f' - {k}.0' if k else ''}))" for k in range(knots)]
@@ -51,7 +51,7 @@ def _sum_of_hats(law: str, slot: str, over: str, knots: int, changes: bool, time
         f"def {slot}({', '.join(names)}):\n"
         f'    """Value at this {over}."""\n'
         f"    w = {knots - 1}.0 * min(max(({over} - low) / (high - low), 0.0), 1.0)\n"
-        f"    return {' + '.join([*([slot] if changes else []), *hats])}\n"
+        f"    return {' + '.join([*([slot] if slot in names else []), *hats])}\n"
     )
     file = f"<{__name__}.{law}.{slot}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
@@ -167,17 +167,18 @@ LAWS: tuple[type[Effect], ...] = (
 
 
 @lru_cache(maxsize=256)
-def gain_over(plant: str, command: str, demand: str, driver: str, unit: str) -> type[Effect]:
-    r"""Return the law of a drive whose gain depends on a state of the plant, or changes during a test, in the plant's names.
+def gain_over(plant: str, slot: str, times: str, driver: str, unit: str) -> type[Effect]:
+    r"""Return the law of a drive or a path whose gain depends on a state of the plant, or changes during a test, in its names.
 
     .. math:: u \mathrel{+}= u_d\,h(x)
 
-    ``unit`` is that of the ``driver``. A pump that slips under pressure, a motor whose field weakens, an amplifier that warms.
+    ``times`` is what is asked of it (u_d), ``unit`` that of the ``driver``. A pump that slips under pressure, a motor whose field
+    weakens, an amplifier that warms, a pipe that clogs.
     """
-    about = {"on": command, "over": driver, "knots": 6, "times": demand, "unit": unit}
-    own = {"subsystem": "actuator", "name": f"unknown_gain_of_{command}_over_{driver}"}
+    about = {"on": slot, "over": driver, "knots": 6, "times": times, "unit": unit}
+    own = {"subsystem": "gain", "name": f"unknown_gain_of_{slot}_over_{driver}"}
     # the text of its method is kept by the class' name
-    made: type[Effect] = new_class(f"Gain_{plant}_{command}_{driver}", (_Hats, Effect), about, lambda body: body.update(own))
+    made: type[Effect] = new_class(f"Gain_{plant}_{slot}_{driver}", (_Hats, Effect), about, lambda body: body.update(own))
     return made
 
 

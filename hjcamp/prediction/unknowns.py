@@ -23,6 +23,8 @@ from hjcamp.prediction.unknown_laws import amplitudes_of_law, gain_over
 
 Array = NDArray[np.float64]
 LOOKED_AT = 400
+# The slot whose gain may change at a place of a kind, and what it is so many times of.
+TIMES = {"actuator": ("command", "demand"), "path": ("flow", "flow")}
 
 
 @dataclass(frozen=True)
@@ -75,15 +77,17 @@ def unknowns_of(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -
 
 
 def _gains(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:
-    """Return the unknowns of drives whose gain depends on a state of the plant, or on time."""
+    """Return the unknowns of drives whose gain depends on a state of the plant or on time, and of paths that clog or wear."""
     found = {}
+    states = {name: item.unit for name, item in plant.states.items()}
     for port in read_vocabulary(plant).ports.values():
-        if port.kind != "actuator":
+        if port.kind not in TIMES:
             continue
-        for driver, unit in {**{name: item.unit for name, item in plant.states.items()}, "time": "s"}.items():
+        slot, times = (port.names[name] for name in TIMES[port.kind])
+        for driver, unit in {**(states if port.kind == "actuator" else {}), "time": "s"}.items():
             low, high = ranges.get(driver, (0.0, 0.0))
             if high - low > 1e-9 * max(abs(low), abs(high)):
-                law = gain_over(plant.name, port.names["command"], port.names["demand"], driver, unit)
+                law = gain_over(plant.name, slot, times, driver, unit)
                 found[law.name] = Unknown(law, port.name, "gain", driver, driver, low, high, 1.0)
     return found
 

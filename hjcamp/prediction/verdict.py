@@ -12,6 +12,7 @@ from hjcamp.prediction.analysis import Analysis, what_lacks
 from hjcamp.prediction.chapters import critical
 from hjcamp.prediction.floor import in_units, usual_size
 from hjcamp.prediction.intervals import held_away, intervals
+from hjcamp.prediction.laws import alike_laws
 from hjcamp.prediction.layout import SHORTEST
 from hjcamp.prediction.levels import LEVEL, LONGER, MATTERS, MOST_OF_IT
 from hjcamp.prediction.scored import Scored, Step
@@ -188,11 +189,7 @@ def judged(analysis: Analysis) -> Verdict:
             model, unknown = (search.fitted(one.fitted.candidate.without(covered)) for one in (model, unknown))
             added, taken = left, _taken(base, model)
         law_left = max(law_left, 1.0 - taken / max(_taken(base, unknown), 1e-12))
-    # one free law that does as well with no more parameters: the names are not the simpler explanation
-    freedom = len(model.fitted.free)
-    alone = next(
-        (one for one in first.unknown if len(one.fitted.free) <= freedom and not search.beats(model, one)), None
-    )
+    alone = next((one for one in first.unknown if _simpler(analysis, one, model, added)), None)
     if alone is not None:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, alone, ())
     models = _confidence_set(analysis, model, added, unknown)
@@ -201,6 +198,20 @@ def judged(analysis: Analysis) -> Verdict:
         group = tuple(dict.fromkeys(name for one in sets for name in one))
         return Verdict(ONE_OF, group, model, p_value, sets, max(law_left, 0.0), unknown, ())
     return Verdict(EFFECT, added, model, p_value, sets, max(law_left, 0.0), unknown, ())
+
+
+def _simpler(analysis: Analysis, free: Scored, model: Scored, names: tuple[str, ...]) -> bool:
+    """Whether one free law is the simpler explanation: as good as the names with no more parameters, or than several as one thing.
+
+    One that is another form of a name is that same thing.
+    """
+    search = analysis.search
+    if search.beats(model, free):
+        return False
+    if len(free.fitted.free) <= len(model.fitted.free):
+        return True
+    law = next(search.unknowns[name] for name in free.names if name in search.unknowns)
+    return len(names) > 1 and free.left_out <= model.left_out and not any(alike_laws(law, search.library[name]) for name in names)
 
 
 def _far_above_floor(analysis: Analysis, model: Scored) -> bool:

@@ -17,6 +17,28 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
 
 STIFFNESS, REST = 140.0, 0.02
+BASIN = '''"""A basin that drains."""
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, path, sensor, store
+
+
+class Basin(Plant):
+    r"""What runs in and out.
+
+    .. math:: \\dot h = q - k h
+    """
+
+    level = State("m", typical=5.0)
+    tap = Input("m/s", typical=1.0)
+    k = Parameter("1/s", 0.1, base=True)
+    gauge_m = Measured("gauge", of="level")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        inflow = actuator(drive.tap)
+        drain = path(parameter.k * state.level, upstream=state.level)
+        rate.level = store(inflow - drain)
+        gauge = sensor(state.level)
+'''
 SPRING: dict[str, Any] = {
     "schema": "hjcamp.diagnosis/2", "plant": "axis", "verdict": "outside_library", "effects": [],
     "unknowns": [{
@@ -81,6 +103,19 @@ def test_a_gain_becomes_a_share_of_what_is_asked(here: Path, capsys: pytest.Capt
         assert at_defaults(effect, "force", velocity=speed, force_demand=50.0) == pytest.approx(50.0 * share, abs=1e-2)
     assert cli.run(["effects", "test", "mine", "--plant", "axis"]) == 0
     assert "mine passes" in capsys.readouterr().out
+
+
+def test_a_gain_of_a_path_is_handed_on(here: Path) -> None:
+    Path("plants/basin.py").write_text(BASIN, encoding="utf-8")
+    flow = "drain"
+    row = {
+        "driver": "time", "quantity": "gain", "port": flow, "signal": "time", "slots": [flow],
+        "curve": {"x_unit": "s", "y_unit": "1"}, "knots": {"x": [0.0, 50.0, 100.0], "y": [0.0, -0.1, -0.3]},
+    }  # fmt: skip
+    effect = begun(SPRING | {"plant": "basin", "unknowns": [row]}, "basin")
+    check_units(effect, find_plant("basin"))
+    for time, share in ((0.0, 0.0), (25.0, -0.05), (75.0, -0.2)):
+        assert at_defaults(effect, flow, **{flow: 3.0, "time": time}) == pytest.approx(3.0 * (1.0 + share), abs=1e-3)
 
 
 def test_both_directions_become_a_force_and_friction(here: Path) -> None:

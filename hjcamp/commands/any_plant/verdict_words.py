@@ -123,8 +123,8 @@ class Words:
             found.append(f"These tests do not rule out: {sets}.")
         if verdict.word == "outside_library" and self.content["unknowns"]:
             found.append(
-                f"A {free_law(self.content['unknowns'][0])}, of a form that no effect of the library has, predicts better. Its curve "
-                "is on the page."
+                f"A {free_law(self.content['unknowns'][0])}, of a form that no effect of the library has, predicts better: it leaves "
+                f"{100.0 * self.content['unknowns'][0]['left']:.0f} % of the error. Its curve is on the page."
             )
         if verdict.follows:
             found.append(
