@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,8 @@ from hjcamp.model.simulator import Simulator
 Array = NDArray[np.float64]
 SAMPLES = 1500
 TESTS = 3
+# The signs that inputs take.
+BOTH, ONE = (-1.0, 1.0), (1.0,)
 STEP = 1e-2
 # Sensitivities are this accurate: a parameter of which no more is left beside the others moves together with them.
 ALONE = 1e-3
@@ -36,8 +39,11 @@ class Bench:
         """The simulator, its effects behind gates."""
         return Simulator(Composition(self.plant, self.effects, gated=bool(self.effects)), free=True)
 
-    def given(self, simulator: Simulator) -> Given:
-        """Return the tests: every input steps at random between rest and twice its usual size, each at its own times."""
+    def given(self, simulator: Simulator, signs: tuple[float, ...] = BOTH) -> Given:
+        """Return the tests: every input steps at random between rest and twice its usual size, each at its own times.
+
+        No input is taken beyond what is plausible of it.
+        """
         generator = np.random.default_rng(20090405)
         inputs = np.tile(simulator.inputs(), (SAMPLES * TESTS, 1))
         for place, name in enumerate(simulator.composition.inputs):
@@ -45,25 +51,43 @@ class Bench:
             if known is None or name in ALWAYS:
                 continue
             lengths = generator.integers(SAMPLES // 40, SAMPLES // 8, SAMPLES)
-            sizes = generator.choice((0.0, 0.5, 1.0, 2.0), SAMPLES) * generator.choice((-1.0, 1.0), SAMPLES)
-            inputs[:, place] = known.typical * np.repeat(sizes, lengths)[: len(inputs)]
+            sizes = generator.choice((0.0, 0.5, 1.0, 2.0), SAMPLES) * generator.choice(signs, SAMPLES)
+            inputs[:, place] = np.clip(known.typical * np.repeat(sizes, lengths)[: len(inputs)], *known.plausible)
         begins = np.zeros(len(inputs), dtype=np.int64)
         begins[::SAMPLES] = 1
         starts = np.array([[state.usual(generator) for state in self.plant.states.values()] for _ in range(TESTS)])
-        for contact in simulator.composition.vocabulary.contacts:
+        # what nothing drives shows its friction while it rolls out alone
+        for contact in simulator.composition.vocabulary.contacts if set(self.plant.inputs) - set(ALWAYS) else ():
             starts[:, list(self.plant.states).index(contact.velocity)] = 0.0
         time = np.tile(np.arange(SAMPLES) * self.plant.period, TESTS)
         return Given(self.plant.period, begins, time, inputs, starts)
 
 
 def identified(plant: type[Plant]) -> str:
-    """Refuse a plant with a base parameter that no log can tell; the message names what it moves together with."""
+    """Refuse a plant with a base parameter that no log can tell; the message names what it moves together with.
+
+    Inputs step to both signs, and where these do not tell it, to one: a valve cannot open less than not at all.
+    """
+    return _under_either(lambda signs: _identified(plant, signs))
+
+
+def _under_either(check: Callable[[tuple[float, ...]], str]) -> str:
+    """Return what a check says under inputs of both signs, else of one; what it says against the first is raised."""
+    try:
+        return check(BOTH)
+    except UsageError:
+        with suppress(UsageError):
+            return check(ONE)
+        raise
+
+
+def _identified(plant: type[Plant], signs: tuple[float, ...]) -> str:
     names = [name for name in plant.base_parameters if plant.parameters[name].default != 0.0]
     if not names:
         return "no base parameters"
     bench = Bench(plant)
     simulator = bench.simulator
-    given = bench.given(simulator)
+    given = bench.given(simulator, signs)
     columns = _sensitivities(simulator, given, names)
     sizes = np.linalg.norm(columns, axis=0)
     for name, size in zip(names, sizes[: len(names)], strict=True):
@@ -95,7 +119,10 @@ def effects_seen(plant: type[Plant], effects: Mapping[str, type[Effect]]) -> str
         return "no effects fit"
     bench = Bench(plant, tuple(effects.values()))
     simulator = bench.simulator
-    given = bench.given(simulator)
+    return _under_either(lambda signs: _seen(plant, effects, simulator, bench.given(simulator, signs)))
+
+
+def _seen(plant: type[Plant], effects: Mapping[str, type[Effect]], simulator: Simulator, given: Given) -> str:
     absent = simulator.run_free(simulator.vector({}), given)[0]
     scale = np.maximum(np.std(absent, axis=0), 1e-300)
     unseen, lost = [], []

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hjcamp import cli
-from hjcamp.effects import library_of
+from hjcamp.effects import library_of, load_effects
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
 from hjcamp.model.amount_formula import plain_functions
@@ -18,6 +18,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
 from hjcamp.model.function_sources import rates_source, signals_source
 from hjcamp.model.parameter import Parameter, State
+from hjcamp.model.plant_bench import effects_seen, identified
 from hjcamp.model.plant_checks import check_plant, other_period
 from hjcamp.model.quantities import usual_sizes
 from hjcamp.model.vocabulary import read_vocabulary
@@ -324,3 +325,64 @@ def test_a_base_parameter_that_nothing_shows_is_named(folder: Path, capsys: pyte
     path.write_text(path.read_text().replace("    level_v", '    spare = Parameter("V", 2.0, base=True)\n    level_v'))
     assert cli.run(["plants", "test", "tanks"]) == 2
     assert "'spare' changes nothing that is measured" in capsys.readouterr().err
+
+
+ROLLS_OUT = '''"""A car that rolls out."""
+from hjcamp.plant import Measured, Parameter, Plant, State, body, contact, outside, sensor
+
+
+class Car(Plant):
+    r"""Rolling resistance alone.
+
+    .. math:: m \\\\dot v = -R
+    """
+
+    position = State("m", typical=100.0)
+    speed = State("m/s", typical=5.0)
+    mass = Parameter("kg", 78.0)
+    rolling = Parameter("N", 3.0, (0.01, 50.0), base=True)
+    speed_m_per_s = Measured("gps", of="speed")
+    period = 1.0
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        load = outside("N")
+        friction = contact(state.speed, push=load, coulomb=parameter.rolling, travel=state.position)
+        rate.position = state.speed
+        rate.speed = body(load - friction, mass=parameter.mass, load=load, position=state.position)
+        gps = sensor(state.speed)
+'''
+JACKET = '''"""A jacket that a valve cools."""
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, sensor, store
+
+
+class Jacket(Plant):
+    r"""A negative opening would heat it without end.
+
+    .. math:: C \\\\dot T = P - G v T
+    """
+
+    warmth = State("K", typical=30.0)
+    valve = Input("1", typical=0.5)
+    heater = Input("W", typical=1e3)
+    capacity = Parameter("J/K", 500.0, base=True)
+    flow = Parameter("W/K", 200.0, base=True)
+    warmth_k = Measured("probe", of="warmth")
+    period = 5.0
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        cooling = actuator(parameter.flow * drive.valve)
+        heat = actuator(drive.heater)
+        rate.warmth = store((heat - cooling * state.warmth) / parameter.capacity)
+        probe = sensor(state.warmth)
+'''
+
+
+@pytest.mark.parametrize(("name", "text", "told"), [("car", ROLLS_OUT, "1 base"), ("jacket", JACKET, "2 base")])
+def test_what_rolls_out_or_must_not_be_driven_backwards_is_told(folder: Path, name: str, text: str, told: str) -> None:
+    (folder / "plants" / f"{name}.py").write_text(text)
+    plant = find_plant(name)
+    assert identified(plant).startswith(told)
+    # an effect that only one sign of the inputs bears fails no test
+    assert " of " in effects_seen(plant, load_effects(plant=name))
