@@ -172,7 +172,7 @@ def gain_over(plant: str, slot: str, times: str, driver: str, unit: str) -> type
 
     .. math:: u \mathrel{+}= u_d\,h(x)
 
-    ``times`` is what is asked of it (u_d), ``unit`` that of the ``driver``. A pump that slips under pressure, a motor whose field
+    ``times`` is what is asked of it (u_d), ``unit`` that of the ``driver``. What slips under pressure, a motor whose field
     weakens, an amplifier that warms, a pipe that clogs.
     """
     about = {"on": slot, "over": driver, "knots": 6, "times": times, "unit": unit}
