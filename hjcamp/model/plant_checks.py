@@ -33,7 +33,8 @@ def check_equations(plant: type[Plant]) -> str:
     for line in vocabulary.statements:
         if line.mark != "rate" and line.target in declared:
             raise UsageError(
-                f"{where}, line {line.line}: '{line.target}' is declared above; give the line another name"
+                f"{where}, line {line.line}: '{line.target}' is declared above; give the line another name (an element that is called "
+                "NAME writes lines such as NAME_demand or NAME_capacity of its own: name='...' calls it otherwise)"
             )
     for group in (plant.states, plant.parameters, plant.inputs):
         for name in group:

@@ -34,11 +34,19 @@ SHOWN: dict[str, tuple[str, float]] = {
 
 
 def shown(value: float, unit: str) -> tuple[float, str]:
-    """Return an SI value and its unit as people read them; a number without unit has the unit ''. A kilogram or more stays."""
-    if unit == "kg" and abs(value) >= 1.0:
-        return value, unit
-    name, factor = SHOWN.get(unit, (unit, 1.0))
+    """Return an SI value and its unit as people read them; a number without unit has the unit ''."""
+    name, factor = unit_for(value, unit)
     return value * factor, name
+
+
+def unit_for(value: float, unit: str) -> tuple[str, float]:
+    """Return the unit in which a value of this size is read, and the factor to it.
+
+    A kilogram or more stays as it is, and so does less than a kilopascal.
+    """
+    if (unit == "kg" and abs(value) >= 1.0) or (unit == "Pa" and 0.0 < abs(value) < 1e3):
+        return unit, 1.0
+    return SHOWN.get(unit, (unit, 1.0))
 
 
 def told(value: float, unit: str, digits: int = 3) -> str:
@@ -51,7 +59,8 @@ def told_interval(row: Mapping[str, Any], digits: int = 3) -> str:
     """Return the 95 % interval of one row of an answer (value, unit, ci95): ``0.268 to 0.29``; in words where nothing tells it."""
     if not row.get("told", True):
         return "not told by these tests"
-    low, high = (shown(one, row["unit"])[0] for one in row["ci95"])
+    factor = unit_for(row.get("value", row["ci95"][1]), row["unit"])[1]
+    low, high = (one * factor for one in row["ci95"])
     while digits < 7 and low != high and plain(low, digits) == plain(high, digits):
         digits += 1
     return f"{plain(low, digits)} to {plain(high, digits)}"

@@ -33,6 +33,10 @@ def test_what_is_told() -> None:
     assert told(0.0, "N") == "0 N"
     assert told(7.20, "N") == "7.2 N"
     assert told_interval({"unit": "Pa", "ci95": [4.92e5, 5.01e5]}) == "0.492 to 0.501"
+    assert told(465.0, "Pa") == "465 Pa" and told(4650.0, "Pa") == "0.00465 MPa"
+    # both ends in the unit of the value
+    assert told_interval({"unit": "Pa", "value": 1500.0, "ci95": [900.0, 2100.0]}) == "0.0009 to 0.0021"
+    assert told_interval({"unit": "kg", "value": 1.1, "ci95": [0.9, 1.3]}) == "0.9 to 1.3"
     assert told_interval({"unit": "N", "ci95": [2.94512, 2.94533]}) == "2.9451 to 2.9453"
 
 

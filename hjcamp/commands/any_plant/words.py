@@ -57,12 +57,13 @@ def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], period: float) -> list[str]:
     """Return what delays of the base say that stand at their bound, or are longer than a log may be off: one sample of ``period``."""
-    if {"command_delay", "sensor_lag"} & {name.split("_at_")[0] for name in named}:
-        return []
     late = {
         name.removeprefix("delay.").replace("_", " "): row
         for name, row in rows.items() if name.startswith("delay.") and row["value"] > 0.0
     }  # fmt: skip
+    if {"command_delay", "sensor_lag"} & {name.split("_at_")[0] for name in named}:
+        own = [f"{name} by {row['value']:.3g} s" for name, row in late.items() if row["at_bound"] or (row["ci95"][0] or 0.0) > period]
+        return [f"The base is late by itself, too ({', '.join(own)}): both together are what is late."] if own else []
     if most := [name for name, row in late.items() if row["at_bound"]]:
         return [
             f"The delay of {' and '.join(most)} stands at the most that the base may have, {late[most[0]]['value']:.3g} s: a longer "
@@ -142,6 +143,11 @@ def further_off(found: Comparison) -> list[str]:
     return said + better[:1]
 
 
+def _share(explained: float) -> str:
+    """Return a share in percent; of a model that runs away no number is worth reading."""
+    return f"{100.0 * explained:.2f} %" if explained > -100.0 else "far below 0"
+
+
 def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:
     """Return the head and rows of a comparison: model, each channel's rms with the share explained, over the floor."""
     from hjcamp.report.exploration import channel_label
@@ -156,7 +162,7 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
     )
     rows = [
         [one.name, *(told(one.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
-         *(f"{100 * one.explained[k]:.2f} %" for k in range(len(sensors))), f"{one.score:.2f}"]
+         *(_share(one.explained[k]) for k in range(len(sensors))), f"{one.score:.2f}"]
         for one in (*found.models, found.calibrated)
     ]  # fmt: skip
     floor = found.analysis.floor.of_sensors(layout)
