@@ -15,14 +15,14 @@ from hjcamp import cli
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction import analysis
-from hjcamp.prediction.analysis import calibrated
+from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import answer
 from hjcamp.prediction.chapters import chapters_of
 from hjcamp.prediction.measured import Measured, measured_tests
 from hjcamp.prediction.passage import Through
 from hjcamp.prediction.scored import Follows
 from hjcamp.prediction.selection import Search
-from hjcamp.prediction.verdict import agreed, judged
+from hjcamp.prediction.verdict import Verdict, agreed, judged
 from hjcamp.records.write import write_log
 
 NAMES = ("flow_exponent_at_outflow", "overflow_at_upper", "spill_over")
@@ -90,15 +90,22 @@ def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch:
     assert said() == ("cannot_tell", [])
 
 
-def test_what_few_chapters_do_not_show_is_looked_for_in_windows(tanks: Path) -> None:
+def test_what_few_chapters_do_not_show_is_looked_for_in_windows(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # simulated through there are nine chapters, too few for two things at once
     measured = measured_tests([gauge.measured_log(brim=7.0, seed=9, samples=800, power=0.4)])
     library = load_effects(plant=measured.plant)
     names = ("spill_over", "flow_exponent_at_outflow", "overflow_at_lower", "sensor_offset")
     at = partial(calibrated, measured, {name: library[name] for name in names})
-    assert at().windows.layout.memory and judged(at()).word == "outside_library"
-    analysis, verdict = agreed(at(), lambda width: at(width=width))
-    assert not analysis.windows.layout.memory and set(verdict.effects) == {"spill_over", "flow_exponent_at_outflow"}
+    said = []
+
+    def heard(one: Analysis) -> Verdict:
+        said.append((one.windows.layout.memory > 0, judged(one)))
+        return said[-1][1]
+
+    monkeypatch.setattr("hjcamp.prediction.verdict.judged", heard)
+    found, verdict = agreed(at(), lambda width: at(width=width))
+    assert [(through, one.word) for through, one in said] == [(True, "outside_library"), (False, "effect")]
+    assert not found.windows.layout.memory and set(verdict.effects) == {"spill_over", "flow_exponent_at_outflow"}
 
 
 def test_one_set_of_logs_is_looked_at_in_one_way_whatever_is_asked(tanks: Path) -> None:
