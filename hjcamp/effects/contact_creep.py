@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp
+from math import exp, log
 
 from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter
@@ -11,9 +11,9 @@ from hjcamp.model.parameter import Parameter
 class ContactCreep(Effect):
     r"""A contact creeps under any push instead of sticking: friction rises from zero over a small speed.
 
-    .. math:: f = F_c\,\mathrm{sign}(v)\,\bigl(1 - e^{-(3 |v| / v_c)^n}\bigr)^{1/n} + C_v v
+    .. math:: f = F_c\,\mathrm{sign}(v)\,\bigl(1 - (1 - q^n)^{(|v| / v_c)^n}\bigr)^{1/n} + C_v v, \quad q = 1 - e^{-3}
 
-    with a sharpness n: 1 bends from rest on, 2 is nearly a tanh, straight at first.
+    with 95 % of the friction (q) at the speed v_c, whatever the sharpness n: 1 bends from rest on, 2 is nearly a tanh.
     Seen as: a slow drift under a constant push where a dry contact would rest; no jump of the force at a reversal.
     A diagnosis does not name it: over more than a small speed this is the curve of any damper.
     Not for: what springs back at rest (see presliding), or friction that falls with speed (see stribeck_excess).
@@ -37,5 +37,6 @@ class ContactCreep(Effect):
     @staticmethod
     def friction(friction, velocity, speed, direction, coulomb, creep_speed, sharpness):
         """Friction with a dry part that passes rest without a leap."""
-        share = (1.0 - exp(-((3.0 * speed / creep_speed) ** sharpness))) ** (1.0 / sharpness)
+        there = log(1.0 - (1.0 - exp(-3.0)) ** sharpness)
+        share = (1.0 - exp(there * (speed / creep_speed) ** sharpness)) ** (1.0 / sharpness)
         return friction - direction * coulomb + (coulomb if velocity > 0.0 else -coulomb) * share

@@ -66,10 +66,14 @@ def _correlation(values: Array) -> int:
 
 @dataclass
 class Known:
-    """What windows of one width told, with which those of another begin: base parameters, and the forms of contacts."""
+    """What windows of one width told, with which those of another begin: base parameters, and the forms of contacts.
+
+    ``shown`` are the forms that one width has shown: a contact has its form in windows of every length.
+    """
 
     base: dict[str, float] = field(default_factory=dict)
     forms: dict[str, dict[str, float]] = field(default_factory=dict)
+    shown: set[str] = field(default_factory=set)
 
 
 @dataclass(frozen=True)
@@ -168,9 +172,10 @@ def calibrated(
     windows.spare(fitted.candidate)
     kernels.add({name: one.effect for name, one in found.items()})
     scored = search.scored(fitted)
-    scored = with_contact_forms(search, scored)
+    scored = with_contact_forms(search, scored, known.shown)
+    known.shown |= set(scored.names) & windows.forms
     known.base = dict(scored.fitted.candidate.base)
-    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features, search.predicted(scored)))
+    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
 
 
 def predictable(

@@ -7,7 +7,7 @@ other kinds bend towards that error. Where it is seen and small, the base has it
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -35,8 +35,11 @@ def forms_among(library: Mapping[str, type[Effect]]) -> dict[str, type[Effect]]:
     return {name: effect for name, effect in library.items() if effect.granted}
 
 
-def with_contact_forms(search: Search, base: Scored) -> Scored:
-    """Return the base with the form of each contact that the tests show, and is granted; the best fits are kept as starts."""
+def with_contact_forms(search: Search, base: Scored, shown: Container[str] = ()) -> Scored:
+    """Return the base with the form of each contact that the tests show, and is granted; the best fits are kept as starts.
+
+    What was ``shown`` in windows of another length needs no more than to predict better here.
+    """
     windows = search.windows
     for port in read_vocabulary(windows.layout.measured.plant).ports.values():
         before, forms, slides = base, windows.forms, windows.slides
@@ -50,7 +53,7 @@ def with_contact_forms(search: Search, base: Scored) -> Scored:
             windows.forms, windows.slides, windows.place = forms | {name}, None, before.place
             found = _with_form(search, before, name, port, slides)
             # one that chance may give is none: it makes a rough base, beside which little is promised of what is missing
-            if found is not None and search.beats(found, before) and found.left_out < base.left_out:
+            if found is not None and found.left_out < base.left_out and (name in shown or search.beats(found, before)):
                 base, kept = found, (windows.forms, windows.slides)
         windows.forms, windows.slides = kept
     windows.place = base.place

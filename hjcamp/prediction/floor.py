@@ -55,8 +55,8 @@ def in_units(squares: Array, layout: Layout) -> Array:
     return np.asarray(layout.measured.noise * np.sqrt(each / layout.width))
 
 
-def floor_of(layout: Layout, features: Array, readings: Array) -> Floor:
-    """Return the floor by features (windows, d) of a calibrated model and the readings (n, sensors) that it predicts."""
+def floor_of(layout: Layout, features: Array) -> Floor:
+    """Return the floor by features (windows, d) of a calibrated model."""
     d = features.shape[1]
     repeated = _of_repetitions(layout, features)
     if repeated is not None:
@@ -65,7 +65,7 @@ def floor_of(layout: Layout, features: Array, readings: Array) -> Floor:
         rounded = float(np.trace(np.linalg.inv(moments))) / d
         return Floor("repetitions", moments, math.hypot(usual_size(repeated, moments), math.sqrt(rounded)))
     # what is simulated through depends on more of the past than a window shows: windows that are alike need not err alike
-    near = None if layout.memory else _of_neighbours(layout, features, readings)
+    near = None if layout.memory else _of_neighbours(layout, features)
     if near is not None and not _alike_by_no_means(near, features):
         return Floor("near_replicates", near + np.eye(d))
     return Floor("sensor", np.eye(d))
@@ -124,13 +124,13 @@ def usual_size(features: Array, moments: Array) -> float:
     return math.sqrt(float(np.median(squares)) / len(moments))
 
 
-def _of_neighbours(layout: Layout, features: Array, readings: Array) -> Array | None:
+def _of_neighbours(layout: Layout, features: Array) -> Array | None:
     r"""Return the second moments (d, d) at distance 0 of windows of like motion and inputs: the Gamma test.
 
     The intercept of half the mean squared difference over the mean squared distance of the p nearest neighbours, p = 1 .. 10
     (Evans & Jones 2002, doi:10.1098/rspa.2002.1010), for each pair of features; no more than at the nearest neighbour.
     """
-    motion = motion_of(layout, readings)
+    motion = motion_of(layout, layout.readings)
     count, d = len(motion), features.shape[1]
     if count < 4 * NEIGHBOURS or count * NEIGHBOURS < FEWEST_PAIRS:
         return None
@@ -157,7 +157,7 @@ def _of_neighbours(layout: Layout, features: Array, readings: Array) -> Array | 
 def motion_of(layout: Layout, readings: Array) -> Array:
     """Return what describes each window (windows, m): the first coefficients of readings and inputs, each of unit spread.
 
-    ``readings`` (n, sensors) are the measured ones, or predicted ones: these have no noise in common with what a model leaves.
+    ``readings`` (n, sensors) are those that were measured or predicted.
     """
     inputs = layout.inputs[:, np.std(layout.inputs, axis=0) > 0.0]
     columns = np.column_stack([readings, inputs])

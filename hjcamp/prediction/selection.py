@@ -302,9 +302,15 @@ class Search:
         """Return how much of what a model leaves follows from the motion, by whatever law; nothing where none is shown to.
 
         It is shown where a regression predicts chapters left out better at the level of all claims, by a share that matters,
-        and by more than friction that differs as every contact's does.
+        and by more than friction that differs as every contact's does: on the motion as it was measured and as it is predicted.
+        Readings have the noise that is left of a model, predictions that of their starts; what both tell is no noise.
         """
-        found = regression_of(self.windows.layout, model.features, self.chapters, self.predicted(model))
+        described = (self.windows.layout.readings, self.predicted(model))
+        return min((self._follows(model, one) for one in described), key=lambda one: one.share)
+
+    def _follows(self, model: Scored, readings: Array) -> Follows:
+        """Return how much of what a model leaves follows from the motion that readings (n, sensors) describe."""
+        found = regression_of(self.windows.layout, model.features, self.chapters, readings)
         before, chapters = model.features[found.rows], self.chapters[found.rows]
         apart = told_apart(found.features, before, chapters)
         t, count = ratio_t(advantages(found.features, before, chapters), apart)
@@ -316,7 +322,7 @@ class Search:
         return Follows(1.0 - left, max(math.log(size(before) / size(found.features)), 0.0))
 
     def predicted(self, model: Scored) -> Array:
-        """Return what a model predicts of all readings (n, sensors), from its own starts: motion without the sensors' noise."""
+        """Return what a model predicts of all readings (n, sensors), from its own starts."""
         kept, self.windows.place = self.windows.place, model.place
         found = self.windows.readings(model.fitted.candidate)[0]
         self.windows.place = kept

@@ -207,11 +207,17 @@ def test_a_creeping_contact_holds_nothing_and_has_its_friction_above_the_creep_s
         assert found["friction_locks"] == 0.0
 
 
-def test_a_sharp_creep_is_nearly_a_tanh() -> None:
-    made = model("axis", "contact_creep", creep_speed=0.01, sharpness=2.0)
-    for x in (0.1, 0.5, 1.0, 2.0):
-        found = made.signals({"velocity": x * 0.01 / 3.0, "direction": 1.0})["friction"] - VISCOUS * x * 0.01 / 3.0
-        assert found == pytest.approx(COULOMB * tanh(x), rel=0.05)
+@pytest.mark.parametrize("sharpness", [0.7, 1.0, 2.0, 4.0])
+def test_most_of_a_creeping_friction_is_there_at_the_creep_speed_and_a_sharp_one_is_nearly_a_tanh(sharpness: float) -> None:
+    made = model("axis", "contact_creep", creep_speed=0.01, sharpness=sharpness)
+
+    def dry(speed: float) -> float:
+        return float(made.signals({"velocity": speed, "direction": 1.0})["friction"] - VISCOUS * speed)
+
+    assert dry(0.01) == pytest.approx(COULOMB * (1.0 - exp(-3.0)))
+    if sharpness == 2.0:
+        slope = sqrt(-log(1.0 - (1.0 - exp(-3.0)) ** 2)) / 0.01
+        assert all(dry(x / slope) == pytest.approx(COULOMB * tanh(x), rel=0.05) for x in (0.1, 0.5, 1.0, 2.0))
 
 
 def test_static_friction_ages_with_the_rest() -> None:

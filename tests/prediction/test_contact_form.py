@@ -92,9 +92,9 @@ def test_a_contact_that_creeps_is_no_discrepancy_either(axis: Path) -> None:
     found = judged(analysis)
     assert analysis.base.names == ("contact_creep",) and found.word == "nothing_missing"
     own = analysis.base.fitted.candidate
-    # a sharpness of 2 is nearly the tanh whose speed is a third of the creep speed
+    # a tanh has 95 % of its friction at 1.83 of its speed, and is nearly of sharpness 2
     creep = own.effects["contact_creep"]
-    assert 2.0 < creep["creep_speed"] / 1e-3 < 4.0 and 1.4 < creep["sharpness"] < 2.8
+    assert 1.3 < creep["creep_speed"] / 1e-3 < 2.4 and 1.4 < creep["sharpness"] < 2.8
     assert own.base["coulomb"] == pytest.approx(COULOMB, rel=0.02)
 
 
