@@ -80,7 +80,7 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
         wanted=wanted,
     )  # fmt: skip
     analysis, verdict = agreed(at(), lambda width: at(width=width))
-    analysis = replace(analysis, floor=not_above(analysis.floor, verdict.model.fitted.features))
+    analysis = replace(analysis, floor=not_above(analysis.floor, verdict.shown.fitted.features))
     content = answer(analysis, verdict, 0.0)
     content["candidates"] = with_asked(content["candidates"], asked_candidates(analysis, verdict, wanted), wanted)
     content["made_from"] = made_from(data, asked)

@@ -39,8 +39,6 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
     """Return the answer as plain values."""
     model, base = verdict.model, analysis.base
     least = floor_size(analysis)
-    # of what is outside the library its free law shows how much could be gained
-    shown = verdict.unknown if verdict.unknown and not verdict.effects else model
     return {
         "schema": SCHEMA,
         "plant": analysis.measured.plant.name,
@@ -50,7 +48,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "p_value": float(verdict.p_value),
         "candidates": candidates(analysis, verdict),
         "error": {"baseline": base.left_out / least, "augmented": model.left_out / least, "floor": 1.0},
-        "channels": channel_rows(analysis, shown),
+        "channels": channel_rows(analysis, verdict.shown),
         "calibration": calibration(analysis),
         "where": [],
         "worst": worst(analysis, model),

@@ -41,6 +41,11 @@ class Verdict:
     follows: float = 0.0
     refused: tuple[str, ...] = ()
 
+    @property
+    def shown(self) -> Scored:
+        """The model whose error is shown: of what is outside the library its free law tells how much could be gained."""
+        return self.unknown if self.unknown and not self.effects else self.model
+
 
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width."""

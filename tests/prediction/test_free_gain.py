@@ -29,6 +29,7 @@ def test_a_motor_that_is_weaker_off_its_middle_is_outside_and_its_gain_is_drawn(
     found = judged(analysis)
     assert found.word == "outside_library" and found.effects == () and found.unknown is not None
     assert [name for name in found.unknown.names if name in analysis.search.unknowns] == ["unknown_gain_of_force_over_position"]
+    assert found.shown is found.unknown
     row = unknown_rows(analysis, found)[0]
     assert (row["driver"], row["quantity"], row["port"], row["slots"]) == ("position", "gain", "force", ["force"])
     knots = {"x": np.array(row["knots"]["x"]), "y": np.array(row["knots"]["y"])}
