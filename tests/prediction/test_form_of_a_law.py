@@ -5,15 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.prediction.floor import _alike_by_no_means
 from hjcamp.prediction.laws import alike_laws
 from hjcamp.prediction.selection import Search
 from hjcamp.prediction.unknowns import Unknown, unknowns_of
+from hjcamp.prediction.verdict import _simpler
 
 
 @pytest.fixture
@@ -57,3 +60,41 @@ def test_a_further_name_is_none_where_the_law_of_the_first_is_off(known, free: s
     search.library, search.unknowns, search.windows = library, unknowns, SimpleNamespace(forms=frozenset())  # type: ignore[assignment]
     search.matters = lambda model, before, level=0.05: True  # type: ignore[method-assign]
     assert search.mends(further, model, step) == mends  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("law", "names", "left", "simpler"),
+    [
+        ("unknown_gain_of_inflow_over_time", ("sensor_drift", "flow_exponent_at_outflow"), 1.4, True),
+        # it leaves more than both names do
+        ("unknown_gain_of_inflow_over_time", ("sensor_drift", "flow_exponent_at_outflow"), 1.6, False),
+        # one name is as simple as one law
+        ("unknown_gain_of_inflow_over_time", ("sensor_drift",), 1.4, False),
+        # another form of what one of them says is that same thing
+        ("unknown_flow_over_upstream_at_outflow", ("sensor_drift", "flow_exponent_at_outflow"), 1.4, False),
+    ],
+)
+def test_one_free_law_is_simpler_than_several_names(known, law: str, names: tuple[str, ...], left: float, simpler: bool) -> None:  # type: ignore[no-untyped-def]
+    library, unknowns = known
+    gain = {name: one for name, one in unknowns.items() if one.quantity == "gain"}
+    assert {one.driver for one in gain.values()} == {"upper", "lower"} and all(one.place for one in gain.values())
+    unknowns = unknowns | {"unknown_gain_of_inflow_over_time": gain["unknown_gain_of_inflow_over_upper"]}
+
+    def scored(error: float, free: int, *names: str) -> SimpleNamespace:
+        return SimpleNamespace(left_out=error, names=names, fitted=SimpleNamespace(free=range(free)))
+
+    search = SimpleNamespace(beats=lambda one, other: False, unknowns=unknowns, library=library)
+    analysis, model = SimpleNamespace(search=search), scored(1.5, 8, *names)
+    assert _simpler(analysis, scored(left, 12, law), model, names) == simpler  # type: ignore[arg-type]
+    # with no more parameters it always is
+    assert _simpler(analysis, scored(left, 8, law), model, names)  # type: ignore[arg-type]
+
+
+def test_alike_moments_that_differ_as_much_as_any_tell_no_floor() -> None:
+    chance = np.random.default_rng(11)
+    features = chance.standard_normal((400, 6))
+    whole = features.T @ features / 400
+    # at the size of the noise they are the noise; far above it nobody can tell scatter from a finer structure
+    assert not _alike_by_no_means(0.9 * whole, features)
+    assert _alike_by_no_means(0.9 * 1e4 * whole, 100.0 * features)
+    assert not _alike_by_no_means(0.1 * 1e4 * whole, 100.0 * features)
