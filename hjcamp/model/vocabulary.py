@@ -200,6 +200,9 @@ class _Reader:
         self.ports = dict(plant.ports)
         self.units: Any = None
         self.masses: dict[str, str] = {}
+        states, inputs = list(plant.states), list(plant.inputs)
+        named = {"state": states, "rate": states, "parameter": list(plant.parameters), "drive": inputs}
+        self.taken = TAKEN | {f"{NAMESPACES[kind]}{name}" for kind, names in named.items() for name in names}
 
     def read(self, node: ast.stmt) -> None:
         """Take one line of the equations."""
@@ -284,12 +287,10 @@ class _Reader:
             raise UsageError(
                 f"{where}: '{statement.target}' is assigned twice; give what the second line computes a name of its own"
             )
-        plant, name = self.plant, statement.target
-        states, parameters, inputs, rates = NAMESPACES["state"], NAMESPACES["parameter"], NAMESPACES["drive"], NAMESPACES["rate"]
-        own = {f"{prefix}{one}" for one in plant.states for prefix in (states, rates)}
-        own |= {f"{parameters}{one}" for one in plant.parameters} | {f"{inputs}{one}" for one in plant.inputs}
-        if statement.mark != "rate" and name in TAKEN | own:
-            raise UsageError(f"{where}: '{name}' is a name that the compiled model has for itself; call this line otherwise")
+        if statement.mark != "rate" and statement.target in self.taken:
+            raise UsageError(
+                f"{where}: '{statement.target}' is a name that the compiled model has for itself; call this line otherwise"
+            )
         self.statements.append(statement)
 
     def _unit_of(self, rule: str, given: Mapping[str, str], where: str) -> str:

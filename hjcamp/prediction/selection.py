@@ -305,8 +305,10 @@ class Search:
         and by more than friction that differs as every contact's does: on the motion as it was measured and as it is predicted.
         Readings have the noise that is left of a model, predictions that of their starts; what both tell is no noise.
         """
-        described = (self.windows.layout.readings, self.predicted(model))
-        return min((self._follows(model, one) for one in described), key=lambda one: one.share)
+        measured = self._follows(model, self.windows.layout.readings)
+        if not measured.share:
+            return measured
+        return min(measured, self._follows(model, self.predicted(model)), key=lambda one: one.share)
 
     def _follows(self, model: Scored, readings: Array) -> Follows:
         """Return how much of what a model leaves follows from the motion that readings (n, sensors) describe."""

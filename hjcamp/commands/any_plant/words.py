@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.model.base_values import DELAY
 from hjcamp.report.units import told, told_interval
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def calibration_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
     from hjcamp.prediction.intervals import limited
 
     return [
-        [name.replace("_", " ").replace("delay.", "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
+        [name.replace("_", " ").replace(DELAY, "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
          told_interval(row) + ("  at its bound" if limited(row) else "")]
         for name, row in rows.items()
     ]  # fmt: skip
@@ -51,29 +52,31 @@ def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
         f"{name.replace('_', ' ')} is held by its bound, {told(row['value'], row['unit'])}, far from what is declared: is a sign or "
         "a unit wrong in the plant's file or in the import map? What is named may stand for that."
         for name, row in rows.items()
-        if not name.startswith("delay.") and held_away(row, row["published"])
+        if not name.startswith(DELAY) and held_away(row, row["published"])
     ]
 
 
 def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], period: float) -> list[str]:
     """Return what delays of the base say that stand at their bound, or are longer than a log may be off: one sample of ``period``."""
     late = {
-        name.removeprefix("delay.").replace("_", " "): row
-        for name, row in rows.items() if name.startswith("delay.") and row["value"] > 0.0
+        name.removeprefix(DELAY).replace("_", " "): row
+        for name, row in rows.items() if name.startswith(DELAY) and row["value"] > 0.0
     }  # fmt: skip
+    most = [name for name, row in late.items() if row["at_bound"]]
+    longer = [name for name, row in late.items() if (row["ci95"][0] or 0.0) > period]
     if {"command_delay", "sensor_lag"} & {name.split("_at_")[0] for name in named}:
-        own = [f"{name} by {row['value']:.3g} s" for name, row in late.items() if row["at_bound"] or (row["ci95"][0] or 0.0) > period]
+        own = [f"{name} by {late[name]['value']:.3g} s" for name in dict.fromkeys(most + longer)]
         return [f"The base is late by itself, too ({', '.join(own)}): both together are what is late."] if own else []
-    if most := [name for name, row in late.items() if row["at_bound"]]:
+    if most:
         return [
             f"The delay of {' and '.join(most)} stands at the most that the base may have, {late[most[0]]['value']:.3g} s: a longer "
             "one, or a lag, is an effect (command_delay, sensor_lag)."
         ]
     return [
-        f"The {name} acts {row['value']:.3g} s late, more than the one sample by which a log may be off: the base takes so short a "
-        "delay or lag for itself (command_delay, sensor_lag)."
-        for name, row in late.items() if (row["ci95"][0] or 0.0) > period
-    ]  # fmt: skip
+        f"The {name} acts {late[name]['value']:.3g} s late, more than the one sample by which a log may be off: the base takes so "
+        "short a delay or lag for itself (command_delay, sensor_lag)."
+        for name in longer
+    ]
 
 
 CHANNELS = ("channel", "calibrated", "with what was found", "floor")
