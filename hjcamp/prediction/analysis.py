@@ -21,7 +21,7 @@ from hjcamp.prediction.floor import Floor, floor_of
 from hjcamp.prediction.kernels import Kernels
 from hjcamp.prediction.layout import SHORTEST, SHORTEST_OF_ALL, WINDOWS, Layout
 from hjcamp.prediction.levels import LEVEL
-from hjcamp.prediction.measured import Measured
+from hjcamp.prediction.measured import MOST_DELAY, Measured
 from hjcamp.prediction.scored import Scored
 from hjcamp.prediction.selection import Search
 from hjcamp.prediction.starts import estimated
@@ -34,7 +34,7 @@ Report = Callable[[str, float], None]
 OF_CORRELATION = 0.25
 # In samples: how much earlier and later than its log an input may act. One that runs linearly acts half a sample earlier than held; the
 # channels of a record are read within a sample.
-EARLY, MOST_DELAY = 1.0, 2.0
+EARLY = 1.0
 # Of what a start brings, at the end of a window over that in its first half: a constant jerk makes it 8; more grows by itself.
 MOST_GROWTH = 10.0
 # Of a plant with few states a start brings no more than a power of the time; what it grows by itself beyond that is less than this.

@@ -170,11 +170,12 @@ class Layout:
         """Return the inputs as measured (n, inputs), those at some places later by a time (s), earlier where that is negative."""
         columns = []
         for test in self.measured.tests:
-            moved = test.inputs.copy()
+            moved, lead = test.inputs.copy(), len(test.earlier)
+            logged = np.concatenate([test.earlier, moved]) if lead else moved
             for place, delay in late.items():
                 whole, part = divmod(delay / self.measured.period, 1.0)
-                rows = np.arange(test.samples) - int(whole)
-                now, before = (test.inputs[np.clip(one, 0, test.samples - 1), place] for one in (rows, rows - 1))
+                rows = lead + np.arange(test.samples) - int(whole)
+                now, before = (logged[np.clip(one, 0, len(logged) - 1), place] for one in (rows, rows - 1))
                 moved[:, place] = (1.0 - part) * now + part * before
             columns.append(moved)
         return self.joined(columns)

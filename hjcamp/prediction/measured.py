@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -23,6 +23,8 @@ from hjcamp.records.of_plant import plant_of
 Array = NDArray[np.float64]
 RATE_TOLERANCE = 1e-3
 FEWEST_SAMPLES = 64
+# A held input may act so many samples later than its log says.
+MOST_DELAY = 2
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,8 @@ class Sensor:
 class MeasuredTest:
     """One test, SI: ``time`` (n,), ``inputs`` (n, inputs of the plant), ``readings`` (n, sensors).
 
-    ``given`` are plant parameters that its metadata give (a mass, a supply).
+    ``given`` are plant parameters that its metadata give (a mass, a supply). ``earlier`` are inputs (samples, inputs) that were logged
+    before the test begins; what was given before them is not known, and taken to be the first of them.
     """
 
     name: str
@@ -53,6 +56,7 @@ class MeasuredTest:
     readings: Array
     given: tuple[tuple[str, float], ...]
     log: TestLog
+    earlier: Array = field(default_factory=lambda: np.empty((0, 0)))
 
     @property
     def samples(self) -> int:
@@ -158,12 +162,12 @@ def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> Measur
         raise UsageError(f"{where}: {samples} samples; at least {FEWEST_SAMPLES} are needed")
     readings = np.column_stack([columns[one.field] / one.scale for one in sensors])
     inputs = []
-    for name, field in _inputs_of(plant).items():
+    for name, channel in _inputs_of(plant).items():
         item = plant.inputs[name]
-        if field in columns:
-            inputs.append(columns[field] / unit_of_field(field, where).scale)
-        elif field and item.required:
-            raise UsageError(f"{where}: field '{field}' is missing, the input '{name}' of plant {plant.name}")
+        if channel in columns:
+            inputs.append(columns[channel] / unit_of_field(channel, where).scale)
+        elif channel and item.required:
+            raise UsageError(f"{where}: field '{channel}' is missing, the input '{name}' of plant {plant.name}")
         else:
             inputs.append(np.full(samples, item.default))
     whole = np.column_stack([readings, *inputs])
@@ -173,10 +177,13 @@ def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> Measur
             f"{where}: sample {row} (at {columns['time_s'][row]:g} s) is not finite; see hjcamp log verify"
         )
     name = log.path.stem if log.path else log.condition_key
+    given = np.column_stack(inputs)
+    # What a late input does in the first samples was given before the log, which does not say it: a step may be its first sample.
+    lead = MOST_DELAY if any(item.hold == "previous" for item in plant.given_inputs().values()) else 0
+    time = columns["time_s"] - columns["time_s"][0]
     return MeasuredTest(
-        name, log.condition_key, columns["time_s"] - columns["time_s"][0], np.column_stack(inputs), readings,
-        _given(plant, log.metadata, where), log,
-    )  # fmt: skip
+        name, log.condition_key, time[lead:], given[lead:], readings[lead:], _given(plant, log.metadata, where), log, given[:lead]
+    )
 
 
 def _inputs_of(plant: type[Plant]) -> dict[str, str]:

@@ -60,7 +60,7 @@ def test_a_step_that_is_worse_for_the_others_is_not_taken(axis: Path, monkeypatc
     fitted, of = analysis.base.fitted, analysis.search.chapters
     # five parameters of 16 chapters: far below the noise of any window
     moved = np.abs(left_out(analysis.windows, fitted, of) - fitted.features)
-    assert moved.max() < 1.0 and np.sqrt(np.mean(moved**2)) < 0.05
+    assert moved.max() < 1.5 and np.sqrt(np.mean(moved**2)) < 0.1
     step: Any = chapters.bounded_step
     monkeypatch.setattr(chapters, "bounded_step", lambda *a: 1e4 * step(*a) + 3.0)
     assert np.array_equal(left_out(analysis.windows, fitted, of), fitted.features)

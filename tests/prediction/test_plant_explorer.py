@@ -16,16 +16,20 @@ from hjcamp.records.log import TestLog
 WIDTH = 16
 
 
+LEAD = 2
+
+
 def made(name: str, samples: int) -> MeasuredTest:
     time = np.arange(samples) * 0.002
     position = 0.01 * time
     columns = {"time_s": time, "position_mm": 1e3 * position, "voltage_v": np.cos(time), "remark": time}
     log = TestLog(columns, {"condition": "sweep", "repetition": name})
-    return MeasuredTest(name, "sweep", time, np.zeros((samples, 1)), position[:, None], (), log)
+    given = np.zeros((samples, 1))
+    return MeasuredTest(name, "sweep", time[LEAD:], given[LEAD:], position[LEAD:, None], (), log, given[:LEAD])
 
 
 def test_predictions_stand_where_their_windows_do_in_the_units_of_the_log() -> None:
-    tests = (made("1", 5 * WIDTH + 3), made("2", 2 * WIDTH))
+    tests = (made("1", LEAD + 5 * WIDTH + 3), made("2", LEAD + 2 * WIDTH))
     layout = Layout(
         Measured(find_plant("valve_joint"), 0.002, (Sensor("position_mm", "mm", 1e3),), (0,), tests), WIDTH, 0.5
     )
@@ -43,12 +47,11 @@ def test_predictions_stand_where_their_windows_do_in_the_units_of_the_log() -> N
     # a column without a unit is no channel
     assert sorted(first.measured) == ["position_mm", "voltage_v"] and sorted(first.models) == ["one", "two"]
     predicted = first.models["one"]["position_mm"]
-    expected = np.full(5 * WIDTH + 3, np.nan)
+    expected = np.full(LEAD + 5 * WIDTH + 3, np.nan)
     for window, place in enumerate((0, 2, 3)):
-        part = slice(place * WIDTH, (place + 1) * WIDTH)
+        part = slice(LEAD + place * WIDTH, LEAD + (place + 1) * WIDTH)
         expected[part] = first.measured["position_mm"][part] - 1e-3 * window
     np.testing.assert_allclose(predicted, expected)
-    np.testing.assert_allclose(
-        second.models["two"]["position_mm"][:WIDTH], second.measured["position_mm"][:WIDTH] - 3e-3
-    )
-    assert np.isnan(second.models["two"]["position_mm"][WIDTH:]).all()
+    part = slice(LEAD, LEAD + WIDTH)
+    np.testing.assert_allclose(second.models["two"]["position_mm"][part], second.measured["position_mm"][part] - 3e-3)
+    assert np.isnan(second.models["two"]["position_mm"][part.stop :]).all()

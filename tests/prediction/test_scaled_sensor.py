@@ -9,7 +9,7 @@ import pytest
 from carriage import COULOMB, MASS, PERIOD, measured_log
 
 from hjcamp.prediction.analysis import calibrated
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.measured import MOST_DELAY, measured_tests
 from hjcamp.prediction.starts import estimated
 from hjcamp.records.log import TestLog
 
@@ -29,8 +29,8 @@ def test_a_state_begins_where_a_sensor_of_another_scale_says(axis: Path) -> None
     """An encoder that reads 40 times the travel, from half a metre on."""
     changed(axis, ("sensor(state.position)", "sensor(40.0 * state.position + 0.5)"))
     log = measured_log(seconds=8.0)
-    places = log.columns["position_m"]
-    turned = TestLog(log.columns | {"position_m": TURNS * places + ZERO}, log.metadata)
+    places = log.columns["position_m"][MOST_DELAY:]
+    turned = TestLog(log.columns | {"position_m": TURNS * log.columns["position_m"] + ZERO}, log.metadata)
     measured = measured_tests([turned])
     states, error = estimated(measured)
     assert np.abs(states[0][:, 0] - places).max() < 1e-9 and error[0] == pytest.approx(measured.noise[0] / TURNS)

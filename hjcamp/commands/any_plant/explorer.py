@@ -48,7 +48,8 @@ def modelled_tests(found: PlantComparison) -> Iterator[ModelledTest]:
     names = names_of([test.log for test in layout.measured.tests])
     for place, test in enumerate(layout.measured.tests):
         models = {one.name: _predicted(layout, place, one) for one in _models(found)}
-        yield ModelledTest(names[place], test.condition, test.time, _logged(test.log), models, test.log.metadata)
+        time = test.log.command_phase["time_s"]
+        yield ModelledTest(names[place], test.condition, time - time[0], _logged(test.log), models, test.log.metadata)
 
 
 def _models(found: PlantComparison) -> tuple[Shown, ...]:
@@ -58,11 +59,12 @@ def _models(found: PlantComparison) -> tuple[Shown, ...]:
 def _predicted(layout: Layout, place: int, one: Shown) -> dict[str, Any]:
     """Return what a model predicts of one test by field (samples,)."""
     rows = np.flatnonzero(np.repeat(layout.of_test, layout.width) == place)
-    begins = layout.width * np.flatnonzero(layout.of_each[place])
+    test = layout.measured.tests[place]
+    begins = len(test.earlier) + layout.width * np.flatnonzero(layout.of_each[place])
     at = (begins[:, None] + np.arange(layout.width)).ravel()
     found = {}
     for k, sensor in enumerate(layout.measured.sensors):
-        found[sensor.field] = np.full(layout.measured.tests[place].samples, np.nan)
+        found[sensor.field] = np.full(len(test.earlier) + test.samples, np.nan)
         found[sensor.field][at] = (layout.readings[rows, k] - one.errors[rows, k]) * sensor.scale
     return found
 
