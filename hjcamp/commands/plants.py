@@ -199,11 +199,11 @@ def run_tests(name: str) -> dict[str, Any]:
     from hjcamp.effects import library_of
     from hjcamp.known_plants import find_plant
     from hjcamp.model.plant_bench import effects_seen, identified
-    from hjcamp.model.plant_checks import CHECKS
+    from hjcamp.model.plant_checks import CHECKS, check_pushes
 
     plant = find_plant(name)
     console, passed = make_console(), {}
-    for check, passes in CHECKS.items():
+    for check, passes in {**CHECKS, "pushes": check_pushes}.items():
         passed[check] = str(passes(plant))
         console.print(f"  {check:<26} {passed[check]}", markup=False)
     if plant.measured:

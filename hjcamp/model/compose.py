@@ -13,6 +13,7 @@ from hjcamp.model.effect import Effect, Term
 from hjcamp.model.effect_names import check_effect
 from hjcamp.model.parameter import Contact, Cut, Parameter, State
 from hjcamp.model.plant import Plant
+from hjcamp.model.reaction import with_reactions
 from hjcamp.model.source_text import GATES, behind_one_test, live
 from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
 
@@ -172,12 +173,15 @@ class Composition:
         if len(self.contacts) > 1:
             lines += [f"u_{one.direction} = {side}" for one, side in zip(self.contacts, self.sides, strict=True)]
         lines += [f"s_{state} = u_slope_{driven}" for state, driven in self.cut.slopes.items()]
+        equations = []
         for line in self.vocabulary.statements:
             target = f"d_{line.target}" if line.mark == "rate" else line.target
-            lines.append(f"{target} = {line.expression}")
+            equations.append(f"{target} = {line.expression}")
             if line.mark == "slot":
-                lines += self._effects_on(line)
-        return lines
+                equations += self._effects_on(line)
+        if not self.vocabulary.pushed:
+            equations = with_reactions(equations, self.contacts, self.vocabulary.unheld)
+        return lines + equations
 
     def _effects_on(self, line: Statement) -> list[str]:
         adding, changing = [], []

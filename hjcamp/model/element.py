@@ -51,8 +51,8 @@ class Element:
 
 CONTACT = Element(
     "contact",
-    ("velocity", "push"),
-    ("coulomb", "viscous", "static"),
+    ("velocity",),
+    ("push", "coulomb", "viscous", "static"),
     ("travel", "load", "mass"),
     (
         Line("_push", "signal", "{push}", "push", "force before friction"),
@@ -270,6 +270,12 @@ def _complete_contact(pieces: dict[str, str], where: str) -> None:
         raise UsageError(
             f"{where}: the velocity of contact '{name}' must be a state (state.NAME), not {pieces['velocity']}"
         )
+    if not pieces["push"]:
+        if pieces["coulomb"] in ("", "0", "0.0"):
+            raise UsageError(f"{where}: contact '{name}' needs its dry friction (coulomb), or the push that it holds against")
+        # what it needs to be held is found from the rates; it is as large as what holds it
+        first = ast.parse(pieces["coulomb"], mode="eval").body
+        pieces["push"] = ast.unparse(first.elts[0]) if isinstance(first, ast.Tuple) and first.elts else pieces["coulomb"]
     if pieces["coulomb"] in ("", "0", "0.0"):
         # no dry friction: a zero in the unit of a push
         pieces["coulomb"] = f"0.0 * ({pieces['push']})"

@@ -43,8 +43,8 @@ def part(function: Callable[..., Any], *given: Any, **named: Any) -> Any:
 
 def contact(
     velocity: float,
-    push: float,
-    coulomb: float | tuple[float, float],
+    push: float | None = None,
+    coulomb: float | tuple[float, float] = 0.0,
     viscous: float | tuple[float, float] = 0.0,
     static: float | tuple[float, float] | None = None,
     travel: float | None = None,
@@ -56,6 +56,8 @@ def contact(
 ) -> float:
     """Return the friction that holds a velocity (a state) at 0 while the ``push`` is within the static friction.
 
+    The push is the force that would keep it at rest. Leave it out, of every contact: it is found from the rates then, with what
+    the other contacts hold or rub.
     A pair is the value of the positive and of the negative direction; without ``static`` the static friction is the
     Coulomb friction. ``travel`` and ``load`` are what effects may let friction depend on, ``mass`` is what it brakes: where
     it is not given, the parameter over which the rate of the velocity is.

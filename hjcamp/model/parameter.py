@@ -203,7 +203,7 @@ class Channel:
 class Contact:
     """Where dry friction holds: ``velocity`` stays 0 while the ``push`` is within ``limit`` and ``locks`` is not 0.
 
-    ``direction`` is the input that says its regime: 0 held, +1 and -1 moving.
+    ``direction`` is the input that says its regime: 0 held, +1 and -1 moving; ``friction`` is the line of its force.
     """
 
     name: str
@@ -212,6 +212,7 @@ class Contact:
     limit: str
     locks: str
     direction: str
+    friction: str
 
 
 @dataclass(frozen=True)

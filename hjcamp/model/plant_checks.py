@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -13,10 +15,14 @@ from hjcamp.model.amount_formula import plain_functions
 from hjcamp.model.equation_units import Units
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.plant import ALWAYS, Plant
+from hjcamp.model.reaction import with_reactions
 from hjcamp.model.user_file import is_users
 from hjcamp.model.vocabulary import Statement, read_vocabulary
 
 DRAWS = 200
+PUSHED = 20
+# Push and rates are sums of the same terms.
+ROUNDING = 1e-6
 SEVERAL = 5.0
 
 
@@ -107,6 +113,39 @@ def check_passive(plant: type[Plant]) -> str:
                     "it drives the motion instead of braking it (signs of coulomb and viscous?)"
                 )
     return counted(len(contacts), "contact")
+
+
+def check_pushes(plant: type[Plant]) -> str:
+    """Refuse a contact whose push is not what would hold it, by the rates of all contacts, whether the others rub or are held."""
+    vocabulary = read_vocabulary(plant)
+    contacts, unheld = vocabulary.contacts, vocabulary.unheld
+    if not vocabulary.pushed or not unheld:
+        return "found from the rates" if unheld else "no contacts"
+    # what comes from outside, as an effect may bring it, must be in both
+    loads = {port.names.get("force") for port in vocabulary.ports.values() if port.kind == "body"}
+    acting = [replace(one, expression="1.0") if one.target in loads else one for one in vocabulary.statements]
+    lines = [f"{'d_' * (one.mark == 'rate')}{one.target} = {one.expression}" for one in acting]
+    found = compile("\n".join(with_reactions(lines, contacts, unheld)), "<plant>", "exec")
+    for place in _places(plant)[:PUSHED]:
+        for sides in product((0.0, 1.0, -1.0), repeat=len(contacts)):
+            here = dict(place)
+            for one, side in zip(contacts, sides, strict=True):
+                here[f"u_{one.direction}"], here[f"s_{one.velocity}"] = side, side * abs(place[f"s_{one.velocity}"])
+            scope = plain_functions("") | here
+            try:
+                given = evaluate(plant, tuple(acting), here)
+                exec(found, scope)
+            except (ArithmeticError, ValueError):  # rates that say themselves what is held tell nothing
+                continue
+            for one, side in zip(contacts, sides, strict=True):
+                wrong, size = abs(given[one.push] - scope[one.push]), max(abs(scope[one.push]), given[one.limit])
+                if side == 0.0 and wrong > ROUNDING * size:
+                    raise UsageError(
+                        f"plant {plant.name}: the push of contact '{one.name}' is {given[one.push]:.3g} where "
+                        f"{scope[one.push]:.3g} would hold it, by the rates (outside forces 1): leave push= out of every "
+                        "contact, and it is found from them"
+                    )
+    return f"what holds {counted(len(contacts), 'contact')}"
 
 
 CHECKS: dict[str, Callable[[type[Plant]], str]] = {

@@ -19,7 +19,7 @@ def live(statements: Sequence[str], last: str) -> list[str]:
     wanted = names_in(last)
     kept = []
     for line in reversed(statements):
-        target, names = _assigned(line)
+        target, names = assigned(line)
         if target in wanted:
             kept.append(line)
             wanted |= names
@@ -27,7 +27,7 @@ def live(statements: Sequence[str], last: str) -> list[str]:
 
 
 @functools.lru_cache(maxsize=4096)
-def _assigned(line: str) -> tuple[str, frozenset[str]]:
+def assigned(line: str) -> tuple[str, frozenset[str]]:
     """Return the name that a one-line statement sets, and all names in it."""
     tree = ast.parse(line).body[0]
     assignment = tree.body[0] if isinstance(tree, ast.If) else tree

@@ -42,13 +42,18 @@ class Statement:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What a plant offers to effects: its statements in order, its places, and the names each place may use."""
+    """What a plant offers to effects: its statements in order, its places, and the names each place may use.
+
+    ``unheld`` has the rate of each contact's velocity as it is while nothing is held; ``pushed``: contacts are given their push.
+    """
 
     plant: type[Plant]
     statements: tuple[Statement, ...]
     readings: tuple[str, ...]
     limits: tuple[tuple[str, str, str], ...]
     ports: Mapping[str, Port] = field(default_factory=dict)
+    unheld: Mapping[str, str] = field(default_factory=dict)
+    pushed: bool = True
 
     @cached_property
     def slots(self) -> dict[str, Statement]:
@@ -64,7 +69,7 @@ class Vocabulary:
     def contacts(self) -> tuple[Contact, ...]:
         """Where dry friction holds, in order: of each place of that kind."""
         found = [port for port in self.ports.values() if port.kind == CONTACT.name]
-        names = ("velocity", "push", "static", "locks", "direction")
+        names = ("velocity", "push", "static", "locks", "direction", "friction")
         return tuple(Contact(port.name, *(port.names[name] for name in names)) for port in found)
 
     def known_before(self, name: str) -> list[str]:
@@ -197,6 +202,7 @@ class _Reader:
         self.statements: list[Statement] = []
         self.readings: tuple[str, ...] = ()
         self.held: dict[str, str] = {}
+        self.pushed: dict[str, bool] = {}
         self.ports = dict(plant.ports)
         self.units: Any = None
         self.masses: dict[str, str] = {}
@@ -245,6 +251,7 @@ class _Reader:
             self._store(Statement(target, self._renamed(value), line.mark, unit, line.text, number), where)
         if called(call) == CONTACT.name:
             self.held[port.names["velocity"]] = port.names["direction"]
+            self.pushed[port.name] = len(call.args) > 1 or any(one.arg == "push" for one in call.keywords)
         if of_rate:
             self._add(name, ast.parse(place.rate, mode="eval").body, "rate", where, number)
 
@@ -318,7 +325,15 @@ class _Reader:
         _find_next_stores(self.ports)
         _find_partitions(self.plant, self.ports)
         _check_contacts(self.plant, self.ports, statements)
-        return Vocabulary(self.plant, tuple(statements), readings, limits, self.ports)
+        rates = {one.target: one.expression for one in self.statements if one.mark == "rate"}
+        unheld = {velocity: rates[velocity] for velocity in self.held if velocity in rates}
+        given, lacking = ([name for name, one in self.pushed.items() if one is has] for has in (True, False))
+        if given and lacking:
+            raise UsageError(
+                f"plant {self.plant.name or self.plant.__name__}: contact '{lacking[0]}' has no push and '{given[0]}' has one: "
+                "give each contact its push, or none (it is found from the rates then)"
+            )
+        return Vocabulary(self.plant, tuple(statements), readings, limits, self.ports, unheld, not lacking)
 
     def _guarded(self, one: Statement) -> Statement:
         if one.mark == "rate" and one.target in self.held:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from plain_kernel import uncompiled
-from two_contacts import PENDULUM, SPRING, STACK, Dry, pendulum, spring
+from two_contacts import FREE_PENDULUM, FREE_SPRING, FREE_STACK, PENDULUM, SPRING, STACK, Dry, pendulum, spring
 
 from hjcamp import cli
 from hjcamp.errors import UsageError
@@ -16,10 +16,14 @@ from hjcamp.known_plants import find_plant
 from hjcamp.model.compose import Composition
 from hjcamp.model.course import Course, Given, inputs_along
 from hjcamp.model.parameter import Cut
+from hjcamp.model.plant_checks import check_pushes
 from hjcamp.model.simulator import Simulator
 from hjcamp.model.vocabulary import read_vocabulary
 
-PLANTS = {"spring": SPRING, "pendulum": PENDULUM, "stack": STACK}
+PLANTS = {
+    "spring": SPRING, "pendulum": PENDULUM, "stack": STACK,
+    "free_spring": FREE_SPRING, "free_pendulum": FREE_PENDULUM, "free_stack": FREE_STACK,
+}  # fmt: skip
 
 
 @pytest.fixture
@@ -69,7 +73,10 @@ def test_the_second_block_breaks_away_at_its_own_static_friction(rig: Path) -> N
     [
         ("spring", spring, [0.0, 0.0, 0.0, 0.0], 4e-3, lambda t: 22.0 * np.sin(7.0 * t) * np.exp(-0.3 * t)),
         ("spring", spring, [0.01, 0.0, -0.005, 0.3], 4e-3, lambda t: 12.0 * np.sign(np.sin(9.0 * t))),
+        ("free_spring", spring, [0.01, 0.0, -0.005, 0.3], 4e-3, lambda t: 12.0 * np.sign(np.sin(9.0 * t))),
         ("pendulum", pendulum, [0.0, 0.0, 0.9, 0.0], 4e-3, lambda t: 0.0 * t),
+        ("free_pendulum", pendulum, [0.0, 0.0, 0.9, 0.0], 4e-3, lambda t: 0.0 * t),
+        ("free_pendulum", pendulum, [0.0, 0.0, 0.02, 0.0], 4e-3, lambda t: 2.6 * np.sin(4.0 * t) * (t < 1.5)),
         ("pendulum", pendulum, [0.0, 0.0, 0.02, 0.0], 4e-3, lambda t: 2.6 * np.sin(4.0 * t) * (t < 1.5)),
     ],
 )
@@ -95,13 +102,14 @@ def test_it_follows_an_independent_solution_with_events(
     assert (np.abs(finer - expected).max(axis=0) / size).max() < 2e-4
 
 
+@pytest.mark.parametrize("name", ["stack", "free_stack"])
 @pytest.mark.parametrize(
     ("pull", "sledge", "block"),
     [(2.5, 0.0, 0.0), (4.5, 0.5, 0.5), (9.0, 1.0, 4.0), (-9.0, -1.0, -4.0)],
 )
-def test_a_block_on_a_sledge_rests_goes_along_or_slips(rig: Path, pull: float, sledge: float, block: float) -> None:
+def test_a_block_on_a_sledge_rests_goes_along_or_slips(rig: Path, name: str, pull: float, sledge: float, block: float) -> None:
     # 3 N at the table, 5 N between: (4.5 - 3) / 3 kg together; above 6 N sledge (5 - 3) / 2 kg, block (9 - 5) / 1 kg
-    states = run(free("stack"), [0.0, 0.0, 0.0], 1e-3, np.full(300, pull))
+    states = run(free(name), [0.0, 0.0, 0.0], 1e-3, np.full(300, pull))
     speeds = states[-1, 0] - states[-101, 0], states[-1, 0] + states[-1, 1] - states[-101, 0] - states[-101, 1]
     assert np.array(speeds) / 0.1 == pytest.approx([sledge, block], abs=1e-9)
 
@@ -170,3 +178,15 @@ def test_a_regime_belongs_to_a_contact(
 def test_inputs_are_known_by_name(rig: Path) -> None:
     with pytest.raises(UsageError, match="did you mean 'pull'"):
         inputs_along(find_plant("spring"), 3, pul=1.0)
+
+
+def test_a_push_that_does_not_hold_is_refused_and_one_for_some_contacts_too(rig: Path) -> None:
+    for name in PLANTS:
+        assert check_pushes(find_plant(name))
+    pushed = "push=along - swinging * between / inertia * swung, "
+    for name, push in (("alone", "push=along, "), ("lacking", "")):
+        (rig / "plants" / f"{name}.py").write_text(PENDULUM.replace(pushed, push))
+    with pytest.raises(UsageError, match=r"push of contact 'rail' is .* would hold it, by the rates.*leave push= out"):
+        check_pushes(find_plant("alone"))
+    with pytest.raises(UsageError, match="contact 'rail' has no push and 'pivot' has one"):
+        read_vocabulary(find_plant("lacking"))

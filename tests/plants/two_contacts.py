@@ -128,6 +128,32 @@ STACK = (
         gauge = sensor(state.x)
 '''
 )
+# The same as a user would write them: what the contacts hold is found from the rates.
+FREE_SPRING = SPRING.replace("class Spring", "class FreeSpring")
+FREE_SPRING = FREE_SPRING.replace("push=drive.pull - spring + load, ", "").replace("push=spring, ", "")
+FREE_PENDULUM = (
+    PENDULUM.split("        # what one contact")[0].replace("class Pendulum", "class FreePendulum")
+    + '''        rail = contact(state.v, coulomb=parameter.dry_rail)
+        pivot = contact(state.omega, coulomb=parameter.dry_pivot)
+        both = whole * inertia - between * between
+        rate.x = state.v
+        rate.v = (inertia * (along - rail) - between * (about - pivot)) / both
+        rate.theta = state.omega
+        rate.omega = (whole * (about - pivot) - between * (along - rail)) / both
+        gauge = sensor(state.x)
+        encoder = sensor(state.theta)
+'''
+)
+FREE_STACK = (
+    STACK.split("        moving =")[0].replace("class Stack", "class FreeStack")
+    + '''        block = contact(state.slip, coulomb=parameter.dry_block)
+        table = contact(state.v, coulomb=parameter.dry_table)
+        rate.v = (block - table) / parameter.sledge
+        rate.slip = (drive.pull - block) / parameter.block - (block - table) / parameter.sledge
+        rate.x = state.v
+        gauge = sensor(state.x)
+'''
+)
 
 
 @dataclass
