@@ -17,8 +17,11 @@ STEADY = 0.01  # of a period: rows this near to a steady clock are taken as they
 DIGITS = 9  # of a period that is read off the rows
 
 
-def usual_step(time: np.ndarray, where: str, most: float = HIGHEST_SAMPLING_HZ) -> float:
-    """Return the usual time between rows, s; refuse a time that stands still, jumps, is slow, or faster than ``most`` Hz."""
+def usual_step(time: np.ndarray, where: str, most: float = HIGHEST_SAMPLING_HZ, wanted: float = 0.0) -> float:
+    """Return the usual time between rows, s; refuse a time that stands still, jumps, is slow, or faster than ``most`` Hz.
+
+    Rows that are brought to a ``wanted`` period (s) have a gap where one is longer than that allows.
+    """
     steps = np.diff(time)
     if (steps <= 0).any():
         row = int(np.argmax(steps <= 0)) + 1
@@ -35,13 +38,35 @@ def usual_step(time: np.ndarray, where: str, most: float = HIGHEST_SAMPLING_HZ) 
         raise UsageError(
             f"{where}: rows are {usual:.4g} s apart, at most {LONGEST_PERIOD_S:g} s (is the unit of time_s right?)"
         )
-    if (steps > LONGEST_STEP * usual).any():
-        row = int(np.argmax(steps > LONGEST_STEP * usual))
+    usual, rounding = _between_ticks(steps, usual)
+    if wanted and wanted < usual * (1 - RATE_TOLERANCE):
+        raise UsageError(f"{where}: resample_s is {wanted:g}, rows are {span(usual)} apart: samples between rows would be made up")
+    longest = LONGEST_STEP * max(usual, wanted)
+    if (steps - rounding > longest).any():
+        row = int(np.argmax(steps - rounding > longest))
         raise UsageError(
             f"{where}: gap of {span(steps[row])} after row {row + 1} (time {time[row]:.9g} s), where rows are {span(usual)} apart; "
-            "import what is before and after it as tests of their own, or bring the table to one period first"
+            "import what is before and after it as tests of their own, or, where the rows are uneven all along, say in the map "
+            f"resample_s: {float(steps.max()) / LONGEST_STEP:.3g}"
         )
     return usual
+
+
+def _between_ticks(steps: np.ndarray, usual: float) -> tuple[float, float]:
+    """Return the usual step and by how much a step may be longer because stamps are whole ticks of a slow clock (ms), s.
+
+    Rows that are a broken number of ticks apart have steps of a tick more and a tick less: their mean is the usual one.
+    Where rows are whole ticks apart a longer step is a gap.
+    """
+    grain = usual * 1e-6  # what floating point does to a stamp
+    apart = np.diff(np.unique(np.round(steps / grain))) * grain
+    tick = float(apart.min()) if len(apart) else 0.0
+    near = steps[np.abs(steps - usual) <= tick * (1 + RATE_TOLERANCE)]
+    mean = float(near.mean())
+    whole = np.abs(steps / tick - np.round(steps / tick)).max() <= STEADY if tick else False
+    if not whole or abs(mean / tick - round(mean / tick)) <= STEADY:
+        return usual, 0.0
+    return mean, tick
 
 
 def refuse_slow(usual: float, where: str) -> None:

@@ -24,7 +24,7 @@ from hjcamp.yaml_file import read_yaml
 LOWEST_SAMPLING_HZ = 200.0  # of the usual plant: its logs have one sample each ms
 HIGHEST_SAMPLING_HZ = 100e3
 KEYS = (
-    "plant", "separator", "decimal_comma", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "fields",
+    "plant", "separator", "decimal_comma", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "resample_s", "fields",
     "metadata", "files",
 )  # fmt: skip
 FIELD_KEYS = ("column", "unit", "scale", "offset", "sign")
@@ -58,6 +58,7 @@ class ImportMap:
     period: float | None
     by_rate: bool
     where: str
+    resample: float | None = None  # s between samples that uneven rows are brought to
     files: dict[str, dict[str, str]] = field(default_factory=dict)
     topic: str = ""
     separator: str | None = None
@@ -116,6 +117,7 @@ def read_import_map(path: Path) -> ImportMap:
         period=period,
         by_rate="sampling_hz" in content,
         where=where,
+        resample=_number(content["resample_s"], "resample_s", where) if content.get("resample_s") is not None else None,
         files=_files(content.get("files"), where),
         topic=topic,
         separator=_separator(content["separator"], where) if "separator" in content else None,

@@ -106,7 +106,7 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> TestLog
             f"{rules.where}: give period_s or sampling_hz, or map a column to time_s; {source} has no times"
         )
     # a plant that declares a short period may have a faster logger
-    usual = usual_step(times, where, max(HIGHEST_SAMPLING_HZ, 100.0 / rules.plant.period))
+    usual = usual_step(times, where, max(HIGHEST_SAMPLING_HZ, 100.0 / rules.plant.period), rules.resample or 0.0)
     if rules.period is not None and abs(usual / rules.period - 1) > RATE_TOLERANCE:
         given = f"sampling_hz is {1 / rules.period:g}" if rules.by_rate else f"period_s is {rules.period:g}"
         raise UsageError(f"{where}: the time column has {1 / usual:.5g} rows a second, {given}")
@@ -114,7 +114,7 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> TestLog
         refuse_slow(usual, where)
         period, held = USUAL_PERIOD_S, []
     else:
-        period, held = steady_period(times, rules.period), _held(rules)
+        period, held = rules.resample or steady_period(times, rules.period), _held(rules)
         metadata |= {PLANT_KEY: rules.plant.name, PERIOD_KEY: repr(period)}
     columns = resample(fields, times, period, held, where)
     check_phase(columns, where)

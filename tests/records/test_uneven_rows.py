@@ -1,0 +1,65 @@
+"""Tables of loggers whose stamps are whole ticks of a slow clock, or whose rows are uneven all along."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from hjcamp.errors import UsageError
+from hjcamp.records.elsewhere.clock import usual_step
+from hjcamp.records.elsewhere.importing import import_file
+from hjcamp.records.log import TestLog
+from hjcamp.records.read import read_log
+
+MAPPING = {
+    "plant": "valve_joint",
+    "fields": {
+        "time_s": {"column": "t", "unit": "ms"}, "arm_deg": "arm", "pressure1_mpa": "p1", "pressure2_mpa": "p2",
+        **{f"valve{k}_ratio": "c" for k in range(1, 5)},
+    },
+}  # fmt: skip
+
+
+def brought(folder: Path, stamps: np.ndarray, **more: object) -> TestLog:
+    noise = 0.01 * np.sin(np.arange(len(stamps)) ** 2)
+    rows = [f"{t:.6g},{0.01 * t:.9g},{0.1 + one:.6g},{0.2 - one:.6g},0" for t, one in zip(stamps, noise, strict=True)]
+    (folder / "bench.csv").write_text("\n".join(["t,arm,p1,p2,c", *rows]) + "\n")
+    (folder / "map.yaml").write_text(yaml.safe_dump(MAPPING | more))
+    import_file(folder / "bench.csv", folder / "map.yaml", folder / "out.mcap")
+    return read_log(folder / "out.mcap")
+
+
+def test_stamps_in_whole_ticks_of_a_slow_clock_are_no_gaps() -> None:
+    # 1.3 ms between rows on a clock of 1 ms: steps of 1 and 2 ms
+    time = np.floor(1.3 * np.arange(2000)) * 1e-3
+    assert usual_step(time, "here") == pytest.approx(1.3e-3, rel=1e-3)
+    lost = np.delete(time, slice(700, 704))
+    with pytest.raises(UsageError, match="gap of 7"):
+        usual_step(lost, "here")
+
+
+def test_rows_that_are_whole_ticks_apart_have_gaps_as_before() -> None:
+    time = np.arange(500) * 1e-3
+    assert usual_step(time, "here") == pytest.approx(1e-3)
+    with pytest.raises(UsageError, match="gap of 2"):
+        usual_step(np.delete(time, 77), "here")
+
+
+def test_rows_that_are_uneven_all_along_are_brought_to_a_period(tmp_path: Path) -> None:
+    stamps = np.cumsum(np.random.default_rng(1).uniform(2.0, 7.0, 900))
+    with pytest.raises(UsageError, match=r"uneven all along, say in the map resample_s: 0\.00"):
+        brought(tmp_path, stamps)
+    log = brought(tmp_path, stamps, resample_s=0.005)
+    assert log.period == pytest.approx(0.005)
+    time = log.columns["time_s"]
+    np.testing.assert_allclose(log.columns["arm_deg"], 10.0 * (time + 1e-3 * stamps[0]), rtol=1e-5)
+
+
+def test_no_samples_are_made_up_between_rows(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="samples between rows would be made up"):
+        brought(tmp_path, np.arange(400) * 5.0, resample_s=0.001)
+    with pytest.raises(UsageError, match="resample_s"):
+        brought(tmp_path, np.arange(400) * 5.0, resample_s="fast")
