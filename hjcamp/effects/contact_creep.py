@@ -22,6 +22,7 @@ class ContactCreep(Effect):
     """
 
     acts_on = "contact"
+    works_on = "coulomb"
     granted = "creep_speed"
     claimed = False
     creep_speed = Parameter(

@@ -25,6 +25,7 @@ class CoulombAsymmetry(Effect):
     """
 
     acts_on = "contact"
+    works_on = "coulomb"
     asymmetry = Parameter(
         "1", 0.1, (-0.9, 0.9), text="share more in the positive direction, less in the other", off=0.0
     )

@@ -26,4 +26,4 @@ class FlowExponent(Effect):
     @staticmethod
     def flow(flow, upstream, exponent, reference):
         """Flow by the other power."""
-        return flow * max(upstream / reference, 1e-6) ** exponent
+        return flow * max(abs(upstream) / reference, 1e-6) ** exponent

@@ -28,6 +28,7 @@ class Presliding(Effect):
     """
 
     acts_on = "contact"
+    works_on = "coulomb"
     granted = "compliance"
     compliance = Parameter(
         "velocity*period/static",

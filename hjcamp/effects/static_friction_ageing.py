@@ -19,6 +19,7 @@ class StaticFrictionAgeing(Effect):
     """
 
     acts_on = "contact"
+    works_on = "static"
     growth = Parameter("1", 0.4, (0.0, 4.0), text="growth of static friction after a long rest", off=0.0)
     half_time = Parameter(
         "period", 300.0, (5.0, 3e4), "log-uniform", "rest after which half of it has come", shape=True

@@ -55,6 +55,10 @@ def bind(effect: type[Effect], plant: type[Plant]) -> tuple[type[Effect], ...]:
         able = [port for port in able if is_nothing(plant, port.names[effect.brings])]
         if not able:
             raise Unfit(f"{where}: plant {plant.name} has {effect.brings} of its own in each such place")
+    if effect.works_on:
+        able = [port for port in able if not is_nothing(plant, port.names[effect.works_on])]
+        if not able:
+            raise Unfit(f"{where}: plant {plant.name} has no {effect.works_on} in any such place")
     problems: list[UsageError] = []
     groups: dict[str, list[Port]] = {}
     for port in able:

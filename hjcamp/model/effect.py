@@ -78,6 +78,8 @@ class Effect:
     granted: ClassVar[str] = ""
     # A slot that it brings: it is bound where the plant itself has nothing in it, not where a base parameter would take its place.
     brings: ClassVar[str] = ""
+    # A slot that it works on: it is bound where the plant has something in it, or a base parameter would put it there.
+    works_on: ClassVar[str] = ""
     # Whether a diagnosis may name it; if not, it is the form of a contact within what is granted, and nothing beyond.
     claimed: ClassVar[bool] = True
     # Whether it is friction that differs from place to place or in time, as every contact's does by a little.

@@ -49,7 +49,9 @@ def width_of(measured: Measured) -> int:
     """Return the samples of a window: a quarter of the readings' correlation time, fewer where tests are short."""
     lengths = [test.samples for test in measured.tests]
     times = [_correlation(test.readings[:, k]) for test in measured.tests for k in range(len(measured.sensors))]
-    least = int(np.clip(sum(lengths) // (3 * FEWEST), SHORTEST_OF_ALL, SHORTEST))
+    # each test ends with a rest that belongs to no window
+    enough = (width for width in range(SHORTEST, SHORTEST_OF_ALL, -1) if sum(length // width for length in lengths) >= 3 * FEWEST)
+    least = next(enough, SHORTEST_OF_ALL)
     most = max(least, min(sum(lengths) // WINDOWS, min(lengths)))
     return int(np.clip(OF_CORRELATION * np.median(times), least, most))
 

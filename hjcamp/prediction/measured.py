@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError
+from hjcamp.model.cached import cached
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.parameter import finite_number
+from hjcamp.model.place_checks import PlainModel
 from hjcamp.model.plant import ALWAYS, Plant
 from hjcamp.prediction.ends import ends_of, within
-from hjcamp.prediction.noise import noise_of, step_of
+from hjcamp.prediction.noise import noise_of, step_of, without_passed
 from hjcamp.prediction.repetitions import apart_by_course
 from hjcamp.records.find import refuse_mixed_plants
 from hjcamp.records.log import TestLog
@@ -91,12 +93,21 @@ class Measured:
     def noise(self) -> Array:
         """Standard deviation of the noise of each sensor (sensors,), SI: see `noise_of`, the median of the tests."""
         found = [
-            [noise_of(within(test.readings[:, k], *self.ends[k]), step) for k, step in enumerate(steps)]
+            [self._noise_in(test, k, step) for k, step in enumerate(steps)]
             for test, steps in zip(self.tests, self._counted, strict=True)
         ]
         declared = [self.plant.measured[one.field].noise for one in self.sensors]
         median = np.median(np.array(found), axis=0)
         return np.array([read if said is None else said for read, said in zip(median, declared, strict=True)])
+
+    def _noise_in(self, test: MeasuredTest, k: int, step: float) -> float:
+        """Return the noise of a sensor in a test: no more than it has beside what inputs pass on to it at once."""
+        readings = within(test.readings[:, k], *self.ends[k])
+        read = noise_of(readings, step)
+        passed = [j for j in passed_to(self.plant, self.sensors[k].field) if np.ptp(test.inputs[:, j]) > 0.0]
+        if not passed or len(readings) != test.samples:
+            return read
+        return min(read, noise_of(without_passed(readings, test.inputs[:, passed], MOST_DELAY), step))
 
     @cached_property
     def _counted(self) -> list[list[float]]:
@@ -127,6 +138,25 @@ class Measured:
     def shown(self, true: Array) -> Array:
         """Return simulated readings (n, sensors), SI, as the sensors would show them: none beyond their ends."""
         return np.clip(true, *self.ends.T)
+
+
+@cached
+def passed_to(plant: type[Plant], channel: str) -> tuple[int, ...]:
+    """Return the places of the inputs that a channel's sensor reads at once, by the plant's equations at usual states."""
+    model, sensor = PlainModel(plant), plant.measured[channel].sensor
+    usual = {name: item.typical for name, item in plant.states.items()}
+    found = []
+    for j, item in enumerate(plant.inputs.values()):
+        if item.name in ALWAYS:
+            continue
+        with np.errstate(all="ignore"):
+            try:
+                still, moved = (model.signals({**usual, item.name: x})[sensor] for x in (item.default, item.default + item.typical))
+            except (ArithmeticError, ValueError, KeyError):
+                continue
+        if np.isfinite(moved - still) and moved != still:
+            found.append(j)
+    return tuple(found)
 
 
 def measured_tests(logs: Sequence[TestLog]) -> Measured:

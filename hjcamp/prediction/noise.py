@@ -38,6 +38,19 @@ def noise_of(values: Array, step: float | None = None) -> float:
     return max(step / math.sqrt(12.0), white, least)
 
 
+def without_passed(values: Array, inputs: Array, most: int) -> Array:
+    """Return readings (n,) without what inputs (n, k) pass on to them at once, or up to ``most`` samples later.
+
+    By least squares over third differences, which hold little of a slow motion. What reads an input at once (the voltage of a cell
+    under a current) leaps with it, and no look at the readings alone tells leaps from noise. Only samples that were are taken: a
+    controller may have a reading's noise in what it commands from then on.
+    """
+    late = [np.concatenate([inputs[:1].repeat(k, axis=0), inputs[: len(inputs) - k]]) for k in range(most + 1)]
+    columns = np.concatenate(late, axis=1)
+    weights = np.linalg.lstsq(np.diff(columns, 3, axis=0), np.diff(values, 3), rcond=None)[0]
+    return np.asarray(values - columns @ weights)
+
+
 def step_of(values: Array) -> float:
     """Return the step of which all readings (n,) are whole multiples about one of them; 0 where there is none."""
     gaps = np.diff(np.unique(values))

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.analysis import Analysis, what_lacks
+from hjcamp.prediction.borne_out import not_borne_out
 from hjcamp.prediction.chapters import critical
 from hjcamp.prediction.floor import in_units, usual_size
 from hjcamp.prediction.intervals import held_away, intervals
@@ -112,6 +114,8 @@ def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
         return replace(verdict, word=CANNOT_TELL, lacking=(held,))
     if verdict.word != NOTHING or analysis.floor.source != "sensor" or verdict.p_value > LEVEL:
         return verdict
+    if late := _late(analysis, verdict.p_value):
+        return replace(verdict, word=CANNOT_TELL, lacking=(late,))
     sensors = analysis.measured.sensors
     over = np.sqrt(np.mean(analysis.base.features.reshape(-1, len(sensors), analysis.windows.layout.basis.shape[1]) ** 2, axis=(0, 2)))
     worst = int(np.argmax(over))
@@ -135,6 +139,18 @@ def _held(analysis: Analysis) -> str:
             return (
                 f"{one.name.replace('_', ' ')} stands at its bound, far from what is declared: these tests do not tell it, its bounds "
                 "are wrong, or it takes the place of what is missing"
+            )
+    return ""
+
+
+def _late(analysis: Analysis, p_value: float) -> str:
+    """Return in words which input's delay stands at the most that the base may have; empty where none does."""
+    for one in intervals(analysis.base.fitted, analysis.search.chapters):
+        if not one.effect and one.name.startswith(DELAY) and one.at_bound and one.value > 0.0:
+            name = one.name.removeprefix(DELAY).replace("_", " ")
+            return (
+                f"the delay of {name} stands at the most that the base may have, and what is left is more than chance "
+                f"(p = {p_value:.2g}): something later is missing, but not shown chapter by chapter"
             )
     return ""
 
@@ -170,6 +186,8 @@ def judged(analysis: Analysis) -> Verdict:
         follows = search.follows_motion(base).share if unknown is None else 0.0
         if unknown is None and not follows and not _far_above_floor(analysis, base):
             return Verdict(NOTHING, (), base, p_value, ((),), 0.0, None, ())
+        if unknown is not None and (wrong := not_borne_out(analysis, first, unknown)):
+            return Verdict(CANNOT_TELL, (), base, p_value, ((),), 0.0, None, (wrong,))
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, (), follows)
     # what repetitions share is hardly touched: whatever was found is not what is missing
     removable = math.log(base.left_out / _least(analysis))
@@ -261,11 +279,17 @@ def _taken(base: Scored, model: Scored) -> float:
 
 
 def _covered(analysis: Analysis, model: Scored, unknown: Scored, name: str) -> bool:
-    """Whether a free law makes a named effect needless that takes less than most of what it takes: then it is not that effect."""
+    """Whether a free law makes a named effect needless that takes less than most of what it takes: then it is not that effect.
+
+    A law that is no other form of the effect says where it is missing: beside one that predicts better it need not take that little.
+    """
     search = analysis.search
     rest = search.fitted(unknown.fitted.candidate.without([name]))
     if search.matters(unknown, rest):
         return False
+    laws = [search.unknowns[one] for one in rest.names if one in search.unknowns]
+    if not any(alike_laws(law, search.library[name]) for law in laws) and search.beats(rest, model):
+        return True
     less = search.fitted(model.fitted.candidate.without([name]))
     return _taken(less, model) < MOST_OF_IT * _taken(less, rest)
 

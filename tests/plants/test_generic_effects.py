@@ -75,7 +75,10 @@ def test_dry_friction_is_for_contacts_that_have_none(folder: Path, coulomb: str,
     path.write_text(text.replace("    period", own))
     library = library_of(find_plant("wheel"))
     assert ("dry_friction" in library.effects) == fits
-    if not fits:
+    assert ("coulomb_asymmetry" in library.effects) == ("presliding" in library.effects) == (not fits)
+    if fits:
+        assert "plant wheel has no coulomb in any such place" in str(library.unfit["presliding"])
+    else:
         assert "plant wheel has coulomb of its own" in str(library.unfit["dry_friction"])
 
 

@@ -111,6 +111,13 @@ def test_of_a_short_log_windows_are_shorter_before_it_is_refused(axis: Path) -> 
         assert not what_lacks(measured, Layout(measured, found))
 
 
+def test_each_of_several_short_tests_ends_with_a_rest_that_is_no_window(axis: Path) -> None:
+    logs = [measured_log(seconds=(samples + MOST_DELAY) * PERIOD) for samples in (333, 222)]
+    measured = measured_tests(logs)
+    found = width_of(measured)
+    assert not what_lacks(measured, Layout(measured, found)) and 333 // (555 // 24) + 222 // (555 // 24) < 24
+
+
 def test_declared_values_may_be_far_off(axis: Path) -> None:
     far = Candidate({"mass": 15.0, "coulomb": 2.0, "viscous": 30.0, "delay.voltage": 0.0}, {})
     found = calibrated(measured_tests([measured_log()]), {}, far, unknowns=False).base.fitted.candidate.base

@@ -1,0 +1,58 @@
+"""Noise of a sensor that an input reaches at once: the voltage of a cell leaps with its current."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hjcamp.known_plants import find_plant
+from hjcamp.prediction.measured import measured_tests, passed_to
+from hjcamp.prediction.noise import noise_of
+from hjcamp.records.log import TestLog
+from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY
+
+CELL = '''
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, sensor, store
+
+
+class Cell(Plant):
+    r"""A cell with one slow part behind its inner resistance.
+
+    .. math:: U = U_0 - R_0 i - v
+    """
+
+    slow = State("V", typical=0.05)
+    current = Input("A", typical=2.0)
+    inner = Parameter("V/A", 0.03, (1e-3, 1.0), base=True)
+    outer = Parameter("V/A", 0.02, (1e-3, 1.0), base=True)
+    capacity = Parameter("A*s/V", 1e3)
+    rest = Parameter("V", 3.7)
+    cell_v = Measured("gauge")
+    period = 1.0
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        """Rates."""
+        drawn = actuator(drive.current)
+        rate.slow = store(drawn - state.slow / parameter.outer, capacity=parameter.capacity)
+        gauge = sensor(parameter.rest - parameter.inner * drawn - state.slow)
+'''
+NOISE = 1e-3
+
+
+def test_leaps_that_an_input_passes_on_are_no_noise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "cell.py").write_text(CELL)
+    generator = np.random.default_rng(3)
+    current = np.repeat(generator.uniform(-4.0, 4.0, 800), 2)
+    time = np.arange(len(current)) * 1.0
+    slow = np.convolve(current, 0.02 * np.exp(-time / 20.0) / 20.0)[: len(current)]
+    volts = 3.7 - 0.03 * current - slow + NOISE * generator.standard_normal(len(current))
+    metadata = {PLANT_KEY: "cell", PERIOD_KEY: "1.0", "condition": "drive"}
+    measured = measured_tests([TestLog({"time_s": time, "current_a": current, "cell_v": volts}, metadata)])
+    assert passed_to(find_plant("cell"), "cell_v") == (0,) and passed_to(find_plant("valve_joint"), "arm_deg") == ()
+    assert noise_of(volts) > 5.0 * NOISE
+    assert measured.noise[0] == pytest.approx(NOISE, rel=0.15)
