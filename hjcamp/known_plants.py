@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from hjcamp.errors import unknown
-from hjcamp.model.catalogue import class_in, files_in, scan
+from hjcamp.errors import UsageError, unknown
+from hjcamp.model.catalogue import class_in, files_in, scan, scan_files
 from hjcamp.model.plant import Plant
 from hjcamp.model.user_folders import extension_folders
 
@@ -42,11 +42,31 @@ def plant_names(folder: Path) -> list[str]:
 
 
 def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | None = None) -> type[Plant]:
-    """Return the plant called ``name``; ``where`` says what names it. Raises ``UsageError`` with the nearest match."""
-    plants = load_plants(folders)
-    if name not in plants:
-        raise unknown("plant", name, plants, where)
-    return plants[name]
+    """Return the plant called ``name``; ``where`` says what names it. Raises ``UsageError`` with the nearest match.
+
+    No other file of the user's is run: a fault in it is no fault of this plant.
+    """
+    chosen = extension_folders("plants") if folders is None else list(folders)
+    ours = scan(OWN_PLANTS, PACKAGE, Plant)
+    files = [(own, path) for folder in chosen for own, path in files_in(folder, "plant.py")]
+    wanted = [path for own, path in files if own == name]
+    if not wanted:
+        if name not in ours:
+            raise unknown("plant", name, sorted({*ours, *(own for own, _ in files)}), where)
+        return ours[name]
+    return scan_files([(name, path) for path in wanted], "plant.py", Plant, ours)[name]
+
+
+def plants_beside_faults() -> tuple[dict[str, type[Plant]], dict[str, str]]:
+    """Return every plant by name, and what is wrong with the files of the user's that hold none."""
+    found, faults = scan(OWN_PLANTS, PACKAGE, Plant), {}
+    for folder in extension_folders("plants"):
+        for name, path in files_in(folder, "plant.py"):
+            try:
+                found = scan_files([(name, path)], "plant.py", Plant, found)
+            except UsageError as problem:
+                faults[name] = str(problem)
+    return found, faults
 
 
 def plant_called(name: str, where: str = "") -> type[Plant]:

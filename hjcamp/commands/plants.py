@@ -60,17 +60,19 @@ def show_list() -> dict[str, Any]:
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._answers import plant_row
     from hjcamp.effects import library_of
-    from hjcamp.known_plants import load_plants
+    from hjcamp.known_plants import plants_beside_faults
 
     table = Table(box=None, header_style="bold", pad_edge=False)
     for column in ("plant", "what it is", "measured", "effects that fit"):
         table.add_column(column, no_wrap=column == "plant")
-    found = load_plants()
+    found, faults = plants_beside_faults()
     for name, plant in found.items():
         measured = [channel.field for channel in plant.channels] or list(plant.measured)
         table.add_row(name, plant.sentence(), ", ".join(measured), str(len(library_of(plant).effects)))
     console = make_console()
     console.print(table)
+    for problem in faults.values():
+        console.print(f"  not a plant: {problem}", style="red", markup=False, soft_wrap=True)
     console.print(
         "  one of them: hjcamp plants NAME; one of your own: hjcamp plants new NAME", style="dim", markup=False
     )

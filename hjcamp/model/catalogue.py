@@ -68,12 +68,21 @@ def scan(
             found[path.parent.name] = own
     found = dict(sorted(found.items()))
     for folder in folders:
-        for name, path in files_in(folder, file_of_kind):
-            check_name(path if path.name != file_of_kind else path.parent)
-            theirs = class_in(path, base, name=name)
-            if theirs is None:
-                raise UsageError(f"{path}: no class derived from {base.__name__} in this file")
-            if name in found:
-                raise UsageError(f"{path}: the name '{name}' is taken; choose another file name")
-            found[name] = theirs
+        found = scan_files(files_in(folder, file_of_kind), file_of_kind, base, found)
+    return found
+
+
+def scan_files(
+    files: Sequence[tuple[str, Path]], file_of_kind: str, base: type[Kind], taken: Mapping[str, type[Kind]]
+) -> dict[str, type[Kind]]:
+    """Return the classes by name that are ``taken``, and those of a user's files beside them; refuse a name that is taken."""
+    found = dict(taken)
+    for name, path in files:
+        check_name(path if path.name != file_of_kind else path.parent)
+        theirs = class_in(path, base, name=name)
+        if theirs is None:
+            raise UsageError(f"{path}: no class derived from {base.__name__} in this file")
+        if name in found:
+            raise UsageError(f"{path}: the name '{name}' is taken; choose another file name")
+        found[name] = theirs
     return found

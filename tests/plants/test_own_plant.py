@@ -304,8 +304,18 @@ def test_a_new_plant_passes_its_tests(folder: Path, capsys: pytest.CaptureFixtur
 
 def test_two_plants_of_one_name_are_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "plants" / "pump_joint.py").write_text((folder / "plants" / "axis.py").read_text())
-    assert cli.run(["plants"]) == 2
+    assert cli.run(["plants", "pump_joint"]) == 2
     assert "'pump_joint' is taken" in capsys.readouterr().err
+
+
+def test_a_faulty_file_is_no_fault_of_the_plants_beside_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "plants" / "broken.py").write_text("class (")
+    assert cli.run(["plants", "axis"]) == 0
+    capsys.readouterr()
+    assert cli.run(["plants"]) == 0
+    said = capsys.readouterr().out
+    assert "axis" in said and "not a plant: " in said and "broken.py: line 1: invalid syntax" in " ".join(said.split())
+    assert cli.run(["plants", "broken"]) == 2
 
 
 def test_base_parameters_that_only_their_product_tells_are_named(
