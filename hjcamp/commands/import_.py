@@ -34,7 +34,8 @@ with all fields of a plant. An example of MAP.yaml:
     train.csv: {condition: train}
     pulses.csv: {condition: pulses, mass_kg: 120}
 
-A column is a CSV or Parquet column, a MATLAB variable (q, data.q, q(:,2)), or a name in a message (q, pose.x).
+A column is a CSV or Parquet column (1, 2, 3, ... where a table of text has no header), a MATLAB variable (q, data.q, q(:,2)), or a
+name in a message (q, pose.x). Dates and times that are written out are read as seconds.
 """.replace("USUAL", DEFAULT)
 
 

@@ -101,7 +101,8 @@ def what_lacks(measured: Measured, layout: Layout) -> list[str]:
     if chapters < FEWEST or len(layout.of_test) < 3 * FEWEST:
         found.append(
             f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s in {chapters} chapters; "
-            f"{3 * FEWEST} windows in {FEWEST} chapters are needed: longer or more tests"
+            f"{3 * FEWEST} windows in {FEWEST} chapters are needed: longer or more tests (at least {3 * FEWEST * SHORTEST_OF_ALL} "
+            f"samples, these have {sum(test.samples for test in measured.tests)})"
         )
     moving = [k for k in range(len(measured.sensors)) if any(np.ptp(t.readings[:, k]) > 0.0 for t in measured.tests)]
     if not moving:

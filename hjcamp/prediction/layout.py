@@ -200,5 +200,6 @@ class Layout:
         What a sensor reads at its end is left out: held there, residuals break off, and no start is found from their slopes.
         """
         known = np.where(self.at_ends, 0.0, residuals) if self.at_ends.any() else residuals
-        shaped = known.reshape(-1, self.width, residuals.shape[1]) / self.measured.noise
-        return np.asarray(np.einsum("wts,to->wso", shaped, self.basis))
+        with np.errstate(over="ignore", invalid="ignore"):  # a model that diverges is no warning: it is not taken
+            shaped = known.reshape(-1, self.width, residuals.shape[1]) / self.measured.noise
+            return np.asarray(np.einsum("wts,to->wso", shaped, self.basis))

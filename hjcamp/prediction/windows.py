@@ -105,7 +105,8 @@ class Windows:
         for k, one in enumerate(self.layout.measured.sensors):
             if one.field in erring:
                 place = list(plant.states).index(plant.measured[one.field].of)
-                change = wrong[:, k] - right[:, k]
+                with np.errstate(over="ignore", invalid="ignore"):
+                    change = wrong[:, k] - right[:, k]
                 moved[:, place] -= np.where(np.isfinite(change), change, 0.0)
         return np.maximum(moved, self.lowest)
 
@@ -218,9 +219,10 @@ class Windows:
             moved = self.starts.copy()
             moved[:, k] += STEP * size
             changed = self._predicted(candidate, moved)
-            change = self.layout.coefficients((changed.readings - base.readings) / STEP)
+            with np.errstate(over="ignore", invalid="ignore"):
+                change = self.layout.coefficients((changed.readings - base.readings) / STEP)
+                ends.append((changed.ends - base.ends) / (STEP * self.sizes))
             readings.append(change.reshape(len(self.starts), -1))
-            ends.append((changed.ends - base.ends) / (STEP * self.sizes))
         if self.layout.memory:
             return Through.of(np.stack(readings, axis=2), self.layout.of_test)
         return Passage.of(np.stack(readings, axis=2), np.stack(ends, axis=2), self.unseen, self.layout.goes_on)

@@ -95,7 +95,7 @@ def test_a_picture_that_is_not_drawn(name: str, call: Call, tmp_path: Path) -> N
         ("map.yaml", ("import", "table.csv", "--map", "map.yaml")),
         ("campaigns/mine.yaml", ("plan", "campaign=mine")),
         ("effects/mine.py", ("effects",)),
-        ("plants/mine.py", ("plants",)),
+        ("plants/mine.py", ("plants", "mine")),
         ("trajectories/mine.py", ("plan",)),
         ("controllers/mine.py", ("plan",)),
     ],

@@ -149,7 +149,7 @@ def test_a_bad_mapping_has_one_clear_message(tmp_path: Path, change: Callable[[d
     ("pattern", "replacement", "message"),
     [
         (r"\n12100;[^;]*;", "\n12100;oops;", "'theta' is no number in row 101: 'oops'"),
-        (r"\n12100;[^;]*;", "\n12100;;", "'theta' is no number in row 101"),
+        (r"\n12100;[^;]*;", "\n12100;;", "'theta' is empty in row 101"),
         (r"\n12100;[^;]*;", "\n12100;NaN;", "'arm_deg' is nan at sample 100"),
         (r"\n1210[0-4];.*", "", "gap of 6 ms after row 100"),
         (r"\n12100;", "\n12099;", "time does not increase at row 101"),

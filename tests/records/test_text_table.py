@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -24,9 +25,13 @@ from hjcamp.records.elsewhere.text_table import Dialect, dialect_of
         ("# made by hand\n# twice\nt;u\n0,5;1\n", (";", True, "#")),
         ("% rig 3\nt,u\n0.5,1\n", (",", False, "%")),
         ("# t,u\n0.5,1\n", (",", False, None)),
+        ("  t    u\n 0.5   1\n10.5  -1\n", (" ", False, None)),
+        (" 0.5   1\n10.5  -1e3\n", (" ", False, None, False)),
+        ("0,5;1\n1,5;2\n", (";", True, None, False)),
+        ("0.5,1\n1.5,nan\n", (",", False, None, False)),
     ],
 )
-def test_a_separator_stands_equally_often_in_each_row(tmp_path: Path, text: str, found: tuple[str, bool, str | None]) -> None:
+def test_a_separator_stands_equally_often_in_each_row(tmp_path: Path, text: str, found: tuple[Any, ...]) -> None:
     (tmp_path / "x.csv").write_text(text, encoding="utf-8")
     assert dialect_of(tmp_path / "x.csv") == Dialect(*found)
 

@@ -58,6 +58,21 @@ def test_rows_that_are_uneven_all_along_are_brought_to_a_period(tmp_path: Path) 
     np.testing.assert_allclose(log.columns["arm_deg"], 10.0 * (time + 1e-3 * stamps[0]), rtol=1e-5)
 
 
+@pytest.mark.parametrize("stamped", [False, True])
+def test_a_table_of_blanks_without_a_header_and_written_times(tmp_path: Path, stamped: bool) -> None:
+    time = 0.002 * np.arange(400)
+    noise = 0.01 * np.sin(np.arange(400) ** 2)
+    first = [f"2026-01-31T12:00:{t:09.6f}" if stamped else f"{t:.4f}" for t in time]
+    rows = [f" {a}   {10.0 * t:9.5f} {0.1 + n:.6f}  {0.2 - n:.6f} 0" for a, t, n in zip(first, time, noise, strict=True)]
+    (tmp_path / "bench.dat").write_text("\n".join(rows) + "\n")
+    fields = {"time_s": 1, "arm_deg": 2, "pressure1_mpa": 3, "pressure2_mpa": 4, **{f"valve{k}_ratio": 5 for k in range(1, 5)}}
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump({"plant": "valve_joint", "fields": fields}))
+    import_file(tmp_path / "bench.dat", tmp_path / "map.yaml", tmp_path / "out.mcap")
+    log = read_log(tmp_path / "out.mcap")
+    assert log.period == pytest.approx(0.002)
+    np.testing.assert_allclose(log.columns["arm_deg"], 10.0 * log.columns["time_s"], atol=1e-5)
+
+
 def test_no_samples_are_made_up_between_rows(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="samples between rows would be made up"):
         brought(tmp_path, np.arange(400) * 5.0, resample_s=0.001)

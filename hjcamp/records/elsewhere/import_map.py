@@ -187,7 +187,7 @@ def _plants_with(name: str) -> list[str]:
 
 def _rule(name: str, content: Any, table: FieldTable, where: str) -> ColumnRule:
     place = f"'{name}' of {where}"
-    if isinstance(content, str):
+    if isinstance(content, str) or (isinstance(content, int) and not isinstance(content, bool)):
         content = {"column": content}
     _only_known(content, FIELD_KEYS, "key", place)
     if isinstance(content.get("column"), bool):

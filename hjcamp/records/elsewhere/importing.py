@@ -69,7 +69,7 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
     pairs = [(Path(file), Path(out)) for file, out in zip(files, outs, strict=True)]
     for number, (source, target) in enumerate(pairs):
         if target.exists():
-            raise UsageError(f"{target}: exists already; give the imported log another name")
+            raise UsageError(f"{target}: exists already; delete it, or give the imported log another name")
         for other, taken in pairs[:number]:
             if taken == target:
                 raise UsageError(f"{target}: would be the log of {other} and of {source}; import them one by one")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import sys
@@ -16,7 +17,7 @@ import numpy as np
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.records.elsewhere.import_map import ImportMap
-from hjcamp.records.elsewhere.text_table import dialect_of
+from hjcamp.records.elsewhere.text_table import BLANKS, dialect_of
 
 if TYPE_CHECKING:
     import polars
@@ -64,10 +65,15 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
             raise UsageError(f"{source}: this is no table of text in UTF-8; those, {listed} can be read")
     found = dialect_of(source, rules.skip_lines, rules.comment)
     separator = rules.separator or found.separator
+    content: Path | io.BytesIO = source
+    if separator == BLANKS:
+        lines = source.read_text(encoding="utf-8", errors="replace").splitlines()
+        content, separator = io.BytesIO("\n".join("\t".join(line.split()) for line in lines).encode()), "\t"
     comma = rules.decimal_comma if rules.decimal_comma is not None else found.decimal_comma and separator != ","
     try:
         table = polars.read_csv(
-            source,
+            content,
+            has_header=found.header,
             separator=separator,
             decimal_comma=comma,
             skip_lines=rules.skip_lines,
@@ -80,6 +86,8 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
             f"{source}: cannot be read as a table with {separator!r} between its columns: {_first_line(error)}; the map may say "
             "separator, decimal_comma, skip_lines (before the header) and comment"
         ) from error
+    if not found.header:
+        table.columns = [str(place + 1) for place in range(table.width)]
     return Table(_numbers(source, table, names, comma))
 
 
@@ -122,6 +130,8 @@ def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_co
             column = column.str.strip_chars()
             text = column.str.replace(",", ".", literal=True) if decimal_comma else column
             numbers = text.cast(polars.Float64, strict=False)
+            if numbers.null_count() == len(column):
+                numbers = _seconds(column, numbers)
         elif isinstance(column.dtype, polars.Datetime | polars.Duration):
             ticks = column.cast(polars.Int64)
             numbers = (ticks - (ticks.min() or 0)) * (NS_IN[column.dtype.time_unit or "us"] * 1e-9)
@@ -131,9 +141,22 @@ def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_co
             raise UsageError(f"{source}: '{name}' holds {column.dtype}, not numbers")
         if numbers.null_count():
             row = int(numbers.is_null().arg_max() or 0)
-            raise UsageError(f"{source}: '{name}' is no number in row {row + 1}: {column[row]!r:.60}")
+            said = f"no number in row {row + 1}: {column[row]!r:.60}" if column[row] is not None else f"empty in row {row + 1}"
+            raise UsageError(f"{source}: '{name}' is {said}")
         columns[name] = numbers.to_numpy()
     return columns
+
+
+def _seconds(column: polars.Series, otherwise: polars.Series) -> polars.Series:
+    """Return dates and times that are written out (2026-01-31 12:00:00.5) as seconds since the first, else what is given."""
+    import polars
+
+    try:
+        found = column.str.to_datetime(time_unit="ns", strict=False)
+    except polars.exceptions.PolarsError:
+        return otherwise
+    ticks = found.cast(polars.Int64)
+    return (ticks - (ticks.min() or 0)) * 1e-9 if not found.null_count() else otherwise
 
 
 def _read_mat(source: Path, names: list[str], rules: ImportMap) -> Table:

@@ -1,4 +1,4 @@
-"""How a table of text is written where nobody says so: its separator, and whether it has a decimal comma."""
+"""How a table of text is written where nobody says so: its separator, its header, and whether it has a decimal comma."""
 
 from __future__ import annotations
 
@@ -7,17 +7,22 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SEPARATORS = (";", "\t", "|", ",")
+BLANKS = " "
 REMARKS = ("#", "%")
 LOOKED_AT = 64 * 1024
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a table of text is written; ``comment``: with what the lines begin that are no rows."""
+    """How a table of text is written; ``comment``: with what the lines begin that are no rows. A space stands for any blanks.
+
+    Columns without a ``header`` are called 1, 2, 3, ...
+    """
 
     separator: str = ","
     decimal_comma: bool = False
     comment: str | None = None
+    header: bool = True
 
 
 def dialect_of(source: Path, skip_lines: int = 0, comment: str | None = None) -> Dialect:
@@ -33,9 +38,12 @@ def dialect_of(source: Path, skip_lines: int = 0, comment: str | None = None) ->
         comment = rows[0][0]
         rows = _rows(lines, comment)
     found = _separator(rows) or ","
-    cells = [cell for row in rows[1:] for cell in row.split(found)]
+    cells = [cell for row in rows[1:] for cell in _cells(row, found)]
     has_comma = found != "," and any(_has_comma(cell) for cell in cells) and not any("." in cell for cell in cells)
-    return Dialect(found, has_comma, comment)
+    kinds = [[_is_number(cell.replace(",", ".") if has_comma else cell) for cell in _cells(row, found)] for row in rows[:2]]
+    # what is a number in the second row is a name in a header
+    header = not kinds or not any(kinds[-1]) or kinds[0] != kinds[-1]
+    return Dialect(found, has_comma, comment, header)
 
 
 def _rows(lines: Iterable[str], comment: str | None) -> list[str]:
@@ -43,12 +51,24 @@ def _rows(lines: Iterable[str], comment: str | None) -> list[str]:
 
 
 def _separator(rows: list[str]) -> str:
-    return next((one for one in SEPARATORS if _alike(rows, one)), "")
+    return next((one for one in (*SEPARATORS, BLANKS) if _alike(rows, one)), "")
 
 
 def _alike(rows: Iterable[str], separator: str) -> bool:
-    counts = {row.count(separator) for row in rows}
-    return len(counts) == 1 and counts != {0}
+    counts = {len(_cells(row, separator)) for row in rows}
+    return len(counts) == 1 and max(counts) > 1
+
+
+def _cells(row: str, separator: str) -> list[str]:
+    return row.split() if separator == BLANKS else row.split(separator)
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def _has_comma(cell: str) -> bool:
