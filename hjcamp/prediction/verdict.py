@@ -10,7 +10,7 @@ import numpy as np
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.analysis import Analysis, what_lacks
-from hjcamp.prediction.borne_out import not_borne_out
+from hjcamp.prediction.borne_out import not_borne_out, not_in_windows
 from hjcamp.prediction.chapters import critical
 from hjcamp.prediction.floor import in_units, usual_size
 from hjcamp.prediction.intervals import held_away, intervals
@@ -114,8 +114,8 @@ def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
         return replace(verdict, word=CANNOT_TELL, lacking=(held,))
     if verdict.word != NOTHING or analysis.floor.source != "sensor" or verdict.p_value > LEVEL:
         return verdict
-    if late := _late(analysis, verdict.p_value):
-        return replace(verdict, word=CANNOT_TELL, lacking=(late,))
+    if doubt := _late(analysis, verdict.p_value) or not_in_windows(analysis, analysis.search.steps[0]):
+        return replace(verdict, word=CANNOT_TELL, lacking=(doubt,))
     sensors = analysis.measured.sensors
     over = np.sqrt(np.mean(analysis.base.features.reshape(-1, len(sensors), analysis.windows.layout.basis.shape[1]) ** 2, axis=(0, 2)))
     worst = int(np.argmax(over))

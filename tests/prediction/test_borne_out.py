@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import pytest
 from carriage import measured_log
 
 from hjcamp.effects import load_effects
 from hjcamp.prediction.analysis import Analysis, calibrated
-from hjcamp.prediction.borne_out import not_borne_out
+from hjcamp.prediction.borne_out import not_borne_out, not_in_windows
 from hjcamp.prediction.measured import measured_tests
 
 
-@pytest.fixture
-def sprung(axis: Path) -> Analysis:
-    """A short test of a carriage on a hidden spring, its controller taken for the input's own."""
+def short(axis: Path, force: Callable[[float, float], float]) -> Analysis:
+    """A short test of a carriage, its controller taken for the input's own."""
     file = axis / "plants" / "axis.py"
     file.write_text(file.read_text().replace('loop = "foreign"', 'loop = ""'))
-    measured = measured_tests([measured_log(lambda x, v: -150.0 * (x - 0.03), seconds=4.0)])
+    measured = measured_tests([measured_log(force, seconds=4.0)])
     library = load_effects(plant=measured.plant)
     return calibrated(measured, {name: library[name] for name in ("spring", "quadratic_drag")})
 
 
-def test_what_whole_tests_contradict_is_not_borne_out(sprung: Analysis) -> None:
+def test_what_whole_tests_contradict_is_not_borne_out(axis: Path) -> None:
+    sprung = short(axis, lambda x, v: -150.0 * (x - 0.03))
     sprung.search.run(sprung.base)
     first = sprung.search.steps[0]
     [named] = [one for one in first.named if one.names == ("spring",)]
@@ -39,3 +39,10 @@ def test_what_whole_tests_contradict_is_not_borne_out(sprung: Analysis) -> None:
     assert "unknown drag predicts best" in said and "spring" in said
     assert np.array_equal(sprung.windows.starts, before)
     assert not not_borne_out(sprung, first, named)
+    assert "of the error when simulated from the first sample on spring leaves" in not_in_windows(sprung, first)
+
+
+def test_where_nothing_is_missing_no_effect_takes_most_of_the_error_of_whole_tests(axis: Path) -> None:
+    analysis = short(axis, lambda x, v: 0.0)
+    analysis.search.run(analysis.base)
+    assert not not_in_windows(analysis, analysis.search.steps[0])
