@@ -161,6 +161,12 @@ class Layout:
         given = self.measured.plant.inputs
         return {k: -0.5 * self.measured.period for k, name in enumerate(self.names) if given[name].hold == "linear"}
 
+    @cached_property
+    def ahead(self) -> dict[int, Array]:
+        """By how much what runs linearly is more at each sample than its mean over it (n,), by the input's place."""
+        logged = self._moved({}) if self._between else self.inputs
+        return {place: logged[:, place] - self.inputs[:, place] for place in self._between}
+
     def delayed(self, delays: Mapping[str, float]) -> Array:
         """Return the inputs (n, inputs), each later by its delay (s): whole samples, and the fraction of one as a mean."""
         late = {self.names.index(name): delay for name, delay in delays.items() if delay != 0.0}

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError
-from hjcamp.model.cached import cached
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.parameter import finite_number
-from hjcamp.model.place_checks import PlainModel
 from hjcamp.model.plant import ALWAYS, Plant
+from hjcamp.prediction.at_once import passed_to
 from hjcamp.prediction.ends import ends_of, within
 from hjcamp.prediction.noise import noise_of, step_of, without_passed
 from hjcamp.prediction.repetitions import apart_by_course
@@ -138,25 +137,6 @@ class Measured:
     def shown(self, true: Array) -> Array:
         """Return simulated readings (n, sensors), SI, as the sensors would show them: none beyond their ends."""
         return np.clip(true, *self.ends.T)
-
-
-@cached
-def passed_to(plant: type[Plant], channel: str) -> tuple[int, ...]:
-    """Return the places of the inputs that a channel's sensor reads at once, by the plant's equations at usual states."""
-    model, sensor = PlainModel(plant), plant.measured[channel].sensor
-    usual = {name: item.typical for name, item in plant.states.items()}
-    found = []
-    for j, item in enumerate(plant.inputs.values()):
-        if item.name in ALWAYS:
-            continue
-        with np.errstate(all="ignore"):
-            try:
-                still, moved = (model.signals({**usual, item.name: x})[sensor] for x in (item.default, item.default + item.typical))
-            except (ArithmeticError, ValueError, KeyError):
-                continue
-        if np.isfinite(moved - still) and moved != still:
-            found.append(j)
-    return tuple(found)
 
 
 def measured_tests(logs: Sequence[TestLog]) -> Measured:

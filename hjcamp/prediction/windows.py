@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.simulator import Given
+from hjcamp.prediction.at_once import passed_on, passed_to
 from hjcamp.prediction.kernels import Kernels
 from hjcamp.prediction.layout import Layout
 from hjcamp.prediction.passage import Passage, Through
@@ -87,7 +88,16 @@ class Windows:
         if friction != 1.0:
             inputs = inputs.copy()
             inputs[:, layout.names.index("friction_scatter")] *= friction
-        return self._run(candidate, begin, inputs, layout.width)
+        return self._read_at_once(candidate, self._run(candidate, begin, inputs, layout.width))
+
+    def _read_at_once(self, candidate: Candidate, found: Predicted) -> Predicted:
+        """Return what is predicted with what sensors read at once of inputs that run linearly, of which a run holds the mean."""
+        layout, plant = self.layout, self.layout.measured.plant
+        for place, ahead in layout.ahead.items():
+            for k, one in enumerate(layout.measured.sensors):
+                if place in passed_to(plant, one.field):
+                    found.readings[:, k] += ahead * passed_on(plant, one.field, layout.names[place], candidate.base)
+        return found
 
     def _true(self, candidate: Candidate, starts: Array, inputs: Array) -> Array:
         """Return the true states (windows, states) of starts that are given as sensors without errors would read them.

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from hjcamp.known_plants import find_plant
-from hjcamp.prediction.measured import measured_tests, passed_to
+from hjcamp.prediction.analysis import calibrated
+from hjcamp.prediction.at_once import passed_to
+from hjcamp.prediction.measured import measured_tests
 from hjcamp.prediction.noise import noise_of
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY
@@ -56,3 +58,23 @@ def test_leaps_that_an_input_passes_on_are_no_noise(tmp_path: Path, monkeypatch:
     assert passed_to(find_plant("cell"), "cell_v") == (0,) and passed_to(find_plant("valve_joint"), "arm_deg") == ()
     assert noise_of(volts) > 5.0 * NOISE
     assert measured.noise[0] == pytest.approx(NOISE, rel=0.15)
+
+
+def test_what_runs_linearly_is_read_as_it_is_at_each_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "cell.py").write_text(CELL.replace('typical=2.0)', 'typical=2.0, hold="linear")'))
+    generator = np.random.default_rng(4)
+    time = np.arange(1600) * 1.0
+    current = np.cumsum(generator.uniform(-1.0, 1.0, 1600))
+    # straight lines from sample to sample, in closed form: v' = (r i - v) / tau
+    tau, slow = 20.0, np.zeros(1600)
+    for k in range(1599):
+        slope = current[k + 1] - current[k]
+        steady = 0.02 * (current[k] - tau * slope)
+        slow[k + 1] = steady + 0.02 * slope + (slow[k] - steady) * np.exp(-1.0 / tau)
+    volts = 3.7 - 0.03 * current - slow + NOISE * generator.standard_normal(1600)
+    columns = {"time_s": time, "current_a": current, "cell_v": volts}
+    found = calibrated(measured_tests([TestLog(columns, {PLANT_KEY: "cell", PERIOD_KEY: "1.0", "condition": "drive"})]), {})
+    assert found.base.fitted.candidate.base["inner"] == pytest.approx(0.03, rel=0.005)
+    assert np.sqrt(np.mean(found.base.features**2)) == pytest.approx(1.0, abs=0.1)

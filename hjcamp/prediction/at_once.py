@@ -1,0 +1,41 @@
+"""What sensors read of inputs at once: the voltage of a cell leaps with its current."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hjcamp.model.cached import cached
+from hjcamp.model.place_checks import PlainModel
+from hjcamp.model.plant import Plant
+
+
+@cached
+def passed_to(plant: type[Plant], channel: str) -> tuple[int, ...]:
+    """Return the places, among the given inputs, of those that a channel's sensor reads at once, by the plant's equations."""
+    names = list(plant.given_inputs())
+    defaults = {name: item.default for name, item in plant.parameters.items()}
+    gains = [passed_on(plant, channel, name, defaults) for name in names]
+    logged = [name for name in plant.inputs if name not in ("time", "direction")]
+    return tuple(logged.index(name) for name, gain in zip(names, gains, strict=True) if gain != 0.0)
+
+
+@cached
+def _plain(plant: type[Plant]) -> PlainModel:
+    return PlainModel(plant)
+
+
+def passed_on(plant: type[Plant], channel: str, name: str, base: Mapping[str, float]) -> float:
+    """Return what a channel's sensor reads at once for one unit of an input, SI, at usual states; 0 where that is no number."""
+    model, sensor, item = PlainModel(plant, values=dict(base)), plant.measured[channel].sensor, plant.inputs[name]
+    # made once: the text is the same whatever the values
+    vars(model).update(composition=_plain(plant).composition, functions=_plain(plant).functions)
+    usual = {one: state.typical for one, state in plant.states.items()}
+    with np.errstate(all="ignore"):
+        try:
+            still, moved = (model.signals({**usual, name: x})[sensor] for x in (item.default, item.default + item.typical))
+        except (ArithmeticError, ValueError):
+            return 0.0
+    found = (moved - still) / item.typical
+    return float(found) if np.isfinite(found) else 0.0
