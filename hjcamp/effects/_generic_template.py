@@ -50,7 +50,8 @@ MEANINGS = {
     "force": "outside force", "position": "of the mass", "acceleration": "of the mass", "loss": "flow lost",
     "loss_below": "flow lost by the store below", "loss_beyond": "flow lost by the other store", "level_beyond": "of the other store",
     "capacity": "inflow for one unit of level", "stiffness": "1 / capacity", "level": "what it holds", "inflow": "net, before losses",
-    "flow": "what passes", "upstream": "level there", "downstream": "level there", "reading": "what it shows",
+    "flow": "what passes", "upstream": "level there", "downstream": "level there", "head": "upstream, less downstream",
+    "reading": "what it shows",
     "true": "true value", "command": "what is delivered", "demand": "what is asked", "supply": "what it draws on",
     "output": "motion passed on", "input": "motion given", "torque": "what it carries",
 }  # fmt: skip

@@ -211,9 +211,12 @@ def expand(call: ast.Call, target: str, state: str, several: bool, where: str, p
         element = STIFF_STORE
     elif element is STORE:
         pieces["capacity"] = pieces["capacity"] or "1.0"
+    if element is PATH and pieces["upstream"]:
+        both = f"{pieces['upstream']} - ({pieces['downstream']})"
+        pieces["head"] = both if pieces["downstream"] else pieces["upstream"]
     lines, names = [], {}
-    for read in element.reads:
-        if pieces[read]:
+    for read in (*element.reads, "head"):
+        if pieces.get(read):
             own = bare_name(pieces[read])
             names[read] = own if own and own not in plain else f"{name}_{read}"
             if names[read] != own:

@@ -56,7 +56,8 @@ KINDS: dict[str, Kind] = {
             ("level", "inflow"),
             {"loss": "inflow", "loss_below": "inflow"},
         ),
-        Kind("path", "what a flow passes", ("flow",), ("upstream", "downstream")),
+        # the head is the level upstream, less that downstream where one is given
+        Kind("path", "what a flow passes", ("flow",), ("upstream", "downstream", "head")),
         Kind(
             "partition",
             "what parts two stores of one quantity that no path joins: a piston, a wall",

@@ -133,8 +133,8 @@ class LossOverLevel(_Hats, Effect, on="loss", over="level", knots=6):
     acts_on = "store"
 
 
-class FlowOverUpstream(_Hats, Effect, on="flow", over="upstream", knots=6, changes=True):
-    r"""A flow of a path that depends on what is upstream of it.
+class FlowOverHead(_Hats, Effect, on="flow", over="head", knots=6, changes=True):
+    r"""A flow of a path that depends on its head: what is upstream of it, less what is downstream where the path has that.
 
     .. math:: q \mathrel{+}= h(p)
     """
@@ -162,7 +162,7 @@ class ReadingOverTrue(_Hats, Effect, on="reading", over="true", knots=12, change
 
 LAWS: tuple[type[Effect], ...] = (
     ForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
-    FrictionOverLoad, LossOverLevel, FlowOverUpstream, CommandOverDemand, ReadingOverTrue,
+    FrictionOverLoad, LossOverLevel, FlowOverHead, CommandOverDemand, ReadingOverTrue,
 )  # fmt: skip
 
 

@@ -114,7 +114,8 @@ def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
         return replace(verdict, word=CANNOT_TELL, lacking=(held,))
     if verdict.word != NOTHING or analysis.floor.source != "sensor" or verdict.p_value > LEVEL:
         return verdict
-    if doubt := _late(analysis, verdict.p_value) or not_in_windows(analysis, analysis.search.steps[0]):
+    nearest = _nearest(analysis)
+    if doubt := _late(analysis, verdict.p_value) or ("" if nearest else not_in_windows(analysis, analysis.search.steps[0])):
         return replace(verdict, word=CANNOT_TELL, lacking=(doubt,))
     sensors = analysis.measured.sensors
     over = np.sqrt(np.mean(analysis.base.features.reshape(-1, len(sensors), analysis.windows.layout.basis.shape[1]) ** 2, axis=(0, 2)))
@@ -123,7 +124,7 @@ def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
         return verdict
     lacking = (
         f"{sensors[worst].quantity.replace('_', ' ')} errs by {over[worst]:.2g} times its noise, which is more than chance "
-        f"(p = {verdict.p_value:.2g}), but no effect and no unknown is shown to take it{_nearest(analysis)}; "
+        f"(p = {verdict.p_value:.2g}), but no effect and no unknown is shown to take it{nearest}; "
         f"{len(analysis.windows.starts)} windows do not tell what is scatter: repeat a test, or make longer ones"
     )
     return replace(verdict, word=CANNOT_TELL, lacking=(lacking,))

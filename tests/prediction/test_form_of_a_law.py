@@ -30,7 +30,7 @@ def test_which_free_laws_are_other_forms_of_a_name(known) -> None:  # type: igno
     library, unknowns = known
     exponent = library["flow_exponent_at_outflow"]
     assert {name for name, one in unknowns.items() if alike_laws(one, exponent)} == {
-        "unknown_flow_over_upstream_at_outflow", "unknown_loss_over_level_at_lower",
+        "unknown_flow_over_head_at_outflow", "unknown_loss_over_level_at_lower",
     }  # fmt: skip
     # of the level, too, but of what the gauge makes of it
     assert not alike_laws(unknowns["unknown_reading_over_true"], exponent)
@@ -71,7 +71,7 @@ def test_a_further_name_is_none_where_the_law_of_the_first_is_off(known, free: s
         # one name is as simple as one law
         ("unknown_gain_of_inflow_over_time", ("sensor_drift",), 1.4, False),
         # another form of what one of them says is that same thing
-        ("unknown_flow_over_upstream_at_outflow", ("sensor_drift", "flow_exponent_at_outflow"), 1.4, False),
+        ("unknown_flow_over_head_at_outflow", ("sensor_drift", "flow_exponent_at_outflow"), 1.4, False),
     ],
 )
 def test_one_free_law_is_simpler_than_several_names(known, law: str, names: tuple[str, ...], left: float, simpler: bool) -> None:  # type: ignore[no-untyped-def]
