@@ -9,8 +9,7 @@ import numpy as np
 
 from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.levels import MATTERS, MOST_OF_IT
-from hjcamp.prediction.scored import Scored
-from hjcamp.prediction.selection import Step
+from hjcamp.prediction.scored import Scored, Step
 
 
 def not_borne_out(analysis: Analysis, first: Step, free: Scored) -> str:
