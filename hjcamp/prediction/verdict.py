@@ -8,15 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.analysis import Analysis, what_lacks
-from hjcamp.prediction.borne_out import not_borne_out, not_in_windows
-from hjcamp.prediction.chapters import critical
+from hjcamp.prediction.borne_out import not_borne_out
+from hjcamp.prediction.doubts import doubt_of_names, doubt_of_nothing
 from hjcamp.prediction.floor import in_units, usual_size
-from hjcamp.prediction.intervals import held_away, intervals
 from hjcamp.prediction.laws import alike_laws
 from hjcamp.prediction.layout import SHORTEST
-from hjcamp.prediction.levels import LEVEL, LONGER, MATTERS, MOST_OF_IT
+from hjcamp.prediction.levels import LEVEL, LONGER, MOST_OF_IT
 from hjcamp.prediction.scored import Scored, Step
 
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
@@ -105,70 +103,14 @@ def _left_less_by_a_name(analysis: Analysis, verdict: Verdict) -> bool:
 
 
 def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
-    """Return that these tests cannot tell, where "nothing" would be said of most of an error that no floor explains.
-
-    So it is where no floor is known, most of what a sensor errs by is more than its noise, and all of it more than chance; and where
-    the base left what it may be.
-    """
-    if verdict.word == NOTHING and (held := _held(analysis)):
-        return replace(verdict, word=CANNOT_TELL, lacking=(held,))
-    if verdict.word != NOTHING or analysis.floor.source != "sensor" or verdict.p_value > LEVEL:
+    """Return that these tests cannot tell, where something speaks against what would be said."""
+    if verdict.word == NOTHING:
+        doubt = doubt_of_nothing(analysis, verdict.p_value)
+    else:
+        doubt = doubt_of_names(analysis, verdict.model, verdict.effects)
+    if not doubt:
         return verdict
-    nearest = _nearest(analysis)
-    if doubt := _late(analysis, verdict.p_value) or ("" if nearest else not_in_windows(analysis, analysis.search.steps[0])):
-        return replace(verdict, word=CANNOT_TELL, lacking=(doubt,))
-    sensors = analysis.measured.sensors
-    over = np.sqrt(np.mean(analysis.base.features.reshape(-1, len(sensors), analysis.windows.layout.basis.shape[1]) ** 2, axis=(0, 2)))
-    worst = int(np.argmax(over))
-    if over[worst] * (1.0 - MOST_OF_IT) <= 1.0:
-        return verdict
-    lacking = (
-        f"{sensors[worst].quantity.replace('_', ' ')} errs by {over[worst]:.2g} times its noise, which is more than chance "
-        f"(p = {verdict.p_value:.2g}), but no effect and no unknown is shown to take it{nearest}; "
-        f"{len(analysis.windows.starts)} windows do not tell what is scatter: repeat a test, or make longer ones"
-    )
-    return replace(verdict, word=CANNOT_TELL, lacking=(lacking,))
-
-
-def _held(analysis: Analysis) -> str:
-    """Return in words which base parameter its bounds keep from going on, far from what is declared; empty where none does."""
-    plant, chapters = analysis.measured.plant, analysis.search.chapters
-    for one in intervals(analysis.base.fitted, chapters):
-        if one.effect or one.name not in plant.base_parameters:
-            continue
-        if held_away({"value": one.value, "at_bound": one.at_bound, **one.row}, plant.parameters[one.name].default):
-            return (
-                f"{one.name.replace('_', ' ')} stands at its bound, far from what is declared: these tests do not tell it, its bounds "
-                "are wrong, or it takes the place of what is missing"
-            )
-    return ""
-
-
-def _late(analysis: Analysis, p_value: float) -> str:
-    """Return in words which input's delay stands at the most that the base may have; empty where none does."""
-    for one in intervals(analysis.base.fitted, analysis.search.chapters):
-        if not one.effect and one.name.startswith(DELAY) and one.at_bound and one.value > 0.0:
-            name = one.name.removeprefix(DELAY).replace("_", " ")
-            return (
-                f"the delay of {name} stands at the most that the base may have, and what is left is more than chance "
-                f"(p = {p_value:.2g}): something later is missing, but not shown chapter by chapter"
-            )
-    return ""
-
-
-def _nearest(analysis: Analysis) -> str:
-    """Return in words which effect takes most of what matters, where one does: in too few chapters to be shown."""
-    search = analysis.search
-    found = [(search.error_ratio(one, step.before), one, step) for step in search.steps for one in step.named]
-    left, model, step = min(found, key=lambda one: one[0], default=(1.0, analysis.base, None))
-    if step is None or left > 1.0 - MATTERS:
-        return ""
-    [name] = model.beyond(step.before)
-    t, count = search.t(model, step.before)
-    needed = critical(count, step.level)
-    return f" ({name} would leave {100.0 * left:.0f} % of it, but not chapter by chapter: t = {t:.1f}" + (
-        f", {needed:.1f} needed)" if math.isfinite(needed) else ")"
-    )
+    return Verdict(CANNOT_TELL, (), analysis.base, verdict.p_value, ((),), 0.0, None, (doubt,))
 
 
 def judged(analysis: Analysis) -> Verdict:
