@@ -38,6 +38,7 @@ class {title}(Plant):
     @staticmethod
     def equations(state, parameter, drive, rate):
         """Give the rate of every state; each element (actuator, contact, body, ...) is a place where effects may act."""
+        # The push of a contact is what would hold it; left out of every contact, it is found from the rates.
         # Lines that occur twice are written once, as a function above: NAME = part(FUNCTION, state.x, parameter, rate)
         force = actuator(parameter.gain * drive.voltage)
         load = outside("N")
