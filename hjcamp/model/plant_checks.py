@@ -125,7 +125,7 @@ def check_pushes(plant: type[Plant]) -> str:
     loads = {port.names.get("force") for port in vocabulary.ports.values() if port.kind == "body"}
     acting = [replace(one, expression="1.0") if one.target in loads else one for one in vocabulary.statements]
     lines = [f"{'d_' * (one.mark == 'rate')}{one.target} = {one.expression}" for one in acting]
-    found = compile("\n".join(with_reactions(lines, contacts, unheld)), "<plant>", "exec")
+    found, told = compile("\n".join(with_reactions(lines, contacts, unheld)), "<plant>", "exec"), False
     for place in _places(plant)[:PUSHED]:
         for sides in product((0.0, 1.0, -1.0), repeat=len(contacts)):
             here = dict(place)
@@ -135,6 +135,7 @@ def check_pushes(plant: type[Plant]) -> str:
             try:
                 given = evaluate(plant, tuple(acting), here)
                 exec(found, scope)
+                told = True
             except (ArithmeticError, ValueError):  # rates that say themselves what is held tell nothing
                 continue
             for one, side in zip(contacts, sides, strict=True):
@@ -145,7 +146,7 @@ def check_pushes(plant: type[Plant]) -> str:
                         f"{scope[one.push]:.3g} would hold it, by the rates (outside forces 1): leave push= out of every "
                         "contact, and it is found from them"
                     )
-    return f"what holds {counted(len(contacts), 'contact')}"
+    return f"what holds {counted(len(contacts), 'contact')}" if told else "not told by rates that say themselves what is held"
 
 
 CHECKS: dict[str, Callable[[type[Plant]], str]] = {

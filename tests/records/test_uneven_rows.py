@@ -76,5 +76,6 @@ def test_a_table_of_blanks_without_a_header_and_written_times(tmp_path: Path, st
 def test_no_samples_are_made_up_between_rows(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="samples between rows would be made up"):
         brought(tmp_path, np.arange(400) * 5.0, resample_s=0.001)
-    with pytest.raises(UsageError, match="resample_s"):
-        brought(tmp_path, np.arange(400) * 5.0, resample_s="fast")
+    for wrong, said in (("fast", "not a finite number"), (0, "above zero"), (-0.01, "above zero"), (None, "not a finite number")):
+        with pytest.raises(UsageError, match=f"resample_s is .*{said}"):
+            brought(tmp_path, np.arange(400) * 5.0, resample_s=wrong)

@@ -117,7 +117,7 @@ def read_import_map(path: Path) -> ImportMap:
         period=period,
         by_rate="sampling_hz" in content,
         where=where,
-        resample=_number(content["resample_s"], "resample_s", where) if content.get("resample_s") is not None else None,
+        resample=_resample(content["resample_s"], plant, where) if "resample_s" in content else None,
         files=_files(content.get("files"), where),
         topic=topic,
         separator=_separator(content["separator"], where) if "separator" in content else None,
@@ -283,6 +283,15 @@ def _number(value: Any, name: str, where: str) -> float:
     number = finite_number(value)
     if number is None:
         raise UsageError(f"{where}: {name} is {shown(value)}, not a finite number")
+    return number
+
+
+def _resample(value: Any, plant: type[Plant], where: str) -> float:
+    number = _number(value, "resample_s", where)
+    if number <= 0.0:
+        raise UsageError(f"{where}: resample_s is {number:g}; a time above zero is needed, s")
+    if plant.name == DEFAULT:
+        raise UsageError(f"{where}: resample_s: a log of plant {DEFAULT} has one sample each ms, its rows are brought to that")
     return number
 
 
