@@ -72,7 +72,9 @@ def run(arguments: list[str] | None = None) -> int:
     try:
         given = sys.argv[1:] if arguments is None else arguments
         answer: Any = app(args=given or ["--help"], prog_name="hjcamp", standalone_mode=False)
-        return answer if isinstance(answer, int) and not isinstance(answer, bool) else 0
+        code = answer if isinstance(answer, int) and not isinstance(answer, bool) else 0
+        # typer makes Ctrl-C this number, without a word
+        return _say("interrupted", INTERRUPTED) if code == INTERRUPTED else code
     except HjcampError as error:
         return _say(str(error), error.exit_code)
     except (KeyboardInterrupt, typer.Abort):

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable
 
 LONGEST_SHOWN = 80
+MOST_NAMED = 200
 
 
 class HjcampError(Exception):
@@ -49,7 +50,8 @@ def unknown(kind: str, name: str, allowed: Iterable[str], where: str = "") -> Us
     match = nearest(name, names)
     hint = f"; did you mean '{match}'?" if match else "."
     place = f" in {where}" if where else ""
-    return UsageError(f"unknown {kind} '{name}'{place}{hint} Allowed: {', '.join(names) or 'none'}")
+    more = f", ... and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return UsageError(f"unknown {kind} '{name}'{place}{hint} Allowed: {', '.join(names[:MOST_NAMED]) or 'none'}{more}")
 
 
 def shown(value: object) -> str:

@@ -112,7 +112,34 @@ def check_passive(plant: type[Plant]) -> str:
                     f"plant {plant.name}: the friction of '{port.name}' is {friction:.3g} at a velocity of {velocity:.3g}: "
                     "it drives the motion instead of braking it (signs of coulomb and viscous?)"
                 )
+    _check_reached(plant)
     return counted(len(contacts), "contact")
+
+
+def _check_reached(plant: type[Plant]) -> None:
+    """Refuse a contact without a push whose friction does not brake its own velocity, or not in proportion."""
+    vocabulary = read_vocabulary(plant)
+    for place in _places(plant)[:PUSHED] if not vocabulary.pushed else ():
+        for one in vocabulary.contacts:
+            size = evaluate(plant, vocabulary.statements, place)[one.limit] or 1.0
+            rates = []
+            for times in (0.0, 1.0, 2.0):
+                lines = [
+                    replace(line, expression=f"({line.expression}) + {times * size!r}") if line.target == one.friction else line
+                    for line in vocabulary.statements
+                ]
+                rates.append(evaluate(plant, tuple(lines), place)[f"d_{one.velocity}"])
+            gain, bend = rates[1] - rates[0], rates[2] - 2.0 * rates[1] + rates[0]
+            where = f"plant {plant.name}: the friction of '{one.name}'"
+            if abs(gain) <= ROUNDING * max(map(abs, rates)):
+                raise UsageError(f"{where} does not reach rate.{one.velocity}: subtract it from the force there")
+            if abs(bend) > ROUNDING * max(map(abs, rates)):
+                raise UsageError(
+                    f"{where} enters rate.{one.velocity} other than in proportion: what holds it cannot be found; "
+                    "give each contact its push"
+                )
+            if gain > 0.0:
+                raise UsageError(f"{where} speeds up '{one.velocity}': it is added to the force; subtract it")
 
 
 def check_pushes(plant: type[Plant]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,6 +17,8 @@ def write_user_file(kind: str, name: str, folder: Path, text: str, taken: Iterab
     """Write ``text`` as ``folder``/``name``.py and return its path; refuse a bad or taken name, and a file that exists."""
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise UsageError(f"{kind} name '{name}': write it in small letters, digits and _, such as {example}")
+    if keyword.iskeyword(name) or keyword.iskeyword(class_name(name)):
+        raise UsageError(f"{kind} name '{name}': this is a word of Python; choose another, such as {name}_1")
     path = folder / f"{name}.py"
     check_place(path)
     if path.exists():

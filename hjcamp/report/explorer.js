@@ -92,7 +92,7 @@
   const axes = (unit) => [0, 1].map((side) => ({
     ...(side ? { values: ends(unit) } : {}),
     stroke: () => shade("--soft"), grid: { stroke: () => shade("--grid"), width: 1 }, ticks: { stroke: () => shade("--grid"), width: 1 },
-    size: side ? 56 : 28, font: "11px system-ui, sans-serif",
+    size: side ? 56 : 28, ...(side ? { space: 16 } : {}), font: "11px system-ui, sans-serif",
   }));
 
   function plot(kind, channel, series, height, floor) {

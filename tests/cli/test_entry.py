@@ -110,3 +110,9 @@ def test_doctor_is_content(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "nidaqmx" in out and "campaigns" in out
     monkeypatch.setenv("HJCAMP_CONF", "no/such/folder")
     assert call("doctor").code == 1
+
+
+def test_ctrl_c_that_the_command_line_library_makes_a_number_is_said(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cli, "app", lambda *arguments, **options: 130)
+    code, _, err = call("plan")
+    assert code == 130 and "interrupted" in err

@@ -293,6 +293,8 @@ def test_a_new_plant_passes_its_tests(folder: Path, capsys: pytest.CaptureFixtur
     for words, told in (
         (["new", "my_axis"], "exists; it is left as it is"),
         (["new", "My-Axis"], "write it in small letters"),
+        (["new", "class"], "this is a word of Python; choose another, such as class_1"),
+        (["new", "none"], "this is a word of Python"),
         (["new", "tanks"], "exists; it is left as it is"),
         (["new", "pump_joint"], "is taken"),
         (["my_axs"], "did you mean 'my_axis'"),

@@ -16,7 +16,7 @@ from hjcamp.known_plants import find_plant
 from hjcamp.model.compose import Composition
 from hjcamp.model.course import Course, Given, inputs_along
 from hjcamp.model.parameter import Cut
-from hjcamp.model.plant_checks import check_pushes
+from hjcamp.model.plant_checks import check_passive, check_pushes
 from hjcamp.model.simulator import Simulator
 from hjcamp.model.vocabulary import read_vocabulary
 
@@ -190,3 +190,21 @@ def test_a_push_that_does_not_hold_is_refused_and_one_for_some_contacts_too(rig:
         check_pushes(find_plant("alone"))
     with pytest.raises(UsageError, match="contact 'rail' has no push and 'pivot' has one"):
         read_vocabulary(find_plant("lacking"))
+
+
+@pytest.mark.parametrize(
+    ("rate", "said"),
+    [
+        ("(spring - second)", "mass2"),
+        ("(spring + 0.0 * second)", "does not reach rate.w: subtract it"),
+        ("(spring + second)", "speeds up 'w': it is added to the force"),
+        ("(spring - second * abs(second) / parameter.dry2)", "other than in proportion"),
+    ],
+)
+def test_friction_without_a_push_has_to_brake_its_velocity_in_proportion(rig: Path, rate: str, said: str) -> None:
+    (rig / "plants" / "other.py").write_text(FREE_SPRING.replace("(spring - second)", rate))
+    if said == "mass2":
+        assert check_passive(find_plant("other")) == "2 contacts"
+        return
+    with pytest.raises(UsageError, match=said):
+        check_passive(find_plant("other"))

@@ -76,6 +76,39 @@ def test_a_table_of_blanks_without_a_header_and_written_times(tmp_path: Path, st
 def test_no_samples_are_made_up_between_rows(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="samples between rows would be made up"):
         brought(tmp_path, np.arange(400) * 5.0, resample_s=0.001)
-    for wrong, said in (("fast", "not a finite number"), (0, "above zero"), (-0.01, "above zero"), (None, "not a finite number")):
+    for wrong, said in (("fast", "not a finite number"), (0, "allowed"), (-0.01, "allowed"), (None, "not a finite number")):
         with pytest.raises(UsageError, match=f"resample_s is .*{said}"):
             brought(tmp_path, np.arange(400) * 5.0, resample_s=wrong)
+
+    with pytest.raises(UsageError, match="resample_s is too long"):
+        brought(tmp_path, np.arange(400) * 5.0, resample_s=3.0)
+
+
+def test_what_would_change_numbers_without_a_word_is_refused(tmp_path: Path) -> None:
+    """A mark for thousands, two columns of one name, and a decimal comma that is neither yes nor no."""
+    rows = [f"{k};{945 + k};0,1{k % 7};0,2{k % 5};0" for k in range(400)]
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(MAPPING))
+
+    def refused(head: str, lines: list[str]) -> str:
+        (tmp_path / "bench.csv").write_text("\n".join([head, *lines]) + "\n")
+        with pytest.raises(UsageError) as problem:
+            import_file(tmp_path / "bench.csv", tmp_path / "map.yaml", tmp_path / "out.mcap")
+        return str(problem.value)
+
+    thousands = [row.replace(";1", ";1.", 1) if ";1" in row[:6] else row for row in rows]
+    assert "where the table has decimal commas; a mark for thousands" in refused("t;arm;p1;p2;c", thousands)
+    assert "several columns are called 'arm'" in refused("t;arm;p1;p2;c;arm", [f"{row};1" for row in rows])
+    assert "where units stand below the header" in refused("t;arm;p1;p2;c", ["ms;deg;MPa;MPa;1", *rows])
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(MAPPING | {"decimal_comma": "yes, please"}))
+    assert "true or false is needed" in refused("t;arm;p1;p2;c", rows)
+
+
+def test_a_table_as_windows_writes_it_is_read(tmp_path: Path) -> None:
+    noise = 0.01 * np.sin(np.arange(400) ** 2)
+    rows = [f"{5 * k},{0.05 * k:.6f},{0.1 + n:.6f},{0.2 - n:.6f},0" for k, n in zip(range(400), noise, strict=True)]
+    for name, head, coding in (("a", "t,Winkel in °,p1,p2,c", "cp1252"), ("b", "\ufefft,Winkel in °,p1,p2,c", "utf-8")):
+        (tmp_path / "bench.csv").write_bytes("\r\n".join([head, *rows]).encode(coding))
+        fields = MAPPING["fields"] | {"arm_deg": "Winkel in °"}  # type: ignore[operator]
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(MAPPING | {"fields": fields}))
+        import_file(tmp_path / "bench.csv", tmp_path / "map.yaml", tmp_path / f"{name}.mcap")
+        assert read_log(tmp_path / f"{name}.mcap").columns["arm_deg"][-1] == pytest.approx(0.05 * 399)

@@ -106,6 +106,8 @@ def resample(
     tolerance = 1e-6  # of a sample: what rounding may cost at either end
     begin = int(np.ceil(time[0] / period - tolerance))
     end = int(np.floor(time[-1] / period + tolerance))
+    if end - begin < 1:
+        raise UsageError(f"{where}: {span(time[-1] - time[0])} of rows are no two samples {span(period)} apart: resample_s is too long")
     clock = np.arange(begin, end + 1) * period
     before = np.searchsorted(time, clock + tolerance * period, side="right") - 1
     resampled = {"time_s": clock}

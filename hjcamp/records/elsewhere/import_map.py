@@ -121,7 +121,7 @@ def read_import_map(path: Path) -> ImportMap:
         files=_files(content.get("files"), where),
         topic=topic,
         separator=_separator(content["separator"], where) if "separator" in content else None,
-        decimal_comma=content["decimal_comma"] is True if "decimal_comma" in content else None,
+        decimal_comma=_yes_or_no(content["decimal_comma"], "decimal_comma", where) if "decimal_comma" in content else None,
         skip_lines=_lines(content.get("skip_lines", 0), where),
         comment=str(content["comment"]) if content.get("comment") else None,
     )
@@ -286,10 +286,16 @@ def _number(value: Any, name: str, where: str) -> float:
     return number
 
 
+def _yes_or_no(value: Any, name: str, where: str) -> bool:
+    if not isinstance(value, bool):
+        raise UsageError(f"{where}: {name} is {shown(value)}; true or false is needed")
+    return value
+
+
 def _resample(value: Any, plant: type[Plant], where: str) -> float:
     number = _number(value, "resample_s", where)
-    if number <= 0.0:
-        raise UsageError(f"{where}: resample_s is {number:g}; a time above zero is needed, s")
+    if not 1.0 / HIGHEST_SAMPLING_HZ <= number <= LONGEST_PERIOD_S:
+        raise UsageError(f"{where}: resample_s is {number:g}; allowed: {1.0 / HIGHEST_SAMPLING_HZ:g} to {LONGEST_PERIOD_S:g}")
     if plant.name == DEFAULT:
         raise UsageError(f"{where}: resample_s: a log of plant {DEFAULT} has one sample each ms, its rows are brought to that")
     return number

@@ -65,9 +65,10 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
             raise UsageError(f"{source}: this is no table of text in UTF-8; those, {listed} can be read")
     found = dialect_of(source, rules.skip_lines, rules.comment)
     separator = rules.separator or found.separator
-    content: Path | io.BytesIO = source
+    text = _text_of(source)
+    content = io.BytesIO(text.encode())
     if separator == BLANKS:
-        lines = source.read_text(encoding="utf-8", errors="replace").splitlines()
+        lines = text.splitlines()
         content, separator = io.BytesIO("\n".join("\t".join(line.split()) for line in lines).encode()), "\t"
     comma = rules.decimal_comma if rules.decimal_comma is not None else found.decimal_comma and separator != ","
     try:
@@ -89,6 +90,16 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
     if not found.header:
         table.columns = [str(place + 1) for place in range(table.width)]
     return Table(_numbers(source, table, names, comma))
+
+
+def _text_of(source: Path) -> str:
+    """Return a table's text: UTF-8, else as Windows writes it (cp1252), where the degree sign is one byte."""
+    content = source.read_bytes()
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("cp1252", "replace")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _read_parquet(source: Path, names: list[str], rules: ImportMap) -> Table:
@@ -123,6 +134,8 @@ def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_co
         table = table.rename({name: name.strip() for name in table.columns})
     columns: dict[str, np.ndarray] = {}
     for name in names:
+        if f"{name}_duplicated_0" in table.columns:
+            raise UsageError(f"{source}: several columns are called '{name}'; give each a name of its own")
         if name not in table.columns:
             raise unknown("column", name, table.columns, str(source))
         column = table[name]
@@ -132,6 +145,12 @@ def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_co
             numbers = text.cast(polars.Float64, strict=False)
             if numbers.null_count() == len(column):
                 numbers = _seconds(column, numbers)
+            elif decimal_comma and (pointed := column.str.contains(".", literal=True).fill_null(False)).any():
+                row = int(pointed.arg_max() or 0)
+                raise UsageError(
+                    f"{source}: '{name}' has a point in row {row + 1}, {column[row]!r:.60}, where the table has decimal commas; "
+                    "a mark for thousands cannot be read (decimal_comma: false in the map, where the points are decimal)"
+                )
         elif isinstance(column.dtype, polars.Datetime | polars.Duration):
             ticks = column.cast(polars.Int64)
             numbers = (ticks - (ticks.min() or 0)) * (NS_IN[column.dtype.time_unit or "us"] * 1e-9)
@@ -142,7 +161,11 @@ def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_co
         if numbers.null_count():
             row = int(numbers.is_null().arg_max() or 0)
             said = f"no number in row {row + 1}: {column[row]!r:.60}" if column[row] is not None else f"empty in row {row + 1}"
-            raise UsageError(f"{source}: '{name}' is {said}")
+            below = column[1:].cast(polars.Float64, strict=False).null_count() if column.dtype == polars.String else row
+            hint = ""
+            if row == 0 and len(column) > 1 and not below:
+                hint = "; where units stand below the header, say in the map skip_lines: 2 and call the columns 1, 2, 3, ..."
+            raise UsageError(f"{source}: '{name}' is {said}{hint}")
         columns[name] = numbers.to_numpy()
     return columns
 

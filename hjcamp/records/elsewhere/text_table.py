@@ -32,7 +32,7 @@ def dialect_of(source: Path, skip_lines: int = 0, comment: str | None = None) ->
     with # or % are remarks where they do not look like rows. Raises ``OSError`` for a file that cannot be read.
     """
     with source.open("rb") as stream:
-        lines = stream.read(LOOKED_AT).decode("utf-8", "replace").splitlines()[skip_lines:]
+        lines = stream.read(LOOKED_AT).decode("utf-8-sig", "replace").splitlines()[skip_lines:]
     rows = _rows(lines, comment)
     if comment is None and rows and rows[0].startswith(REMARKS) and not _separator(rows):
         comment = rows[0][0]
