@@ -21,8 +21,8 @@ class PlantComparison(Comparison):
 def with_lesser(found: Comparison, models: Mapping[str, Candidate]) -> PlantComparison:
     """Return a comparison of ``models`` with each of them without one of its effects; one that runs away is left out."""
     analysis = found.analysis
-    windows, measured = analysis.windows, analysis.windows.layout.measured
-    kept, there, lesser = windows.starts.copy(), {one.key for one in models.values()}, []
+    measured = analysis.windows.layout.measured
+    there, lesser = {one.key for one in models.values()}, []
     for name, model in models.items():
         for effect in model.effects:
             less = model.without([effect])
@@ -31,5 +31,4 @@ def with_lesser(found: Comparison, models: Mapping[str, Candidate]) -> PlantComp
             features, errors = predicted_errors(analysis, whole_model(measured, less))
             if np.isfinite(features).all():
                 lesser.append(shown_of(analysis, f"{name} without {effect}", features, errors))
-    windows.starts = kept
     return PlantComparison(analysis, found.models, found.calibrated, tuple(lesser))

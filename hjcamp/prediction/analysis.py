@@ -80,13 +80,14 @@ class Known:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Windows of the tests with a model to start from, calibrated; ``published`` are its base parameters before that."""
+    """Windows of the tests with a model to start from, calibrated; ``begun`` (windows, states) is where these began before any fit."""
 
     windows: Windows
     search: Search
     start: Candidate
     base: Scored
     floor: Floor
+    begun: Array
 
     @property
     def measured(self) -> Measured:
@@ -159,6 +160,7 @@ def calibrated(
         windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed, wanted=frozenset(wanted),
         declared=dict(candidate.base),
     )  # fmt: skip
+    first = windows.starts.copy()
     windows.move_starts(begun)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if layout.short:
@@ -178,7 +180,7 @@ def calibrated(
     scored = with_contact_forms(search, scored, known.shown)
     known.shown |= set(scored.names) & windows.forms
     known.base = dict(scored.fitted.candidate.base)
-    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
+    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features), first)
 
 
 def predictable(

@@ -14,6 +14,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import end_rows, floor_size
 from hjcamp.prediction.contact_form import forms_among
+from hjcamp.prediction.fitting import TURNS_OF_BASE, settled
 from hjcamp.prediction.floor import in_units, not_above
 from hjcamp.prediction.likelihood import size
 from hjcamp.prediction.measured import Measured
@@ -58,13 +59,11 @@ def compared(
     chosen = {name: effect for name, effect in library.items() if name in needed}
     last = list(models.values())[-1]
     analysis = calibrated(measured, chosen, last, report, unknowns=False, forms=forms_among(library))
-    kept, seen = analysis.windows.starts.copy(), {}
+    seen = {}
     for done, (name, model) in enumerate(models.items()):
         report(f"predicting with {name}", 0.5 + 0.4 * done / len(models))
         seen[name] = predicted_errors(analysis, whole_model(measured, model))
-    analysis.windows.starts = kept
-    # its features are those of the fit, as in a diagnosis: starts that are moved once more may bend them either way
-    fitted = analysis.base.fitted.features, predicted_errors(analysis, analysis.base.fitted.candidate)[1]
+    fitted = analysis.base.fitted.features, errors_of_base(analysis)
     floor = analysis.floor
     for features, _ in (*seen.values(), fitted):
         floor = not_above(floor, features)
@@ -74,9 +73,21 @@ def compared(
 
 
 def predicted_errors(analysis: Analysis, candidate: Candidate) -> tuple[Array, Array]:
-    """Return features (windows, d) and errors (n, sensors) of a model, the starts moved to where it fits best."""
-    analysis.windows.move_starts(candidate)
-    return analysis.windows.features(candidate), analysis.windows.errors(candidate)
+    """Return features (windows, d) and errors (n, sensors) of a model, the starts moved to where it fits best.
+
+    They begin as measured, whatever other models were looked at before.
+    """
+    windows = replace(analysis.windows)
+    windows.starts = analysis.begun.copy()
+    windows.move_starts(candidate, rounds=1)
+    return settled(windows, candidate, (), turns=TURNS_OF_BASE).features, windows.errors(candidate)
+
+
+def errors_of_base(analysis: Analysis) -> Array:
+    """Return the errors (n, sensors) of the calibrated model from the starts of its fit, as in a diagnosis."""
+    windows = replace(analysis.windows)
+    windows.place = analysis.base.place
+    return windows.errors(analysis.base.fitted.candidate)
 
 
 def whole_model(measured: Measured, model: Candidate) -> Candidate:

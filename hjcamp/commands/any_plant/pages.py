@@ -146,9 +146,7 @@ def _worst(analysis: Analysis, models: dict[str, Any]) -> tuple[Any, ...]:
     """Return the arguments of the picture of the windows that the first model predicts worst."""
     from hjcamp.prediction.comparison import predicted_errors
 
-    # from the starts where each fits best: those of the model that was looked at last are another's
-    kept, errors = analysis.windows.place, {name: predicted_errors(analysis, candidate)[1] for name, candidate in models.items()}
-    analysis.windows.place = kept
+    errors = {name: predicted_errors(analysis, candidate)[1] for name, candidate in models.items()}
     return _stretch(analysis, errors, next(iter(errors.values())))
 
 
