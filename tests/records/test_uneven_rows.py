@@ -52,7 +52,7 @@ def test_rows_that_are_uneven_all_along_are_brought_to_a_period(tmp_path: Path) 
     stamps = np.cumsum(np.random.default_rng(1).uniform(2.0, 7.0, 900))
     with pytest.raises(UsageError, match=r"uneven all along, say in the map resample_s: 0\.00"):
         brought(tmp_path, stamps)
-    log = brought(tmp_path, stamps, resample_s=0.005)
+    log = brought(tmp_path, stamps, resample_s="5e-3")
     assert log.period == pytest.approx(0.005)
     time = log.columns["time_s"]
     np.testing.assert_allclose(log.columns["arm_deg"], 10.0 * (time + 1e-3 * stamps[0]), rtol=1e-5)

@@ -280,6 +280,8 @@ def _only_known(content: Any, allowed: Sequence[str], kind: str, where: str) -> 
 
 
 def _number(value: Any, name: str, where: str) -> float:
+    with suppress(ValueError):  # YAML 1.1 reads 1e-3 as a text
+        value = float(value) if isinstance(value, str) else value
     number = finite_number(value)
     if number is None:
         raise UsageError(f"{where}: {name} is {shown(value)}, not a finite number")
