@@ -14,7 +14,7 @@ from hjcamp.prediction.measured import measured_tests
 
 
 def test_a_model_errs_by_the_same_whichever_stands_beside_it(axis: Path) -> None:
-    measured = measured_tests([measured_log(lambda x, v: -150.0 * (x - 0.03))])
+    measured = measured_tests([measured_log(lambda x, v: -150.0 * (x - 0.03), seconds=6.0)])
     library = load_effects(plant=measured.plant)
     base = {"mass": MASS, "coulomb": COULOMB, "viscous": VISCOUS}
     right = Candidate(base, {"spring": {"stiffness": 150.0, "rest_position": 0.03}})

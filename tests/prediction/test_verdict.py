@@ -70,7 +70,7 @@ def test_what_depends_on_two_quantities_is_outside_though_no_law_of_one_takes_it
     found = asked(lambda x, v: -2500.0 * x * v)
     assert (found["verdict"], found["effects"], found["drivers"]) == ("outside_library", [], [])
     follows = found["follows_motion"]
-    assert follows["share"] > 0.5 and "position_m" in " ".join(follows["quantities"])
+    assert follows["share"] > 0.5 and "position" in " ".join(follows["quantities"])
 
 
 def test_a_name_that_takes_less_than_a_regression_still_finds_is_no_answer(axis: Path) -> None:
