@@ -11,6 +11,8 @@ from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.levels import MATTERS, MOST_OF_IT
 from hjcamp.prediction.scored import Scored, Step
 
+TOO_SHORT = ": these windows are too short for what acts slowly; longer tests, or repeated ones"
+
 
 def not_borne_out(analysis: Analysis, first: Step, free: Scored) -> str:
     """Return in words that whole short tests contradict a free law that windows show; empty where they do not.
@@ -22,9 +24,11 @@ def not_borne_out(analysis: Analysis, first: Step, free: Scored) -> str:
     if not law > before > min(left, default=before):
         return ""
     [law_name] = free.beyond(analysis.base)
+    least = int(np.argmin(left))
     return (
-        f"in windows of {_window(analysis)} {law_name.replace('_', ' ')} predicts best, but simulated from the first sample on it "
-        f"leaves {100.0 * law / before:.0f} % of the error; {_best(analysis, named, left, before)}"
+        f"in windows of {_window(analysis)} {law_name.replace('_', ' ')} predicts best, but of the error of whole tests, simulated "
+        f"from their first sample on, it leaves {100.0 * law / before:.0f} %, {named[least].beyond(analysis.base)[0]} "
+        f"{100.0 * left[least] / before:.0f} %{TOO_SHORT}"
     )
 
 
@@ -34,9 +38,10 @@ def not_in_windows(analysis: Analysis, first: Step) -> str:
     before, *left = _left(analysis, [analysis.base, *named])
     if not min(left, default=before) < (1.0 - MOST_OF_IT) * before:
         return ""
+    least = int(np.argmin(left))
     return (
-        f"windows of {_window(analysis)} show no effect, but of the error when simulated from the first sample on "
-        f"{_best(analysis, named, left, before)}"
+        f"windows of {_window(analysis)} show no effect, but {named[least].beyond(analysis.base)[0]} takes "
+        f"{100.0 * (1.0 - left[least] / before):.0f} % of the error of whole tests, simulated from their first sample on{TOO_SHORT}"
     )
 
 
@@ -62,11 +67,3 @@ def _left(analysis: Analysis, models: Sequence[Scored]) -> list[float]:
 
 def _window(analysis: Analysis) -> str:
     return f"{analysis.windows.layout.width * analysis.measured.period:.2g} s"
-
-
-def _best(analysis: Analysis, named: Sequence[Scored], left: Sequence[float], before: float) -> str:
-    least = int(np.argmin(left))
-    return (
-        f"{named[least].beyond(analysis.base)[0]} leaves {100.0 * left[least] / before:.0f} %: these windows are too short for what "
-        "acts slowly; longer tests, or repeated ones"
-    )
