@@ -14,11 +14,8 @@ from hjcamp.model.plant import Plant
 @cached
 def passed_to(plant: type[Plant], channel: str) -> tuple[int, ...]:
     """Return the places, among the given inputs, of those that a channel's sensor reads at once, by the plant's equations."""
-    names = list(plant.given_inputs())
-    defaults = {name: item.default for name, item in plant.parameters.items()}
-    gains = [passed_on(plant, channel, name, defaults) for name in names]
-    logged = [name for name in plant.inputs if name not in ("time", "direction")]
-    return tuple(logged.index(name) for name, gain in zip(names, gains, strict=True) if gain != 0.0)
+    places = plant.sampled_inputs()
+    return tuple(places.index(name) for name in plant.given_inputs() if passed_on(plant, channel, name, {}) != 0.0)
 
 
 @cached
