@@ -86,9 +86,9 @@ class Helpers:
         waiting: deque[int],
         given: dict[int, Future[Result]],
     ) -> None:
-        """Give the processes the first of what waits: as much as keeps them busy, not more."""
+        """Give the processes the first of what waits: as much as keeps them busy, and no more than is left for who asks."""
         busy = sum(not future.done() for future in given.values())
-        while path and self._pool is not None and waiting and busy < AHEAD * self._count:
+        while path and self._pool is not None and busy < self._count * min(AHEAD, len(waiting) - 1):
             place = waiting.popleft()
             try:
                 given[place] = self._pool.submit(_call, task, path, items[place])

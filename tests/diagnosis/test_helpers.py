@@ -77,6 +77,12 @@ def test_the_work_is_shared_and_comes_in_order(helpers: Helpers) -> None:
     assert os.getpid() in seen and len(seen) > 1
 
 
+def test_who_asks_takes_part_in_few_tasks_too(helpers: Helpers) -> None:
+    for count in (2, 3, 4):
+        processes = [process for _, process in helpers.each(_where, 1.0, range(count))]
+        assert processes[0] != os.getpid() and processes[-1] == os.getpid()
+
+
 def _named(effect: type[Effect], item: int) -> str:
     return f"{effect.name} {item} {multiprocessing.parent_process() is None}"
 

@@ -67,14 +67,14 @@ def diagnose_joint(
     check_asked(asked.ask, library)
     effects = tuple(library.values())
     number = asked.workers or min(available(), MOST_WORKERS)
-    evidence = evidence_in(data)
-    lacking(evidence)  # before anything is compiled: who gave the wrong logs hears it at once
-    if work := missing(effects):
-        compiling(0, len(work))
-        for count, _ in enumerate(side_by_side(work, number), start=1):
-            compiling(count, len(work))
     crew = Crew(number, asked.cluster, partial(ready_to_diagnose, tuple(library)))
     try:
+        evidence = evidence_in(data)
+        lacking(evidence)  # before anything is compiled: who gave the wrong logs hears it at once
+        if work := missing(effects):
+            compiling(0, len(work))
+            for count, _ in enumerate(side_by_side(work, number), start=1):
+                compiling(count, len(work))
         begin = start if start.base or start.effects else None
         found = diagnose(evidence, effects, effort=asked.effort, seed=asked.seed, start=begin, crew=crew, report=report)
         judging = Judging(found, effects, asked.effort)

@@ -133,8 +133,9 @@ def follow_nothing(cut: str, names: Sequence[str]) -> None:
 
 
 def ready_to_diagnose(effects: Sequence[str]) -> None:
-    """Load what a diagnosis with the named effects runs."""
+    """Load what a diagnosis with the named effects runs, as far as it is compiled: who asks compiles the rest meanwhile."""
     library = load_effects()
-    for (_, call, given), _ in _of_a_diagnosis(tuple(library[name] for name in effects)):
-        call(*given)
+    for (_, call, given), source in _of_a_diagnosis(tuple(library[name] for name in effects)):
+        if is_compiled(source):
+            call(*given)
     compile_passes()
