@@ -113,7 +113,7 @@ class LoopSimulator(Simulator):
     ) -> dict[str, Array]:
         """Return what a test records (n,), SI: the law's answers ``answer.NAME``, the inputs, and the readings ``reading.NAME``.
 
-        ``start`` holds the plant's states; ``tolerance`` is the accepted correction of one step, in resolutions of the states.
+        ``start`` holds the plant's states; ``tolerance`` is the accepted error of one step, in resolutions of the states.
         Raises ``HjcampError`` where the simulation leaves the finite numbers.
         """
         composition = self.composition

@@ -188,7 +188,7 @@ class Simulator:
     ) -> Followed:
         """Drive the plant along ``course`` with the measured values of the cut's driven states.
 
-        ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
+        ``tolerance`` is the accepted error of one step, in units of the states' resolution.
         """
         channels = len(self.composition.measured)
         z = self.observed(course)

@@ -96,7 +96,7 @@ class JointSimulator(Simulator):
     ) -> dict[str, Any]:  # fmt: skip
         """Run one test from its preload to its release; return the recorded columns in SI units by name.
 
-        ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
+        ``tolerance`` is the accepted error of one step, in units of the states' resolution.
         """
         z = self.begin(start, p)
         propagators = propagators or self.propagators(z, p)
