@@ -10,6 +10,7 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.model.port import KINDS, Port
 
 OPTIONS = ("name", "group", "subsystem")
+ABSENT = ("", "0", "0.0")
 
 
 @dataclass(frozen=True)
@@ -274,12 +275,14 @@ def _complete_contact(pieces: dict[str, str], where: str) -> None:
             f"{where}: the velocity of contact '{name}' must be a state (state.NAME), not {pieces['velocity']}"
         )
     if not pieces["push"]:
-        if pieces["coulomb"] in ("", "0", "0.0"):
-            raise UsageError(f"{where}: contact '{name}' needs its dry friction (coulomb), or the push that it holds against")
-        # what it needs to be held is found from the rates; it is as large as what holds it
-        first = ast.parse(pieces["coulomb"], mode="eval").body
-        pieces["push"] = ast.unparse(first.elts[0]) if isinstance(first, ast.Tuple) and first.elts else pieces["coulomb"]
-    if pieces["coulomb"] in ("", "0", "0.0"):
+        # what it needs to be held is found from the rates; its unit is that of its friction
+        if pieces["coulomb"] not in ABSENT:
+            pieces["push"] = _first(pieces["coulomb"])
+        elif pieces["viscous"] not in ABSENT:
+            pieces["push"] = f"({_first(pieces['viscous'])}) * {pieces['velocity']}"
+        else:
+            raise UsageError(f"{where}: contact '{name}' needs its friction (coulomb, viscous), or the push that it holds against")
+    if pieces["coulomb"] in ABSENT:
         # no dry friction: a zero in the unit of a push
         pieces["coulomb"] = f"0.0 * ({pieces['push']})"
     pieces["breakaway"] = f"{name}_static" if pieces["static"] else ""
@@ -292,6 +295,12 @@ def _complete_contact(pieces: dict[str, str], where: str) -> None:
                 raise UsageError(f"{where}: {key} of contact '{name}': give one value, or two: (positive, negative)")
             positive, negative = map(ast.unparse, node.elts)
             pieces[key] = f"{positive} if {name}_forward > 0.0 else {negative}"
+
+
+def _first(text: str) -> str:
+    """Return the value, or the first of two."""
+    node = ast.parse(text, mode="eval").body
+    return ast.unparse(node.elts[0]) if isinstance(node, ast.Tuple) and node.elts else text
 
 
 def bare_name(text: str) -> str | None:

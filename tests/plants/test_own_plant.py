@@ -104,6 +104,24 @@ def test_lines_may_go_on_and_comments_stand_at_the_left(folder: Path) -> None:
     assert moved.slots["friction"].line == read_vocabulary(find_plant("axis")).slots["friction"].line
 
 
+def test_a_guide_in_oil_needs_neither_dry_friction_nor_a_push(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = folder / "plants" / "axis.py"
+    text = path.read_text()
+    path.write_text(text.replace("            push=force + load,\n            coulomb=parameter.coulomb,\n", ""))
+    wet = path.read_text()
+    assert len(wet) < len(text)
+    oiled = Composition(find_plant("axis"), [])
+    rates = plain_functions(rates_source(oiled))["rates"]
+    values = {name: one.default for name, one in oiled.parameters.items()}
+    found = np.zeros(2)
+    rates(-1, 0.0, 1.0, np.array([0.0, 0.1]), np.array([2.0, *[0.0] * (len(oiled.inputs) - 1)]), np.array(list(values.values())), found)
+    assert found[1] == pytest.approx((values["gain"] * 2.0 - values["viscous"] * 0.1) / values["mass"])
+    check_plant(find_plant("axis"))
+    path.write_text(wet.replace("            viscous=parameter.viscous,\n", ""))
+    assert cli.run(["plants", "test", "axis"]) == 2
+    assert "needs its friction (coulomb, viscous), or the push" in capsys.readouterr().err
+
+
 def test_elements_stand_for_marked_lines(folder: Path) -> None:
     vocabulary = read_vocabulary(find_plant("axis"))
     assert [line.target for line in vocabulary.slots.values()] == [
