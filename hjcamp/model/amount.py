@@ -149,7 +149,8 @@ def pure(value: Any, what: str) -> float:
 
 def text(dims: Any) -> str:
     """Return a dimension in base units, such as ``kg*m/s^2``."""
-    names = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[current]": "A", "[temperature]": "K", "[substance]": "mol", "[luminosity]": "cd"}
+    names = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[current]": "A"}
+    names |= {"[temperature]": "K", "[substance]": "mol", "[luminosity]": "cd"}
     over = [
         f"{names.get(key, key)}" + (f"^{power:g}" if power != 1 else "") for key, power in dims.items() if power > 0
     ]
