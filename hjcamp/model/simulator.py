@@ -25,6 +25,8 @@ from hjcamp.model.time_limit import time_limit
 
 Array = NDArray[np.float64]
 PERIOD = 1e-3
+# Fits compare runs that hardly differ: their steps err by no more than a third of the states' resolution.
+COMPARED = 1.0 / 3.0
 
 
 class Propagators(NamedTuple):
@@ -184,7 +186,7 @@ class Simulator:
 
     @limited
     def follow(
-        self, p: Array, course: Course, propagators: Propagators | None = None, tolerance: float = 1.0
+        self, p: Array, course: Course, propagators: Propagators | None = None, tolerance: float = COMPARED
     ) -> Followed:
         """Drive the plant along ``course`` with the measured values of the cut's driven states.
 
@@ -204,7 +206,7 @@ class Simulator:
         return Followed(readings, ideal, forces, work[2, 1])
 
     def run_free(
-        self, p: Array, given: Given, tolerance: float = 1.0, most: float = 0.0
+        self, p: Array, given: Given, tolerance: float = COMPARED, most: float = 0.0
     ) -> tuple[Array, Array]:
         """Return the readings (n, channels) and the states (n, states) of tests under given inputs, SI.
 
@@ -214,7 +216,7 @@ class Simulator:
         return found.readings, found.states
 
     @limited
-    def run_to_ends(self, p: Array, given: Given, tolerance: float = 1.0, most: float = 0.0) -> Ran:
+    def run_to_ends(self, p: Array, given: Given, tolerance: float = COMPARED, most: float = 0.0) -> Ran:
         """Return what `run_free` does, the states with which each test or window ends, and the number of steps that it took."""
         composition = self.composition
         starts = np.ascontiguousarray(given.starts)
