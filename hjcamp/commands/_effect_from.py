@@ -92,7 +92,7 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.effects._curve_template import Begun, Table, even_steps
     from hjcamp.known_plants import find_plant
     from hjcamp.model.vocabulary import read_vocabulary
-    from hjcamp.prediction.unknowns import TIMES
+    from hjcamp.prediction.unknowns import SHARES, times_of
 
     ports = read_vocabulary(find_plant(plant)).ports
     if row["port"] not in ports:
@@ -102,9 +102,9 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     quantity, signal = str(row["quantity"]), str(row["signal"])
     text = f"{quantity} at {row['port']}".replace("_", " ")
     factor = ""
-    if quantity == "gain":
+    if quantity in SHARES:
         # a gain is so many times what is asked; what a law reads of its own slot it must hand on
-        slot, times = (port.names[name] for name in TIMES[port.kind])
+        slot, times = times_of(port)
         factor = f"{slot} + {times} * " if slot == times else f"{times} * "
     table = Table("amplitude", tuple(row["slots"]), values, curve["y_unit"], text, factor)
     return Begun(

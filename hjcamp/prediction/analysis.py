@@ -39,7 +39,7 @@ EARLY = 1.0
 MOST_GROWTH = 10.0
 # Of a plant with few states a start brings no more than a power of the time; what it grows by itself beyond that is less than this.
 OWN_GROWTH = math.e
-# Of short tests the base is begun from each of its parameters so many times smaller and larger, too.
+# Of short tests, and where errors are more than noise, the base begins with each parameter so many times smaller and larger, too.
 BEGUN_APART = 4.0
 # Samples that are looked at: time and memory do not grow with the length of the logs.
 MOST_SAMPLES = {"quick": 12_000, "standard": 32_000, "thorough": 10_000_000}
@@ -163,7 +163,7 @@ def calibrated(
     first = windows.starts.copy()
     windows.move_starts(begun)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
-    if layout.short:
+    if layout.short or above_noise(layout, fitted.features):
         fitted = best_begun(windows, begun, fitted, plant.base_parameters)
     if not np.isfinite(fitted.loss):
         raise UsageError(
@@ -231,11 +231,17 @@ def simulated_through(windows: Windows, base: Candidate, free: Sequence[Free]) -
     return replace(windows, layout=replace(layout, memory=memory))
 
 
+def above_noise(layout: Layout, features: Array) -> bool:
+    """Whether features (windows, d) are larger than the noise of a sensor (rms): what leaves no more cannot be fitted better."""
+    each = features.reshape(len(features), len(layout.measured.sensors), -1)
+    return bool(np.any(np.mean(each**2, axis=(0, 2)) > 1.0))
+
+
 def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterable[str]) -> Fitted:
     """Return the best of a fit and those that begin with one of the named base parameters well below or above where that began.
 
-    Of short tests one fit may be far from the best; one that the tests do not tell from the first (likelihood ratio at the level
-    of all claims) is no better. ``windows`` are left begun where the best has them.
+    One fit may be far from the best, as with a resonance that is declared elsewhere; one that the tests do not tell from the first
+    (likelihood ratio at the level of all claims) is no better. ``windows`` are left begun where the best has them.
     """
     from scipy.special import chdtri
 

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 SCHEMA = "hjcamp.diagnosis/2"
 CURVE = 41
 WORST = 8
+# Windows that are told as the places of an error.
+PLACES = 3
 
 
 def floor_size(analysis: Analysis) -> float:
@@ -50,6 +52,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "error": {"baseline": base.left_out / least, "augmented": model.left_out / least, "floor": 1.0},
         "channels": channel_rows(analysis, verdict.shown),
         "calibration": calibration(analysis),
+        "calibration_with_effects": calibration(analysis, model) if verdict.effects else {},
         "where": [],
         "worst": worst(analysis, model),
         "minimum_detectable": {},
@@ -63,6 +66,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "still": still_rows(analysis.measured),
         "rests_on": {"conditions": len(analysis.measured.conditions), "tests": len(analysis.measured.tests),
                      "chapters": len(np.unique(analysis.search.chapters)), "windows": len(analysis.windows.starts)},
+        "twice": [list(pair) for pair in analysis.measured.twice],
         "lacking": list(verdict.lacking),
         "window_samples": analysis.windows.layout.width,
         "simulated_through": analysis.windows.layout.memory > 0,
@@ -127,7 +131,10 @@ def end_rows(layout: Layout) -> dict[str, dict[str, Any]]:
 
 
 def worst(analysis: Analysis, model: Scored) -> list[dict[str, Any]]:
-    """Return the conditions with the largest error over the floor, the worst first, each with what its repetitions share of it."""
+    """Return the conditions with the largest error over the floor, the worst first, each with what its repetitions share of it.
+
+    ``at`` are the fewest windows that hold half of its mean square, where these are few: the test of each, and when it begins.
+    """
     layout = analysis.windows.layout
     floor = np.maximum(analysis.floor.of_sensors(layout), 1e-300)
     rows: list[dict[str, Any]] = []
@@ -141,17 +148,33 @@ def worst(analysis: Analysis, model: Scored) -> list[dict[str, Any]]:
             {
                 "condition": condition, "channel": one.field, "over_floor": float(left[k]),
                 "shared": None if both is None else float(both[k] * one.scale), "unit": one.unit,
+                "at": _few_windows(layout, model.fitted.features, np.flatnonzero(inside), k),
             }
             for k, one in enumerate(layout.measured.sensors)
         ]  # fmt: skip
     return sorted(rows, key=lambda row: -row["over_floor"])[:WORST]
 
 
-def calibration(analysis: Analysis) -> dict[str, dict[str, Any]]:
-    """Return every base parameter: as declared, and as these tests have it; and how far contacts give way, where that is seen."""
+def _few_windows(layout: Layout, features: Array, rows: NDArray[np.int64], k: int) -> list[dict[str, Any]]:
+    """Return the test and the begin, s, of the fewest windows that hold half of what a sensor errs by; none where these are many."""
+    squares = (features[rows] ** 2).reshape(len(rows), len(layout.measured.sensors), -1)[:, k].sum(axis=1)
+    largest = np.argsort(squares)[::-1]
+    count = int(np.searchsorted(np.cumsum(squares[largest]), 0.5 * squares.sum())) + 1
+    return [
+        {"test": layout.measured.tests[layout.of_test[row]].name, "time_s": float(layout.time[row * layout.width])}
+        for row in np.sort(rows[largest[:count]])
+        if count <= PLACES
+    ]
+
+
+def calibration(analysis: Analysis, model: Scored | None = None) -> dict[str, dict[str, Any]]:
+    """Return every base parameter: as declared, and as these tests have it; and how far contacts give way, where that is seen.
+
+    So the base has it by itself, or beside what a ``model`` has found.
+    """
     plant, found = analysis.measured.plant, {}
     forms = {name: analysis.search.library[name] for name in analysis.base.names if name not in analysis.start.effects}
-    for one in intervals(analysis.base.fitted, analysis.search.chapters):
+    for one in intervals((model or analysis.base).fitted, analysis.search.chapters):
         if one.effect in forms and one.name == forms[one.effect].granted:
             item = forms[one.effect].parameters[one.name]
             found[f"{one.effect} {one.name}"] = {
@@ -278,7 +301,7 @@ def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
     x = np.linspace(known.low, known.high, CURVE)
     values, low, high = (
         # a knot that was not visited has no band of its own
-        np.interp(x, knots, [getattr(own[knot], key if own[knot].told else "value") for knot in known.amplitudes])
+        known.amount(np.interp(x, knots, [getattr(own[knot], key if own[knot].told else "value") for knot in known.amplitudes]))
         for key in ("value", "low", "high")
     )
     parameters = known.effect.parameters
@@ -291,7 +314,7 @@ def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
 def knots_of(known: Unknown, values: Mapping[str, float]) -> dict[str, list[float]]:
     """Return the places over the driver (SI) at which an unknown's law has its values, and these."""
     places = np.linspace(known.low, known.high, len(known.amplitudes))
-    return {"x": places.tolist(), "y": [float(values[name]) for name in known.amplitudes]}
+    return {"x": places.tolist(), "y": [float(known.amount(values[name])) for name in known.amplitudes]}
 
 
 def removed(analysis: Analysis, model: Scored) -> float:

@@ -59,6 +59,16 @@ class Claims(Fits):
         left, whole = (np.mean(f**2, axis=0).reshape(sensors, -1).mean(axis=1) + 1.0 for f in (one, other))
         return math.sqrt(float(np.min(left / whole)))
 
+    def ruled_out(self, rival: Scored, model: Scored) -> bool:
+        """Whether a model beats a rival, and the rival errs more (rms, on chapters left out) in some sensor.
+
+        A rival that errs less in each loses by the scores alone: by windows whose starts it knows less well, such as those of a lag
+        behind a sensor, which on a linear plant does the same as one of its drive.
+        """
+        sensors = len(self.windows.layout.measured.sensors)
+        one, other = (np.mean(each.features**2, axis=0).reshape(sensors, -1).mean(axis=1) for each in (rival, model))
+        return self.beats(model, rival) and bool(np.any(one > other))
+
     def follows_motion(self, model: Scored) -> Follows:
         """Return how much of what a model leaves follows from the motion, by whatever law; nothing where none is shown to.
 

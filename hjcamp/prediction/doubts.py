@@ -9,7 +9,7 @@ import numpy as np
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.analysis import Analysis
-from hjcamp.prediction.borne_out import not_in_windows
+from hjcamp.prediction.borne_out import more_in_whole, not_in_windows
 from hjcamp.prediction.chapters import critical
 from hjcamp.prediction.intervals import held_away, intervals
 from hjcamp.prediction.laws import kind_of
@@ -25,8 +25,10 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
     """
     if held := _held(analysis):
         return held
-    if analysis.floor.source != "sensor" or p_value > LEVEL:
+    if analysis.floor.source != "sensor":
         return ""
+    if p_value > LEVEL:
+        return more_in_whole(analysis)
     nearest = _nearest(analysis)
     if doubt := _late(analysis, p_value) or ("" if nearest else not_in_windows(analysis, analysis.search.steps[0])):
         return doubt
@@ -43,17 +45,26 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
 
 
 def doubt_of_names(analysis: Analysis, model: Scored, names: Iterable[str]) -> str:
-    """Return in words that a drive which is named late acts, with the delay of the base, no later than its log; else nothing.
+    """Return in words that a drive which is named late acts, with the delay of the base, no later than its log, or what else
+    speaks against a name; else nothing.
 
     So looks an input that runs on between samples where it was declared to be held: its mean over a sample is early and smooth.
+    Nor is an effect named that stands at a bound, and of which the tests tell nothing.
     """
+    rows = intervals(model.fitted, analysis.search.chapters)
     for name in names:
+        own = [one for one in rows if one.effect == name]
+        if any(one.at_bound for one in own) and not any(one.told for one in own):
+            return (
+                f"what is left is taken by {name} at a value that its bounds tell, not these tests: columns of the logs may be "
+                "exchanged, or a unit or a sign be wrong"
+            )
         effect = analysis.search.library[name]
         times = [one for one, item in effect.parameters.items() if item.unit == "s"]
         if not times or not effect.states or kind_of(effect) != "actuator" or name not in model.fitted.candidate.effects:
             continue
         late = model.fitted.candidate.effects[name][times[0]]
-        for one in intervals(model.fitted, analysis.search.chapters):
+        for one in rows:
             if not one.effect and one.name.startswith(DELAY) and one.told and one.high < 0.0 and one.value + late <= 0.0:
                 given = one.name.removeprefix(DELAY).replace("_", " ")
                 return (

@@ -23,6 +23,7 @@ FEWEST_REPEATED = 20
 class Floor:
     """Second moments (d, d) of what cannot be explained, in units of the sensors' noise, and where they come from.
 
+    ``moments`` have one unit of noise more than that, as the likelihood gives it to what a model leaves: sizes of both compare.
     ``source`` is "repetitions", "near_replicates", or "sensor" where neither is there: then it is a lower bound only.
     ``usual`` is what most windows of repetitions differ by (`usual_size`), and the sensors' noise; not a number where there are none.
     """
@@ -32,8 +33,8 @@ class Floor:
     usual: float = math.nan
 
     def of_sensors(self, layout: Layout) -> Array:
-        """Return its rms in each sensor's unit (sensors,), SI."""
-        return in_units(np.diag(self.moments), layout)
+        """Return its rms in each sensor's unit (sensors,), SI: the sensor's noise at least."""
+        return in_units(np.maximum(np.diag(self.moments) - 1.0, 1.0), layout)
 
 
 def not_above(floor: Floor, features: Array) -> Floor:
@@ -46,7 +47,7 @@ def not_above(floor: Floor, features: Array) -> Floor:
     left = features.T @ features / len(features) + np.eye(features.shape[1])
     if np.linalg.slogdet(left)[1] >= np.linalg.slogdet(floor.moments)[1]:
         return floor
-    return Floor("sensor", np.eye(features.shape[1]))
+    return Floor("sensor", 2.0 * np.eye(features.shape[1]))
 
 
 def in_units(squares: Array, layout: Layout) -> Array:
@@ -68,7 +69,7 @@ def floor_of(layout: Layout, features: Array) -> Floor:
     near = None if layout.memory else _of_neighbours(layout, features)
     if near is not None and not _alike_by_no_means(near, features):
         return Floor("near_replicates", near + np.eye(d))
-    return Floor("sensor", np.eye(d))
+    return Floor("sensor", 2.0 * np.eye(d))
 
 
 def _alike_by_no_means(near: Array, features: Array) -> bool:

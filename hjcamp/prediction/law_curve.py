@@ -117,7 +117,7 @@ def _moment(
         return np.nan, np.nan, sign
     theirs, ours = seen[1] - seen[0], seen[2] - seen[0]
     square = float(ours @ ours)
-    amount = unknown.usual * float(theirs @ ours) / square if square > 0.0 else np.nan
+    amount = unknown.amount(unknown.usual) * float(theirs @ ours) / square if square > 0.0 else np.nan
     driver = signals.get(unknown.signal, place.get(unknown.signal, np.nan))
     return float(driver), amount, sign
 

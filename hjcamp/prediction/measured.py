@@ -67,13 +67,17 @@ class MeasuredTest:
 
 @dataclass(frozen=True)
 class Measured:
-    """All tests of one plant, ``period`` s between samples; tests of one condition and one course are repetitions."""
+    """All tests of one plant, ``period`` s between samples; tests of one condition and one course are repetitions.
+
+    ``twice`` names each test that was left out, and the one that it is the same as: it would pass for a repetition without scatter.
+    """
 
     plant: type[Plant]
     period: float
     sensors: tuple[Sensor, ...]
     columns: tuple[int, ...]
     tests: tuple[MeasuredTest, ...]
+    twice: tuple[tuple[str, str], ...] = ()
 
     @cached_property
     def conditions(self) -> dict[str, list[int]]:
@@ -161,7 +165,13 @@ def measured_tests(logs: Sequence[TestLog]) -> Measured:
     units = [unit_of_field(name, f"plant {plant.name}") for name in present]
     sensors = tuple(Sensor(name, unit.shown, unit.scale) for name, unit in zip(present, units, strict=True))
     columns = tuple(list(plant.measured).index(name) for name in present)
-    return Measured(plant, period, sensors, columns, apart_by_course([_test(log, plant, sensors) for log in logs]))
+    known: dict[bytes, MeasuredTest] = {}
+    twice = []
+    for test in (_test(log, plant, sensors) for log in logs):
+        other = known.setdefault(test.inputs.tobytes() + test.readings.tobytes(), test)
+        if other is not test:
+            twice.append((str(test.log.path or test.name), str(other.log.path or other.name)))
+    return Measured(plant, period, sensors, columns, apart_by_course(list(known.values())), tuple(twice))
 
 
 def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> MeasuredTest:

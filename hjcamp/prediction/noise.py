@@ -7,12 +7,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.prediction.levels import LEVEL
+
 Array = NDArray[np.float64]
 BANDS = 8
 # A band's mean is known from the median of its L lines to 1.2 / sqrt(L) of itself; three times that is no chance.
 MEDIAN_ERROR, BEYOND_CHANCE = 1.2, 3.0
-# Readings are whole counts but for how they were printed.
-WHOLE, NEARLY_ALL, FEWEST = 0.1, 0.99, 10
+# Readings are whole counts but for how they were printed. A gap is within 0.1 of whole smallest ones by chance in one case of five:
+# two gaps that are, beside the two that tell the step, is less than chance allows a claim.
+WHOLE, NEARLY_ALL = 0.1, 0.99
+FEWEST = 2 + math.ceil(math.log(LEVEL) / math.log(2.0 * WHOLE))
 SMALL = 5.5
 # Of the readings' range: readings that differ by less are the same.
 SAME = 1e-9

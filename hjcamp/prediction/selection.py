@@ -13,7 +13,7 @@ from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
 from hjcamp.prediction.claims import Claims
 from hjcamp.prediction.floor import motion_of
 from hjcamp.prediction.laws import alike_laws, kind_of, law_of
-from hjcamp.prediction.levels import FITTED, FITTED_BY_CHANCE, FITTED_UNKNOWNS, LEVEL, MATTERS, STEPS
+from hjcamp.prediction.levels import FITTED, FITTED_BY_CHANCE, FITTED_UNKNOWNS, LEVEL, MATTERS, MOST_OF_IT, STEPS
 from hjcamp.prediction.scored import Scored, Step
 from hjcamp.prediction.screening import Projection, best_promises
 
@@ -23,11 +23,13 @@ class Search(Claims):
     """A search for what is missing; ``steps`` tells each look.
 
     ``unnamed`` are effects of the library that a base may have (the forms of contacts), but that are not looked for; ``needed`` are
-    effects that were found beside a free law, ``wanted`` those that are looked at closely whatever they promise.
+    effects that were found beside a free law, ``with_law`` the last of these with that law, ``wanted`` those that are looked at
+    closely whatever they promise.
     """
 
     unnamed: frozenset[str] = frozenset()
     needed: frozenset[str] = frozenset()
+    with_law: Scored | None = None
     wanted: frozenset[str] = frozenset()
     steps: list[Step] = field(default_factory=list)
 
@@ -141,13 +143,21 @@ class Search(Claims):
     def better_than_free_laws(self, before: Scored, step: Step) -> Scored | None:
         """Return the effect that leaves less than every free law of the step, where one of these is shown to take what matters.
 
-        That something is missing the free law shows; it is no better news than a name that leaves less.
+        That something is missing the free law shows; it is no better news than a name that leaves less, or than one that takes most
+        of what the free law takes where that is another form of it.
         """
-        shown = [one.left_out for one in step.unknown if self.matters(one, before, step.level_of_unknown)]
-        able = (one for one in step.named if shown and one.left_out <= min(shown))
-        return next(
-            (one for one in able if self.error_ratio(one, before) <= 1.0 - MATTERS and not self.only_scatter(one, before)), None
-        )
+        shown = [one for one in step.unknown if self.matters(one, before, step.level_of_unknown)]
+        best = min(shown, key=lambda one: one.left_out, default=None)
+        if best is None:
+            return None
+        free = self.unknowns[_added(best.fitted.candidate, before.fitted.candidate)]
+        most = (before.left_out / best.left_out) ** MOST_OF_IT
+        for one in step.named:
+            form = alike_laws(free, self.library[_added(one.fitted.candidate, before.fitted.candidate)])
+            takes = one.left_out <= best.left_out or (form and before.left_out / one.left_out >= most)
+            if takes and self.error_ratio(one, before) <= 1.0 - MATTERS and not self.only_scatter(one, before):
+                return one
+        return None
 
     def beside_free_law(self, before: Scored, step: Step) -> Scored | None:
         """Return a model of the step with an effect that matters beside a free law, which matters beside it, and both more than none.
@@ -169,6 +179,7 @@ class Search(Claims):
                     continue
                 alone = self.fitted(both.fitted.candidate.without(one.beyond(before)), both.fitted)
                 if self.matters(both, alone, level):
+                    self.with_law = both
                     return one
         self.windows.place = before.place
         return None

@@ -9,6 +9,7 @@ from __future__ import annotations
 import linecache
 from collections.abc import Callable
 from functools import lru_cache
+from math import hypot
 from types import new_class
 from typing import Any
 
@@ -25,11 +26,15 @@ class _Hats:
 
     ``on`` are the slots on which it acts, in units of the last one; ``over`` is what drives it. A law that ``changes`` its
     slot comes after all that add to it; one that is a share of something is so many ``times`` that, and its driver is in ``unit``.
+    One that is ``positive`` leaves h + sqrt(1 + h^2) times its slot, whatever h is.
     """
 
+    positive = False
+
     def __init_subclass__(
-        cls, on: str, over: str, knots: int, changes: bool = False, times: str = "", unit: str = ""
-    ) -> None:
+        cls, on: str, over: str, knots: int, changes: bool = False, times: str = "", unit: str = "",
+        positive: bool = False,
+    ) -> None:  # fmt: skip
         slots, unit = on.split(), unit or ("s" if over == "time" else over)
         own = {"low": Parameter(unit, -1.0, BIG), "high": Parameter(unit, 1.0, (-9e8, 1.1e9))}
         own |= {f"a{k}": Parameter("1" if times else slots[-1], 0.0, BIG, off=0.0) for k in range(knots)}
@@ -37,25 +42,30 @@ class _Hats:
             setattr(cls, name, parameter)
             parameter.__set_name__(cls, name)
         for slot in slots:
-            setattr(cls, slot, staticmethod(_sum_of_hats(cls.__name__, slot, over, knots, changes, times)))
+            setattr(cls, slot, staticmethod(_sum_of_hats(cls.__name__, slot, over, knots, changes, times, positive)))
+        cls.positive = positive
         super().__init_subclass__()
 
 
-def _sum_of_hats(law: str, slot: str, over: str, knots: int, changes: bool, times: str) -> Callable[..., Any]:
+def _sum_of_hats(
+    law: str, slot: str, over: str, knots: int, changes: bool, times: str, positive: bool
+) -> Callable[..., Any]:
     """Return the method of a slot; its text is kept where ``inspect``, and so the kernel, finds it."""
     first = [*([slot] if changes or times == slot else []), over, *([times] if times else [])]
     names = [*dict.fromkeys(first), "low", "high", *(f"a{k}" for k in range(knots))]
     factor = f"{times} * " if times else ""
     hats = [f"{factor}a{k} * max(0.0, 1.0 - abs(w{f' - {k}.0' if k else ''}))" for k in range(knots)]
+    share = " + ".join(one.removeprefix(factor) for one in hats)
+    whole = f"{slot} * (({share}) + hypot(1.0, {share}))" if positive else ""
     text = (
         f"def {slot}({', '.join(names)}):\n"
         f'    """Value at this {over}."""\n'
         f"    w = {knots - 1}.0 * min(max(({over} - low) / (high - low), 0.0), 1.0)\n"
-        f"    return {' + '.join([*([slot] if slot in names else []), *hats])}\n"
+        f"    return {whole or ' + '.join([*([slot] if slot in names else []), *hats])}\n"
     )
     file = f"<{__name__}.{law}.{slot}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
-    scope: dict[str, Any] = {"__name__": __name__}
+    scope: dict[str, Any] = {"__name__": __name__, "hypot": hypot}
     exec(compile(text, file, "exec"), scope)
     method: Callable[..., Any] = scope[slot]
     return method
@@ -151,6 +161,15 @@ class CommandOverDemand(_Hats, Effect, on="command", over="demand", knots=6, cha
     acts_on = "actuator"
 
 
+class OutputOverInput(_Hats, Effect, on="output", over="input", knots=12, changes=True):
+    r"""A transmission that passes on another motion than comes in, depending on that: a shaft that stiffens, a gap, a tooth.
+
+    .. math:: y \mathrel{+}= h(x)
+    """
+
+    acts_on = "transmission"
+
+
 class ReadingOverTrue(_Hats, Effect, on="reading", over="true", knots=12, changes=True):
     r"""A sensor whose error depends on the value.
 
@@ -162,20 +181,20 @@ class ReadingOverTrue(_Hats, Effect, on="reading", over="true", knots=12, change
 
 LAWS: tuple[type[Effect], ...] = (
     ForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
-    FrictionOverLoad, LossOverLevel, FlowOverHead, CommandOverDemand, ReadingOverTrue,
+    FrictionOverLoad, LossOverLevel, FlowOverHead, CommandOverDemand, OutputOverInput, ReadingOverTrue,
 )  # fmt: skip
 
 
 @lru_cache(maxsize=256)
-def gain_over(plant: str, slot: str, times: str, driver: str, unit: str) -> type[Effect]:
-    r"""Return the law of a drive or a path whose gain depends on a state of the plant, or changes during a test, in its names.
+def gain_over(plant: str, slot: str, times: str, driver: str, unit: str, positive: bool = False) -> type[Effect]:
+    r"""Return the law of a drive, a path or a store whose gain depends on a state of the plant, or changes during a test, in its names.
 
     .. math:: u \mathrel{+}= u_d\,h(x)
 
     ``times`` is what is asked of it (u_d), ``unit`` that of the ``driver``. What slips under pressure, a motor whose field
-    weakens, an amplifier that warms, a pipe that clogs.
+    weakens, an amplifier that warms, a pipe that clogs; a store that takes more the less is in it, a coil that saturates.
     """
-    about = {"on": slot, "over": driver, "knots": 6, "times": times, "unit": unit}
+    about = {"on": slot, "over": driver, "knots": 6, "times": times, "unit": unit, "positive": positive}
     own = {"subsystem": "gain", "name": f"unknown_gain_of_{slot}_over_{driver}"}
     # the text of its method is kept by the class' name
     made: type[Effect] = new_class(f"Gain_{plant}_{slot}_{driver}", (_Hats, Effect), about, lambda body: body.update(own))

@@ -24,7 +24,15 @@ from hjcamp.prediction.unknown_laws import amplitudes_of_law, gain_over
 Array = NDArray[np.float64]
 LOOKED_AT = 400
 # The slot whose gain may change at a place of a kind, and what it is so many times of.
-TIMES = {"actuator": ("command", "demand"), "path": ("flow", "flow")}
+TIMES = {"actuator": ("command", "demand"), "path": ("flow", "flow"), "store": ("capacity", "capacity")}
+# What is a share of its slot's own value.
+SHARES = ("gain", "capacity", "stiffness")
+
+
+def times_of(port: Port) -> tuple[str, str]:
+    """Return the plant's names of the slot whose gain may change at a place, and of what it is so many times of."""
+    slot, times = (name if name in port.names else "stiffness" for name in TIMES[port.kind])
+    return port.names[slot], port.names[times]
 
 
 @dataclass(frozen=True)
@@ -44,6 +52,10 @@ class Unknown:
     def amplitudes(self) -> tuple[str, ...]:
         """The names of its parameters that are fitted."""
         return amplitudes_of_law(self.effect)
+
+    def amount(self, value: Any) -> Any:
+        """Return what an amplitude stands for: itself, or the share by which a positive law changes its slot."""
+        return value + np.hypot(1.0, value) - 1.0 if getattr(self.effect, "positive", False) else value
 
     @property
     def scatters(self) -> bool:
@@ -77,18 +89,21 @@ def unknowns_of(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -
 
 
 def _gains(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:
-    """Return the unknowns of drives whose gain depends on a state of the plant or on time, and of paths that clog or wear."""
+    """Return the unknowns of drives whose gain depends on a state or on time, of paths that clog, and of stores that soften."""
     found = {}
     states = {name: item.unit for name, item in plant.states.items()}
     for port in read_vocabulary(plant).ports.values():
         if port.kind not in TIMES:
             continue
-        slot, times = (port.names[name] for name in TIMES[port.kind])
-        for driver, unit in {**(states if port.kind == "actuator" else {}), "time": "s"}.items():
+        slot, times = times_of(port)
+        own = {port.names["level"]: states[port.names["level"]]} if port.kind == "store" else {"time": "s"}
+        for driver, unit in {**(states if port.kind == "actuator" else {}), **own}.items():
             low, high = ranges.get(driver, (0.0, 0.0))
             if high - low > 1e-9 * max(abs(low), abs(high)):
-                law = gain_over(plant.name, slot, times, driver, unit)
-                found[law.name] = Unknown(law, port.name, "gain", driver, driver, low, high, 1.0)
+                law = gain_over(plant.name, slot, times, driver, unit, positive=port.kind == "store")
+                of_store = ("capacity" if "capacity" in port.names else "stiffness", "level")
+                what, of = of_store if port.kind == "store" else ("gain", driver)
+                found[law.name] = Unknown(law, port.name, what, of, driver, low, high, 1.0)
     return found
 
 

@@ -14,7 +14,7 @@ from hjcamp.prediction.doubts import doubt_of_names, doubt_of_nothing
 from hjcamp.prediction.floor import in_units, usual_size
 from hjcamp.prediction.laws import alike_laws
 from hjcamp.prediction.layout import SHORTEST
-from hjcamp.prediction.levels import LEVEL, LONGER, MOST_OF_IT
+from hjcamp.prediction.levels import LEVEL, LONGER, MATTERS, MOST_OF_IT
 from hjcamp.prediction.scored import Scored, Step
 
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
@@ -123,7 +123,7 @@ def judged(analysis: Analysis) -> Verdict:
     added = model.beyond(base)
     last = next((step for step in reversed(search.steps) if step.before is model), None) or search.look(model)
     first = search.steps[0]
-    unknown = _left(analysis, model, last)
+    unknown = _left(analysis, model, last) or _beside(analysis, model)
     p_value = first.told
     if not added:
         follows = search.follows_motion(base).share if unknown is None else 0.0
@@ -145,6 +145,12 @@ def judged(analysis: Analysis) -> Verdict:
     if law_left > 1.0 - MOST_OF_IT:
         share = search.follows_motion(base).share if unknown is None else 0.0
         return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, (), share, added)
+    if unknown is not None and set(added) <= search.needed:
+        # a name that shows beside a free law alone, and takes less than most of what that takes by itself, is not the news
+        shown = [one for one in first.unknown if search.matters(one, base, first.level_of_unknown)]
+        law = min([_alone(analysis, unknown, added), *shown], key=lambda one: one.left_out)
+        if taken < MOST_OF_IT * _taken(base, law):
+            return Verdict(OUTSIDE, (), base, p_value, (), 1.0 - taken / _taken(base, law), law, (), 0.0, added)
     if unknown is not None:
         left = tuple(name for name in added if not _covered(analysis, model, unknown, name))
         if not left:
@@ -216,6 +222,20 @@ def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:
     return min(found, key=lambda one: one.left_out) if found else None
 
 
+def _beside(analysis: Analysis, model: Scored) -> Scored | None:
+    """Return the model with the free law beside which a name of it was found; none where no name needed one."""
+    search = analysis.search
+    if search.with_law is None or not search.needed & set(model.names):
+        return None
+    if set(model.names) <= set(search.with_law.names) and len(search.with_law.names) == len(model.names) + 1:
+        return search.with_law
+    candidate = model.fitted.candidate
+    for name, own in search.with_law.fitted.candidate.effects.items():
+        candidate = candidate if name in model.names or name in search.library else candidate.with_effect(name, own)
+    both = search.fitted(candidate)
+    return both if search.matters(both, model) else None
+
+
 def _taken(base: Scored, model: Scored) -> float:
     """Return the logarithm of the factor by which a model makes the error of left-out chapters smaller."""
     return math.log(base.left_out / model.left_out)
@@ -259,7 +279,10 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], u
         for one in step.named:
             [other] = one.beyond(step.before)
             for name in here:
-                if other in model.names or one.left_out >= step.before.left_out or search.beats(_of(step, name), one):
+                # what takes less than matters is no rival
+                if other in model.names or one.left_out >= step.before.left_out or search.error_ratio(one, step.before) > 1.0 - MATTERS:
+                    continue
+                if search.ruled_out(one, _of(step, name)):
                     continue
                 exchanged = model.fitted.candidate.without([name]).with_effect(
                     other, one.fitted.candidate.effects[other]
@@ -268,7 +291,7 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], u
                     exchanged = exchanged.with_effect(free, own)
                 rival = search.fitted(exchanged)
                 known = {frozenset(each.names) for each in found}
-                if frozenset(rival.names) not in known and not search.beats(best, rival):
+                if frozenset(rival.names) not in known and not search.ruled_out(rival, best):
                     found.append(rival)
     return found
 

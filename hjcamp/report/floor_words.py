@@ -15,9 +15,10 @@ WORSE = 1.02
 
 
 def worst_words(rows: Sequence[Mapping[str, Any]], over: str, most: int = 3) -> list[str]:
-    """Return in words which conditions err most, each in its worst channel: ``over`` what, and what repetitions share of it.
+    """Return in words which conditions err most, each in its worst channel: ``over`` what, what repetitions share of it, and where
+    half of it is in few places.
 
-    ``rows`` are those of an answer (condition, channel, over_floor, shared, unit), the worst first.
+    ``rows`` are those of an answer (condition, channel, over_floor, shared, unit, at), the worst first.
     """
     from hjcamp.report.exploration import channel_label
     from hjcamp.report.units import told
@@ -27,7 +28,9 @@ def worst_words(rows: Sequence[Mapping[str, Any]], over: str, most: int = 3) -> 
     said = []
     for row in chosen:
         shared = f", {told(row['shared'], row['unit'], 2)} of it shared by repetitions" if row["shared"] else ""
-        said.append(f"{row['condition']} {row['over_floor']:.2g} x {over} in {channel_label(row['channel'])}{shared}")
+        places = ", ".join(f"{one['time_s']:.4g} s in {one['test']}" for one in row.get("at") or ())
+        place = f", half of it about {places}" if places else ""
+        said.append(f"{row['condition']} {row['over_floor']:.2g} x {over} in {channel_label(row['channel'])}{shared}{place}")
     return [f"{'; '.join(said)}."] if said else []
 
 

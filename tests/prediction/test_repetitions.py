@@ -15,7 +15,7 @@ def groups(*logs: object) -> list[list[int]]:
 
 
 def test_the_same_swing_is_a_repetition_and_another_one_is_not(axis: Path) -> None:
-    swings = [measured_log(seconds=4.0, seed=seed) for seed in (1, 1, 2)]
+    swings = [measured_log(seconds=4.0, seed=seed, noise=noise) for seed, noise in ((1, 0.0), (1, 1e-6), (2, 0.0))]
     assert groups(*swings) == [[0, 1], [2]]
     names = list(measured_tests(swings).conditions)
     assert len(set(names)) == 2 and all(name.startswith("swing (") for name in names)
@@ -27,5 +27,12 @@ def test_the_same_swing_is_a_repetition_and_another_one_is_not(axis: Path) -> No
 
 
 def test_other_conditions_stay_apart_and_their_names_as_they_are(axis: Path) -> None:
-    found = measured_tests([measured_log(seconds=2.0, condition=name) for name in ("a", "b", "a")])
-    assert found.conditions == {"a": [0, 2], "b": [1]}
+    noisy = ((name, 1e-6 * k) for k, name in enumerate(("a", "b", "a")))
+    found = measured_tests([measured_log(seconds=2.0, condition=name, noise=noise) for name, noise in noisy])
+    assert found.conditions == {"a": [0, 2], "b": [1]} and found.twice == ()
+
+
+def test_one_test_in_two_files_is_looked_at_once(axis: Path) -> None:
+    first, other = measured_log(seconds=2.0, condition="a"), measured_log(seconds=2.0, condition="a", noise=1e-6)
+    found = measured_tests([first, other, first])
+    assert found.conditions == {"a": [0, 1]} and found.twice == ((first.condition_key, first.condition_key),)

@@ -68,9 +68,10 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     ]
     if worst := words.content["worst"]:
         parts += [page.heading("Worst conditions"), page.table_of(*worst_table(worst))]
+    beside = words.content["calibration_with_effects"]
     parts += [
         page.heading("Calibrated first"),
-        page.table_of(said.CALIBRATED, said.calibration_table(words.content["calibration"])),
+        page.table_of(said.calibrated(beside), said.calibration_table(words.content["calibration"], beside)),
     ]
     known, drawn = how_well_known(*fitted_parameters(words))
     pictures |= drawn

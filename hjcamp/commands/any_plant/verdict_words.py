@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.commands.any_plant.words import (
-    CALIBRATED,
     CHANNELS,
     FLOORS,
+    calibrated,
     calibration_table,
     channel_table,
     end_words,
@@ -71,6 +71,7 @@ class Words:
         drivers = self.content["drivers"]
         place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
         of_place = f" of {place.replace('_', ' ')}" if place and place != local else ""
+        local = "true value" if local == "true" else local
         said = names or (f"depends on {local}{of_place}" if drivers else "")
         if self.verdict.word == "nothing_missing" and self.far_off:
             said = "that these tests can name"
@@ -123,8 +124,8 @@ class Words:
             found.append(f"These tests do not rule out: {sets}.")
         if verdict.word == "outside_library" and self.content["unknowns"]:
             found.append(
-                f"A {free_law(self.content['unknowns'][0])}, of a form that no effect of the library has, predicts better: it leaves "
-                f"{100.0 * self.content['unknowns'][0]['left']:.0f} % of the error. Its curve is on the page."
+                f"{_a(free_law(self.content['unknowns'][0]), begins=True)}, of a form that no effect of the library has, predicts "
+                f"better: it leaves {100.0 * self.content['unknowns'][0]['left']:.0f} % of the error. Its curve is on the page."
             )
         if verdict.follows:
             found.append(
@@ -151,7 +152,7 @@ class Words:
             left = 100.0 * min(verdict.law_left, 1.0)
             if first and self.beside:
                 found.append(
-                    f"Something outside the library is missing as well: a {free_law(first)} takes {left:.0f} % of what both take "
+                    f"Something outside the library is missing as well: {_a(free_law(first))} takes {left:.0f} % of what both take "
                     "together. Its curve is on the page."
                 )
             else:
@@ -175,7 +176,9 @@ class Words:
             if verdict.word != "nothing_missing":
                 found += _false_claims(self.content["false_claims"])
         rows, period = self.content["calibration"], self.analysis.measured.period
-        found += held_by_bounds(rows) + late_inputs(rows, verdict.effects, period) + end_words(self.content["ends"])
+        # beside a lag that is named the base is as late as that model has it
+        late = self.content["calibration_with_effects"] or rows
+        found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
         found += still_words(self.content["still"])
         return found + self.telling()
 
@@ -252,9 +255,15 @@ def free_law(row: Mapping[str, Any]) -> str:
     """Return what a free law adds, where, and what it depends on."""
     if row["quantity"] == "gain":
         return f"gain of {row['port'].replace('_', ' ')} that depends on {row['driver'].replace('_', ' ')}"
-    place, driver = row["port"], row["driver"].rpartition("_")[2]
+    place, driver = row["port"], row["driver"].rpartition("_")[2].replace("true", "true value")
     where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
     return f"{row['quantity']} {where} {driver}"
+
+
+def _a(words: str, begins: bool = False) -> str:
+    """Return words with their indefinite article, as a sentence has them, or begins with them."""
+    said = f"{'an' if words[:1] in 'aeiou' else 'a'} {words}"
+    return said[:1].upper() + said[1:] if begins else said
 
 
 def _least(row: Mapping[str, Any]) -> float:
@@ -282,7 +291,8 @@ def print_diagnosis(console: Console, words: Words) -> None:
 
     analysis = words.analysis
     print_head(console, analysis)
-    table(console, CALIBRATED, calibration_table(words.content["calibration"]))
+    beside = words.content["calibration_with_effects"]
+    table(console, calibrated(beside), calibration_table(words.content["calibration"], beside))
     style = "yellow" if words.far_off and words.verdict.word == "nothing_missing" else STYLES.get(words.verdict.word, "yellow")
     console.print(words.title, style=style, markup=False, highlight=False)
     print_wrapped(console, words.sentences(), 8)

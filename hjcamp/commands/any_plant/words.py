@@ -33,15 +33,23 @@ def channel_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
     ]  # fmt: skip
 
 
-def calibration_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
-    """Rows of a base parameter: declared, here, 95 %."""
+def calibration_table(
+    rows: Mapping[str, Mapping[str, Any]], beside: Mapping[str, Mapping[str, Any]] | None = None
+) -> list[list[str]]:
+    """Rows of a base parameter: declared, here, 95 %, and its value ``beside`` what was found, where something was."""
     from hjcamp.prediction.intervals import limited
 
     return [
         [name.replace("_", " ").replace(DELAY, "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
-         told_interval(row) + ("  at its bound" if limited(row) else "")]
+         told_interval(row) + ("  at its bound" if limited(row) else ""),
+         *([told(beside[name]["value"], row["unit"]) if name in beside else ""] if beside else [])]
         for name, row in rows.items()
     ]  # fmt: skip
+
+
+def calibrated(beside: object) -> tuple[str, ...]:
+    """Return the headings of that table, with what was found or without."""
+    return (*CALIBRATED, "with what was found") if beside else CALIBRATED
 
 
 def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -241,6 +249,8 @@ def print_head(console: Console, analysis: Analysis) -> None:
         ),
         markup=False,
     )  # fmt: skip
+    for again, first in measured.twice:
+        console.print(f"note    {again} holds the same test as {first}: it is looked at once", markup=False)
 
 
 def over_windows(analysis: Analysis) -> str:

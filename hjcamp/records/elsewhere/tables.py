@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 # MATLAB's own way to name a column of a matrix: q(:,2).
 MATRIX_COLUMN = re.compile(r"(?P<name>.+)\(:,\s*(?P<column>\d+)\)")
 LOOKED_AT = 4096
+# Stands before times of a day without a date.
+ANY_DAY = "2000-01-01 "
+# What is on or off, as programs write it.
+SWITCHED = {"true": 1.0, "false": 0.0, "on": 1.0, "off": 0.0}
 NS_IN = {"ns": 1.0, "us": 1e3, "ms": 1e6}
 
 
@@ -144,7 +148,7 @@ def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_co
             text = column.str.replace(",", ".", literal=True) if decimal_comma else column
             numbers = text.cast(polars.Float64, strict=False)
             if numbers.null_count() == len(column):
-                numbers = _seconds(column, numbers)
+                numbers = _switched(column) if column.str.to_lowercase().is_in([*SWITCHED]).all() else _seconds(column, numbers)
             elif decimal_comma and (pointed := column.str.contains(".", literal=True).fill_null(False)).any():
                 row = int(pointed.arg_max() or 0)
                 raise UsageError(
@@ -154,7 +158,7 @@ def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_co
         elif isinstance(column.dtype, polars.Datetime | polars.Duration):
             ticks = column.cast(polars.Int64)
             numbers = (ticks - (ticks.min() or 0)) * (NS_IN[column.dtype.time_unit or "us"] * 1e-9)
-        elif column.dtype.is_numeric():
+        elif column.dtype.is_numeric() or column.dtype == polars.Boolean:
             numbers = column.cast(polars.Float64)
         else:
             raise UsageError(f"{source}: '{name}' holds {column.dtype}, not numbers")
@@ -170,16 +174,26 @@ def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_co
     return columns
 
 
-def _seconds(column: polars.Series, otherwise: polars.Series) -> polars.Series:
-    """Return dates and times that are written out (2026-01-31 12:00:00.5) as seconds since the first, else what is given."""
+def _switched(column: polars.Series) -> polars.Series:
+    """Return what was on as 1 and what was off as 0."""
     import polars
 
-    try:
-        found = column.str.to_datetime(time_unit="ns", strict=False)
-    except polars.exceptions.PolarsError:
-        return otherwise
-    ticks = found.cast(polars.Int64)
-    return (ticks - (ticks.min() or 0)) * 1e-9 if not found.null_count() else otherwise
+    return column.str.to_lowercase().replace_strict(SWITCHED, return_dtype=polars.Float64)
+
+
+def _seconds(column: polars.Series, otherwise: polars.Series) -> polars.Series:
+    """Return dates and times written out (2026-01-31 12:00:00.5, 12:00:00.5) as seconds since the first, else what is said."""
+    import polars
+
+    for day in ("", ANY_DAY):
+        try:
+            found = (day + column).str.to_datetime(time_unit="ns", strict=False)
+        except polars.exceptions.PolarsError:
+            continue
+        if not found.null_count():
+            ticks = found.cast(polars.Int64)
+            return (ticks - (ticks.min() or 0)) * 1e-9
+    return otherwise
 
 
 def _read_mat(source: Path, names: list[str], rules: ImportMap) -> Table:
