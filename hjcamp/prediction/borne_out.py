@@ -7,13 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.analysis import Analysis
-from hjcamp.prediction.fitting import settled
-from hjcamp.prediction.layout import Layout
 from hjcamp.prediction.levels import MATTERS, MOST_OF_IT
 from hjcamp.prediction.scored import Scored, Step
-from hjcamp.prediction.windows import Windows
 
 TOO_SHORT = ": these windows are too short for what acts slowly; longer tests, or repeated ones"
 
@@ -47,36 +43,6 @@ def not_in_windows(analysis: Analysis, first: Step) -> str:
         f"windows of {_window(analysis)} show no effect, but {named[least].beyond(analysis.base)[0]} takes "
         f"{100.0 * (1.0 - left[least] / before):.0f} % of the error of whole tests, simulated from their first sample on{TOO_SHORT}"
     )
-
-
-def more_in_whole(analysis: Analysis) -> str:
-    """Return in words that the base errs over whole short tests by more than twice what windows leave, though fitted to these.
-
-    Then windows show less than half of what there is: what acts slowly is taken out of them with their starts.
-    """
-    windows, layout, base = analysis.windows, analysis.windows.layout, analysis.base
-    if layout.memory or not layout.short or layout.measured.plant.loop == "foreign":
-        return ""
-    kept, windows.place = windows.place, base.place
-    here = _size(windows, layout, base.fitted.candidate)
-    own = replace(windows, layout=replace(layout, memory=len(layout.readings)))
-    own.starts = windows.starts.copy()
-    own.move_starts(base.fitted.candidate)
-    whole = _size(own, layout, base.fitted.candidate)
-    fitted = settled(own, base.fitted.candidate, base.fitted.free)
-    whole = min(whole, _size(own, layout, fitted.candidate)) if np.isfinite(fitted.loss) else whole
-    windows.place = kept
-    if not here < (1.0 - MOST_OF_IT) * whole:
-        return ""
-    return (
-        f"windows of {_window(analysis)} leave {here:.2g} times the noise, but whole tests, simulated from their first sample on with "
-        f"a base that was fitted to that, {whole:.2g} times{TOO_SHORT}"
-    )
-
-
-def _size(windows: Windows, layout: Layout, candidate: Candidate) -> float:
-    errors = windows.errors(candidate) / layout.measured.noise
-    return float(np.sqrt(np.mean(np.nan_to_num(errors, nan=np.inf) ** 2)))
 
 
 def _left(analysis: Analysis, models: Sequence[Scored]) -> list[float]:

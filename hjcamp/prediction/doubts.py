@@ -9,7 +9,7 @@ import numpy as np
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.analysis import Analysis
-from hjcamp.prediction.borne_out import more_in_whole, not_in_windows
+from hjcamp.prediction.borne_out import not_in_windows
 from hjcamp.prediction.chapters import critical
 from hjcamp.prediction.intervals import held_away, intervals
 from hjcamp.prediction.laws import kind_of
@@ -25,10 +25,8 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
     """
     if held := _held(analysis):
         return held
-    if analysis.floor.source != "sensor":
+    if analysis.floor.source != "sensor" or p_value > LEVEL:
         return ""
-    if p_value > LEVEL:
-        return more_in_whole(analysis)
     nearest = _nearest(analysis)
     if doubt := _late(analysis, p_value) or ("" if nearest else not_in_windows(analysis, analysis.search.steps[0])):
         return doubt

@@ -30,6 +30,15 @@ def test_a_long_analog_log_is_no_counter() -> None:
     assert noise_of(np.sin(np.linspace(0.0, 20.0, 12000)) + 0.02 * DRAWN) == pytest.approx(0.02, rel=0.1)
 
 
+def test_a_counter_that_shows_few_values() -> None:
+    counted = 0.727 * np.random.default_rng(2).integers(0, 6, 300)
+    assert step_of(counted) == pytest.approx(0.727)
+    # by hand: four gaps between five values are whole by chance in one case of twenty-five
+    drawn = np.random.default_rng(3)
+    found = [step_of(np.repeat(drawn.uniform(size=5), 40)) > 0.0 for _ in range(400)]
+    assert np.mean(found) < 0.05
+
+
 @pytest.mark.parametrize("decimals", [4, 6])
 def test_a_counter_whose_readings_were_printed_with_few_digits(decimals: int) -> None:
     step = 0.0314159

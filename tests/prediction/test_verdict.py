@@ -18,6 +18,7 @@ from hjcamp.effects import load_effects
 from hjcamp.prediction import doubts, verdict
 from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import answer
+from hjcamp.prediction.claims import Claims
 from hjcamp.prediction.floor import Floor
 from hjcamp.prediction.intervals import Interval
 from hjcamp.prediction.measured import measured_tests
@@ -157,6 +158,32 @@ def test_a_late_drive_that_acts_before_its_log_is_doubted(
     found = verdict.agreed(analysis, lambda width: analysis)[1]
     assert found.word == ("cannot_tell" if doubted else "effect")
     assert not doubted or "together it is not late" in found.lacking[0]
+
+
+@pytest.mark.parametrize(("at_bound", "told"), [(True, False), (True, True), (False, False)])
+def test_a_name_at_a_bound_that_no_test_tells_is_not_said(
+    axis: Path, monkeypatch: pytest.MonkeyPatch, at_bound: bool, told: bool
+) -> None:
+    measured = measured_tests([measured_log(seconds=4.0)])
+    library = load_effects(plant=measured.plant)
+    analysis = calibrated(measured, {name: library[name] for name in LIBRARY})
+    row = Interval("spring", "stiffness", 1e3, 0.0, 1e3, at_bound, told)
+    monkeypatch.setattr(doubts, "intervals", lambda fitted, chapters: [row])
+    said = doubts.doubt_of_names(analysis, analysis.base, ("spring",))
+    assert ("at a value that its bounds tell" in said) == (at_bound and not told)
+
+
+def test_a_rival_that_errs_less_in_each_sensor_is_not_ruled_out() -> None:
+    # scores rule out by single windows; what errs less on the whole may only know its starts less well
+    layout = SimpleNamespace(measured=SimpleNamespace(sensors=("a", "b")))
+    model = SimpleNamespace(features=np.array([[1.0, 1.0], [1.0, 1.0]]))
+    for rival, beaten, ruled_out in ((0.5, True, False), (2.0, True, True), (2.0, False, False)):
+        search = SimpleNamespace(windows=SimpleNamespace(layout=layout), beats=lambda one, other, beaten=beaten: beaten)
+        other = SimpleNamespace(features=rival * model.features)
+        assert Claims.ruled_out(search, other, model) == ruled_out  # type: ignore[arg-type]
+    mixed = SimpleNamespace(features=np.array([[0.5, 2.0], [0.5, 2.0]]))
+    search = SimpleNamespace(windows=SimpleNamespace(layout=layout), beats=lambda one, other: True)
+    assert Claims.ruled_out(search, mixed, model)  # type: ignore[arg-type]
 
 
 def test_any_number_of_threads_gives_the_same(axis: Path) -> None:

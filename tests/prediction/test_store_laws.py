@@ -1,0 +1,92 @@
+"""A store whose capacity depends on its level is outside the library, in its own place and with its curve."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hjcamp.effects import load_effects
+from hjcamp.known_plants import find_plant
+from hjcamp.prediction.analysis import calibrated
+from hjcamp.prediction.answer import unknown_rows
+from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.unknown_laws import gain_over
+from hjcamp.prediction.unknowns import unknowns_of
+from hjcamp.prediction.verdict import judged
+from hjcamp.records.log import TestLog
+
+AREA, OUTFLOW, WIDE = 2.0, 0.02, 1.2
+PLANT = '''"""A bowl."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, path, sensor, sqrt, store
+
+
+class Bowl(Plant):
+    """A bowl that a pump fills and that runs out below."""
+
+    period = 2.0
+    level = State("m", typical=1.0, low=0.0)
+    pump = Input("m^3/s", typical=0.02)
+    area = Parameter("m^2", 2.5, (0.1, 50.0), "log-uniform", base=True)
+    k = Parameter("m^2.5/s", 0.025, (1e-4, 1.0), "log-uniform", base=True)
+    level_m = Measured("gauge", of="level")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        inflow = actuator(drive.pump)
+        outflow = path(parameter.k * sqrt(state.level), upstream=state.level)
+        rate.level = store(inflow - outflow, capacity=parameter.area)
+        gauge = sensor(state.level)
+'''
+
+
+@pytest.fixture
+def bowl(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "bowl.py").write_text(PLANT, encoding="utf-8")
+    return tmp_path
+
+
+def area_at(level: float | np.ndarray) -> float | np.ndarray:
+    return AREA * (0.4 + (level / WIDE) ** 2)
+
+
+def measured_log(seed: int) -> TestLog:
+    generator, count, small = np.random.default_rng(seed), 1500, 10
+    pump = np.repeat(generator.uniform(0.005, 0.03, count // 60 + 1), 60)[:count]
+    level, levels = 0.8, np.empty(count)
+    for k in range(count):
+        levels[k] = level
+        for _ in range(small):
+            level = max(level + 2.0 / small * (pump[k] - OUTFLOW * np.sqrt(level)) / area_at(level), 0.0)
+    columns = {"time_s": 2.0 * np.arange(count), "level_m": levels + 1e-3 * generator.standard_normal(count), "pump_m3_per_s": pump}
+    return TestLog(columns, {"plant": "bowl", "period_s": "2.0", "condition": f"train {seed}"})
+
+
+def test_a_bowl_that_widens_is_outside_and_its_capacity_is_drawn(bowl: Path) -> None:
+    measured = measured_tests([measured_log(1), measured_log(2)])
+    library = load_effects(plant=measured.plant)
+    analysis = calibrated(measured, {name: library[name] for name in ("leakage", "flow_exponent", "sensor_gain")})
+    found = judged(analysis)
+    row = unknown_rows(analysis, found)[0]
+    assert (found.word, found.effects) == ("outside_library", ())
+    assert (row["quantity"], row["port"], row["driver"], row["slots"]) == ("capacity", "level", "level_level", ["level_capacity"])
+    x, y = (np.array(row["knots"][name]) for name in "xy")
+    # the base takes a mean area: the form of the curve is told, not its size
+    ratio = ((1.0 + y) / area_at(x))[1:-1]
+    assert np.ptp(ratio) < 0.2 * ratio.mean() and np.all(1.0 + y > 0.0)
+    assert row["left"] < 0.3
+
+
+def test_a_positive_law_leaves_something_whatever_its_amplitudes_are(bowl: Path) -> None:
+    law = gain_over("bowl", "level_capacity", "level_capacity", "level", "m", positive=True)
+    given = {"low": 0.0, "high": 1.0} | {f"a{k}": -1e3 for k in range(6)}
+    assert 0.0 < law.level_capacity(2.0, 0.5, **given) < 2e-3
+    nothing = given | {f"a{k}": 0.0 for k in range(6)}
+    assert law.level_capacity(2.0, 0.5, **nothing) == 2.0
+    one = unknowns_of(find_plant("bowl"), {"level": (0.1, 2.0), "time": (0.0, 9.0)})["unknown_gain_of_level_capacity_over_level"]
+    assert one.amount(0.0) == 0.0 and one.amount(0.75) == pytest.approx(0.75 + 1.25 - 1.0)
+    assert (one.quantity, one.driver, one.place) == ("capacity", "level", "level")
