@@ -35,6 +35,9 @@ def test_which_free_laws_are_other_forms_of_a_name(known) -> None:  # type: igno
     # of the level, too, but of what the gauge makes of it
     assert not alike_laws(unknowns["unknown_reading_over_true"], exponent)
     assert alike_laws(unknowns["unknown_reading_over_true"], library["sensor_gain"])
+    # a constant is a form of every law in its slot, and of none elsewhere
+    assert alike_laws(unknowns["unknown_reading_over_true"], library["sensor_offset"])
+    assert not alike_laws(unknowns["unknown_loss_over_level_at_lower"], library["sensor_offset"])
 
 
 @pytest.mark.parametrize(

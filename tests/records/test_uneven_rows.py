@@ -73,6 +73,23 @@ def test_a_table_of_blanks_without_a_header_and_written_times(tmp_path: Path, st
     np.testing.assert_allclose(log.columns["arm_deg"], 10.0 * log.columns["time_s"], atol=1e-5)
 
 
+@pytest.mark.parametrize(("on", "off"), [("True", "False"), ("ON", "off"), ("true", "false")])
+def test_what_is_on_or_off_and_times_of_a_day_are_numbers(tmp_path: Path, on: str, off: str) -> None:
+    time = 0.002 * np.arange(400)
+    valve = (np.arange(400) // 50) % 2
+    noise = 0.01 * np.sin(np.arange(400) ** 2)
+    said = np.where(valve, on, off)
+    rows = [f"12:00:{t:09.6f},{10.0 * t:.5f},{0.1 + n:.6f},{0.2 - n:.6f},{v}" for t, n, v in zip(time, noise, said, strict=True)]
+    (tmp_path / "bench.csv").write_text("\n".join(["t,arm,p1,p2,c", *rows]) + "\n")
+    fields = {**MAPPING["fields"], "time_s": "t"}  # type: ignore[dict-item]
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump({"plant": "valve_joint", "fields": fields}))
+    import_file(tmp_path / "bench.csv", tmp_path / "map.yaml", tmp_path / "out.mcap")
+    log = read_log(tmp_path / "out.mcap")
+    assert log.period == pytest.approx(0.002)
+    np.testing.assert_array_equal(log.columns["valve1_ratio"], valve)
+    np.testing.assert_allclose(log.columns["arm_deg"], 10.0 * log.columns["time_s"], atol=1e-5)
+
+
 def test_no_samples_are_made_up_between_rows(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="samples between rows would be made up"):
         brought(tmp_path, np.arange(400) * 5.0, resample_s=0.001)
