@@ -83,6 +83,8 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
             analysis, verdict = seen, other
     if verdict.follows:
         return analysis, verdict
+    if verdict.word == EFFECT and not through and (more := _more_in_longer(analysis, verdict, at)):
+        return more
     half = width if through else min(max(width // 2, SHORTEST), width)
     if verdict.word != EFFECT or analysis.measured.repeated or (half == width and not through):
         return analysis, verdict
@@ -93,6 +95,21 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
     sets = (verdict.effects, *other.confidence_set)
     group = tuple(dict.fromkeys(name for names in sets for name in names))
     return analysis, replace(verdict, word=ONE_OF, effects=group, confidence_set=sets)
+
+
+def _more_in_longer(
+    analysis: Analysis, verdict: Verdict, at: Callable[[int], Analysis]
+) -> tuple[Analysis, Verdict] | None:
+    """Return the verdict over windows that are longer where it has the same names and more: what acts slowly beside what was found."""
+    width = LONGER[0] * analysis.windows.layout.width
+    if width > min(test.samples for test in analysis.measured.tests):
+        return None
+    seen = at(width)
+    if seen.windows.layout.width < width:
+        return None
+    seen.search.claims = LEVEL / 2.0
+    other = judged(seen)
+    return (seen, other) if other.word == EFFECT and set(other.effects) > set(verdict.effects) else None
 
 
 def _left_less_by_a_name(analysis: Analysis, verdict: Verdict) -> bool:
