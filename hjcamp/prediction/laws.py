@@ -18,11 +18,12 @@ def law_of(effect: type[Effect]) -> frozenset[tuple[str, frozenset[str]]] | None
 def alike_laws(free: Unknown, named: type[Effect]) -> bool:
     """Whether a free law is another form of a named one: over what drives it, in the same slot or in what a store gains and loses.
 
-    What nothing drives, a constant, is a form of every law in its slot.
+    Dry friction, which nothing drives, is a form of every law of that friction.
     """
     own = {*named.parameters, *named.terms}
     drivers = [set(term.arguments) - own for term in named.terms.values()]
-    driven = any(free.signal in one for one in drivers) or not (named.states or any(drivers))
+    dry = kind_of(named) == "contact" and not (named.states or any(drivers))
+    driven = dry or any(free.signal in one for one in drivers)
     kinds = {kind_of(free.effect), kind_of(named)}
     return driven and (not set(free.effect.terms).isdisjoint(named.terms) or kinds == {"store", "path"})
 

@@ -35,9 +35,20 @@ def test_which_free_laws_are_other_forms_of_a_name(known) -> None:  # type: igno
     # of the level, too, but of what the gauge makes of it
     assert not alike_laws(unknowns["unknown_reading_over_true"], exponent)
     assert alike_laws(unknowns["unknown_reading_over_true"], library["sensor_gain"])
-    # a constant is a form of every law in its slot, and of none elsewhere
-    assert alike_laws(unknowns["unknown_reading_over_true"], library["sensor_offset"])
-    assert not alike_laws(unknowns["unknown_loss_over_level_at_lower"], library["sensor_offset"])
+    # a constant is no form of what depends on something
+    assert not alike_laws(unknowns["unknown_reading_over_true"], library["sensor_offset"])
+
+
+def test_dry_friction_is_a_form_of_any_law_of_that_friction(axis: Path) -> None:
+    axle = axis / "plants" / "axis.py"
+    axle.write_text(axle.read_text().replace("            push=force + load,\n            coulomb=parameter.coulomb,\n", ""))
+    plant = find_plant("axis")
+    library = load_effects(plant=plant)
+    ranges = dict.fromkeys((*plant.states, *read_vocabulary(plant).signals, "time"), (-0.5, 8.0))
+    free = unknowns_of(plant, ranges)
+    alike = {name for name, one in free.items() if alike_laws(one, library["dry_friction"])}
+    assert alike == {name for name, one in free.items() if one.quantity == "friction"} and len(alike) >= 2
+    assert not any(alike_laws(one, library["constant_force"]) for one in free.values())
 
 
 @pytest.mark.parametrize(
