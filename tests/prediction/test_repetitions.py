@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 from carriage import measured_log
 
+from hjcamp.prediction.answer import _few_windows
 from hjcamp.prediction.measured import measured_tests
+from hjcamp.report.floor_words import worst_words
 
 
 def groups(*logs: object) -> list[list[int]]:
@@ -36,3 +39,22 @@ def test_one_test_in_two_files_is_looked_at_once(axis: Path) -> None:
     first, other = measured_log(seconds=2.0, condition="a"), measured_log(seconds=2.0, condition="a", noise=1e-6)
     found = measured_tests([first, other, first])
     assert found.conditions == {"a": [0, 1]} and found.twice == ((first.condition_key, first.condition_key),)
+
+
+def test_where_half_of_an_error_is_in_few_windows_these_are_told() -> None:
+    tests = tuple(SimpleNamespace(name=name) for name in "ab")
+    measured, time = SimpleNamespace(sensors=("one",), tests=tests), np.tile(np.arange(60.0), 2)
+    layout = SimpleNamespace(measured=measured, of_test=np.repeat([0, 1], 6), width=10, time=time)
+    features = np.full((12, 4), 0.1)
+    features[[4, 7]] = 2.0
+    rows = np.arange(12)
+    first, second = {"test": "a", "time_s": 40.0}, {"test": "b", "time_s": 10.0}
+    assert _few_windows(layout, features, rows, 0) == [first, second]  # type: ignore[arg-type]
+    features[4] = 1.0
+    assert _few_windows(layout, features, rows, 0) == [second]  # type: ignore[arg-type]
+    # as much everywhere is in no few windows
+    assert _few_windows(layout, np.ones((12, 4)), rows, 0) == []  # type: ignore[arg-type]
+    row = {"condition": "swing", "channel": "position_m", "over_floor": 4.0, "shared": None, "unit": "m"}
+    at = [{"test": "b", "time_s": 10.0}]
+    assert worst_words([row | {"at": at}], "the noise") == ["swing 4 x the noise in position, half of it about 10 s in b."]
+    assert worst_words([row], "the noise") == ["swing 4 x the noise in position."]

@@ -173,6 +173,34 @@ def test_a_name_at_a_bound_that_no_test_tells_is_not_said(
     assert ("at a value that its bounds tell" in said) == (at_bound and not told)
 
 
+@pytest.mark.parametrize(
+    ("longer", "said"),
+    [
+        (("command_delay", "quadratic_drag"), ("command_delay", "quadratic_drag")),
+        # another set of names is no more than was found, and no news of it
+        (("quadratic_drag", "spring"), ("command_delay",)),
+        (("command_delay",), ("command_delay",)),
+    ],
+)
+def test_longer_windows_are_believed_where_they_show_more(
+    monkeypatch: pytest.MonkeyPatch, longer: tuple[str, ...], said: tuple[str, ...]
+) -> None:
+    def at(width: int) -> SimpleNamespace:
+        tests = (SimpleNamespace(samples=400),)
+        measured = SimpleNamespace(tests=tests, repeated=True)
+        windows = SimpleNamespace(layout=SimpleNamespace(width=width, memory=0))
+        return SimpleNamespace(windows=windows, measured=measured, search=SimpleNamespace(claims=0.05))
+
+    def judging(one: SimpleNamespace) -> Verdict:
+        names = ("command_delay",) if one.windows.layout.width == 24 else longer
+        assert one.windows.layout.width == 24 or one.search.claims == pytest.approx(0.025)
+        return Verdict("effect", names, SimpleNamespace(), 0.01, (names,), 0.0, None, ())  # type: ignore[arg-type]
+
+    monkeypatch.setattr(verdict, "judged", judging)
+    found, answered = verdict._looked_at(at(24), at)  # type: ignore[arg-type]
+    assert answered.effects == said and found.windows.layout.width == (48 if len(said) > 1 else 24)
+
+
 def test_a_rival_that_errs_less_in_each_sensor_is_not_ruled_out() -> None:
     # scores rule out by single windows; what errs less on the whole may only know its starts less well
     layout = SimpleNamespace(measured=SimpleNamespace(sensors=("a", "b")))
