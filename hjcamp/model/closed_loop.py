@@ -14,7 +14,7 @@ from hjcamp.model import loop
 from hjcamp.model.compose import Composition
 from hjcamp.model.kernel import kernel_source
 from hjcamp.model.law import Law, law_source
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.simulator import BEFORE, Simulator
 from hjcamp.model.term_checks import limited
 
 Array = NDArray[np.float64]
@@ -113,7 +113,8 @@ class LoopSimulator(Simulator):
     ) -> dict[str, Array]:
         """Return what a test records (n,), SI: the law's answers ``answer.NAME``, the inputs, and the readings ``reading.NAME``.
 
-        ``start`` holds the plant's states; ``tolerance`` is the accepted error of one step, in resolutions of the states.
+        ``start`` holds the plant's states; ``tolerance`` is the accepted correction of a step
+        without one before it, in resolutions of the states; others may take `BEFORE` times that.
         Raises ``HjcampError`` where the simulation leaves the finite numbers.
         """
         composition = self.composition
@@ -130,7 +131,7 @@ class LoopSimulator(Simulator):
             else (np.zeros(1), np.zeros(1))
         )
         work = self.scratch()
-        work[2, 5] = tolerance
+        work[2, 3], work[2, 5] = BEFORE * tolerance, tolerance
         period = composition.plant.period
         self.kernel.run_loop(
             z, self.inputs(), p, *self.propagators(z, p), period, test.first, test.last, test.control,

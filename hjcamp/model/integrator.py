@@ -12,9 +12,9 @@ exact where the model is linear (s and the correction vanish), of third order el
 through two steps; after a change of regime s = 0 and w = 1, and the order is two. Step lengths are h / 2**level; the
 propagators of all levels of a regime are computed by doubling when the model first comes into it, always about the same
 state, so that they do not depend on what was simulated before. Where a step is at most twice as long as that before, the
-formula differs from that of second order (w = 1) by less than a third of the correction, (1 - w) / w <= 2/7: a third of the
-correction is taken for its error, and all of it where no step went before. A step whose error is larger than the states'
-resolution, or in which a contact's regime ends, is tried again one level finer; at the finest level (1 us) the event is
+formula differs from that of second order (w = 1) by less than a third of the correction, (1 - w) / w <= 2/7: so the correction
+may be three times what it may be where no step went before. A step whose correction is larger than allowed, in units of the states'
+resolutions, or in which a contact's regime ends, is tried again one level finer; at the finest level (1 us) the event is
 taken. Where a limiter begins or ceases to act within a step the rates have a kink, no leap: every rate is corrected there,
 and the size of the correction says how finely. Where nothing locks friction passes rest without a leap, and a turn is no
 event. ``before`` holds f(z), s and the next s.
@@ -251,9 +251,9 @@ def shifted(time, direction, z, u, p, counter):  # type: ignore[no-untyped-def]
 def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  # type: ignore[no-untyped-def]
     """Move ``z`` on by one sample in as many steps as accuracy and the ends of regimes ask for; return the direction.
 
-    ``counter``: 0 level that accuracy asks for, 1 steps, 2 events, 3 largest error accepted at the finest level,
-    4 code of what the limiters do, 5 the error that is accepted, in units of the states' resolution, 6 length of the
-    step before, 7 whether the states left the finite numbers: then ``z`` is not a number and nothing moves, 8 row of the
+    ``counter``: 0 level that accuracy asks for, 1 steps, 2 events, 3 the correction that is accepted where a step went before,
+    in units of the states' resolution, 4 code of what the limiters do, 5 the correction that is accepted elsewhere, 6 length of
+    the step before, 7 whether the states left the finite numbers: then ``z`` is not a number and nothing moves, 8 row of the
     regime's propagators, negative where the regime is not known, 9 + k whether contact k locks (0) or, where it does not,
     slides (1) or creeps (2); its `pace` where it is driven.
     """
@@ -291,6 +291,7 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
         limits = limiting(end, direction, a, u, p)
         kink = limits != counter[4]
         error = 0.0
+        allowed = counter[5]
         if bent or kink:
             weight = 1.0
             if counter[6] > 0.0:
@@ -299,9 +300,8 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
                 error = correct_present(end, span, direction, z, a, u, p, plan, space, steps, row, before, weight, kink)
             else:
                 error = correct(end, span, direction, z, a, u, p, steps, row, before, weight)
-            if counter[6] > 0.0 and not kink:
-                error /= 3.0
-            if not error <= counter[5] and level < LEVELS:
+            allowed = counter[3] if counter[6] > 0.0 and not kink else counter[5]
+            if not error <= allowed and level < LEVELS:
                 level += 1
                 if kink:
                     searching = True
@@ -341,8 +341,6 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
             z[i] = a[i]
         counter[1] += 1.0
         done += length
-        if error > counter[5] and error > counter[3]:
-            counter[3] = error
         if bent and not kink:
             for i in range(N):
                 before[N + i] = before[2 * N + i]
@@ -358,7 +356,7 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
             direction = arrive(end, direction, z, u, p, plan, space, steps, h, before, counter)
         if ended > 0 or kink:
             searching = False
-        elif not searching and error < 0.1 * counter[5] and accuracy > 0:
+        elif not searching and error < 0.1 * allowed and accuracy > 0:
             accuracy -= 1
         if not searching:
             level = accuracy

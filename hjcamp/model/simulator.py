@@ -25,8 +25,9 @@ from hjcamp.model.time_limit import time_limit
 
 Array = NDArray[np.float64]
 PERIOD = 1e-3
-# Fits compare runs that hardly differ: their steps err by no more than a third of the states' resolution.
-COMPARED = 1.0 / 3.0
+# What a step corrects where one went before may be so many times what it may be elsewhere (`hjcamp.model.integrator`). Fits take no
+# advantage of it: they compare runs that hardly differ.
+BEFORE = 3.0
 
 
 class Propagators(NamedTuple):
@@ -186,11 +187,11 @@ class Simulator:
 
     @limited
     def follow(
-        self, p: Array, course: Course, propagators: Propagators | None = None, tolerance: float = COMPARED
+        self, p: Array, course: Course, propagators: Propagators | None = None, tolerance: float = 1.0
     ) -> Followed:
         """Drive the plant along ``course`` with the measured values of the cut's driven states.
 
-        ``tolerance`` is the accepted error of one step, in units of the states' resolution.
+        ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
         """
         channels = len(self.composition.measured)
         z = self.observed(course)
@@ -198,7 +199,7 @@ class Simulator:
         readings, ideal = np.empty((len(course.time), channels)), np.empty(course.observed.shape)
         forces = np.empty((len(course.time), len(self.composition.plant.balance)))
         work = self.scratch()
-        work[2, 5] = tolerance
+        work[2, 3], work[2, 5] = tolerance, tolerance
         self.kernel.follow(
             z, self.inputs(), p, *propagators, course.period, course.restart, course.time, course.driven,
             course.observed, course.velocity, course.given, readings, ideal, forces, work,
@@ -206,7 +207,7 @@ class Simulator:
         return Followed(readings, ideal, forces, work[2, 1])
 
     def run_free(
-        self, p: Array, given: Given, tolerance: float = COMPARED, most: float = 0.0
+        self, p: Array, given: Given, tolerance: float = 1.0, most: float = 0.0
     ) -> tuple[Array, Array]:
         """Return the readings (n, channels) and the states (n, states) of tests under given inputs, SI.
 
@@ -216,7 +217,7 @@ class Simulator:
         return found.readings, found.states
 
     @limited
-    def run_to_ends(self, p: Array, given: Given, tolerance: float = COMPARED, most: float = 0.0) -> Ran:
+    def run_to_ends(self, p: Array, given: Given, tolerance: float = 1.0, most: float = 0.0) -> Ran:
         """Return what `run_free` does, the states with which each test or window ends, and the number of steps that it took."""
         composition = self.composition
         starts = np.ascontiguousarray(given.starts)
@@ -224,7 +225,7 @@ class Simulator:
         states, ends = np.empty((len(given.time), len(self.states))), np.empty(starts.shape)
         z, work = np.zeros(len(self.states)), self.scratch()
         z[: starts.shape[1]] = starts[0]
-        work[2, 5], work[3, 0] = tolerance, most
+        work[2, 3], work[2, 5], work[3, 0] = tolerance, tolerance, most
         self.kernel.run_free(
             z, self.inputs(), p, *self.propagators(z, p), given.period, given.begins, given.time, given.inputs, starts,
             readings, states, ends, work,
@@ -235,7 +236,7 @@ class Simulator:
         """Return fresh working memory for the kernel's loops; the tolerance of a step is set to one resolution."""
         columns = integrator.KINDS + len(self.composition.contacts)
         work = np.zeros((4, max(3 * len(self.states), len(self.composition.measured), columns)))
-        work[2, 5], work[2, 8] = 1.0, -1.0
+        work[2, 3], work[2, 5], work[2, 8] = BEFORE, 1.0, -1.0
         return work
 
     def signals(self, names: Sequence[str]) -> list[int]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hjcamp.errors import HjcampError
 from hjcamp.model.kernel import copied, kernel_source
 from hjcamp.model.law import Law, law_source
-from hjcamp.model.simulator import PERIOD, Propagators, Simulator
+from hjcamp.model.simulator import BEFORE, PERIOD, Propagators, Simulator
 from hjcamp.model.term_checks import limited
 from hjcamp.plants.pump_joint import sample
 from hjcamp.plants.pump_joint.procedure import Procedure
@@ -96,14 +96,15 @@ class JointSimulator(Simulator):
     ) -> dict[str, Any]:  # fmt: skip
         """Run one test from its preload to its release; return the recorded columns in SI units by name.
 
-        ``tolerance`` is the accepted error of one step, in units of the states' resolution.
+        ``tolerance`` is the accepted correction of a step without one before it, in units of the states' resolution; others may
+        take `BEFORE` times that.
         """
         z = self.begin(start, p)
         propagators = propagators or self.propagators(z, p)
         channels = self.composition.plant.channels
         record = np.empty((len(test.noise), len(RECORDED) + len(channels)))
         work = self.scratch()
-        work[2, 5] = tolerance
+        work[2, 3], work[2, 5] = BEFORE * tolerance, tolerance
         procedure_memory = self.procedure.fresh_memory()
         whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
         count = self.kernel.closed_loop(
