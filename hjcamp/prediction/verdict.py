@@ -63,15 +63,12 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
     set, both are what the tests leave.
     """
     verdict, width, through = judged(analysis), analysis.windows.layout.width, analysis.windows.layout.memory > 0
-    shortest = min(test.samples for test in analysis.measured.tests)
     looks = (1,) if through else LONGER
     open_still = verdict.word == NOTHING or bool(verdict.follows) or (through and _left_less_by_a_name(analysis, verdict))
     for times in looks if open_still else ():
-        if times * width > shortest:
+        seen = _over(analysis, at, times * width)
+        if seen is None:
             break
-        seen = at(times * width)
-        if seen.windows.layout.width < times * width:
-            break  # the plant cannot be predicted so far
         seen.search.claims = LEVEL / (2.0 * len(looks))
         other = judged(seen)
         if other.word == CANNOT_TELL:
@@ -97,15 +94,20 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
     return analysis, replace(verdict, word=ONE_OF, effects=group, confidence_set=sets)
 
 
+def _over(analysis: Analysis, at: Callable[[int], Analysis], width: int) -> Analysis | None:
+    """Return the analysis over windows of a width; none where a test is shorter, or the plant cannot be predicted so far."""
+    if width > min(test.samples for test in analysis.measured.tests):
+        return None
+    seen = at(width)
+    return seen if seen.windows.layout.width >= width else None
+
+
 def _more_in_longer(
     analysis: Analysis, verdict: Verdict, at: Callable[[int], Analysis]
 ) -> tuple[Analysis, Verdict] | None:
     """Return the verdict over windows that are longer where it has the same names and more: what acts slowly beside what was found."""
-    width = LONGER[0] * analysis.windows.layout.width
-    if width > min(test.samples for test in analysis.measured.tests):
-        return None
-    seen = at(width)
-    if seen.windows.layout.width < width:
+    seen = _over(analysis, at, LONGER[0] * analysis.windows.layout.width)
+    if seen is None:
         return None
     seen.search.claims = LEVEL / 2.0
     other = judged(seen)

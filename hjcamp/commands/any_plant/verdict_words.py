@@ -71,8 +71,7 @@ class Words:
         drivers = self.content["drivers"]
         place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
         of_place = f" of {place.replace('_', ' ')}" if place and place != local else ""
-        local = "true value" if local == "true" else local
-        said = names or (f"depends on {local}{of_place}" if drivers else "")
+        said = names or (f"depends on {_local(local)}{of_place}" if drivers else "")
         if self.verdict.word == "nothing_missing" and self.far_off:
             said = "that these tests can name"
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
@@ -255,9 +254,14 @@ def free_law(row: Mapping[str, Any]) -> str:
     """Return what a free law adds, where, and what it depends on."""
     if row["quantity"] == "gain":
         return f"gain of {row['port'].replace('_', ' ')} that depends on {row['driver'].replace('_', ' ')}"
-    place, driver = row["port"], row["driver"].rpartition("_")[2].replace("true", "true value")
+    place, driver = row["port"], _local(row["driver"].rpartition("_")[2])
     where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
     return f"{row['quantity']} {where} {driver}"
+
+
+def _local(driver: str) -> str:
+    """Return what drives a law at its own place, in words."""
+    return "true value" if driver == "true" else driver
 
 
 def _a(words: str, begins: bool = False) -> str:
