@@ -74,7 +74,8 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
         if other.word == CANNOT_TELL:
             break
         # what takes too little in short windows is no better news in long ones
-        if other.word != NOTHING and not other.follows and not set(other.effects) & set(verdict.refused):
+        refused = set(other.effects) & set(verdict.refused) or (verdict.follows and _takes_too_little(analysis, other))
+        if other.word != NOTHING and not other.follows and not refused:
             return seen, other
         if verdict.word == NOTHING and other.follows:
             analysis, verdict = seen, other
@@ -112,6 +113,22 @@ def _more_in_longer(
     seen.search.claims = LEVEL / 2.0
     other = judged(seen)
     return (seen, other) if other.word == EFFECT and set(other.effects) > set(verdict.effects) else None
+
+
+def _takes_too_little(analysis: Analysis, other: Verdict) -> bool:
+    """Whether what longer windows name takes, in these, less than most of what follows from the motion."""
+    if not other.effects:
+        return False
+    candidate = analysis.base.fitted.candidate
+    for name in other.model.beyond(analysis.base):
+        candidate = candidate.with_effect(name, other.model.fitted.candidate.effects[name])
+    return _left_by_motion(analysis, analysis.search.fitted(candidate)) > 1.0 - MOST_OF_IT
+
+
+def _left_by_motion(analysis: Analysis, model: Scored) -> float:
+    """Return which share of all that a model and a regression on the motion beside it take is the regression's."""
+    more = analysis.search.follows_motion(model).taken
+    return more / (max(_taken(analysis.base, model), 0.0) + more) if more else 0.0
 
 
 def _left_less_by_a_name(analysis: Analysis, verdict: Verdict) -> bool:
@@ -159,8 +176,7 @@ def judged(analysis: Analysis) -> Verdict:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
     # a regression on the motion is the freest law of all; what a free law takes beside the names is not laid at their door
     freest = unknown or model
-    follows_on, taken = search.follows_motion(freest), _taken(base, model)
-    law_left = follows_on.taken / (max(_taken(base, freest), 0.0) + follows_on.taken) if follows_on.taken else 0.0
+    law_left, taken = _left_by_motion(analysis, freest), _taken(base, model)
     if law_left > 1.0 - MOST_OF_IT:
         share = search.follows_motion(base).share if unknown is None else 0.0
         return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, (), share, added)

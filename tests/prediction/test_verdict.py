@@ -81,6 +81,17 @@ def test_a_name_that_takes_less_than_a_regression_still_finds_is_no_answer(axis:
     assert found["law_left"] > 0.5 and found["follows_motion"]["share"] > 0.5
 
 
+@pytest.mark.parametrize(("beside", "little"), [(0.0, False), (2500.0, True)])
+def test_what_longer_windows_name_must_take_most_of_what_follows_from_the_motion(axis: Path, beside: float, little: bool) -> None:
+    measured = measured_tests([measured_log(lambda x, v: -50.0 * (x - 0.03) - beside * x * v, seconds=16.0)])
+    analysis = calibrated(measured, {"spring": load_effects(plant=measured.plant)["spring"]}, unknowns=False)
+    spring = {"stiffness": 50.0, "rest_position": 0.03}
+    base = analysis.base.fitted
+    model = replace(analysis.base, names=("spring",), fitted=replace(base, candidate=base.candidate.with_effect("spring", spring)))
+    longer = Verdict("effect", ("spring",), model, 0.001, (("spring",),), 0.0, None, ())
+    assert verdict._takes_too_little(analysis, longer) is little
+
+
 def test_few_tests_cannot_tell(axis: Path) -> None:
     measured = measured_tests([measured_log(seconds=0.6)])
     library = load_effects(plant=measured.plant)
@@ -101,6 +112,7 @@ def test_few_tests_cannot_tell(axis: Path) -> None:
         ("nothing_missing", "follows", 200, "outside_library"),
         # names that take less than a regression still finds in short windows are not given by long ones
         ("refused", "effect", 100, "outside_library"),
+        ("follows", "another", 100, "outside_library"),
     ],
 )
 def test_where_nothing_is_seen_longer_windows_are_looked_at(
@@ -118,13 +130,13 @@ def test_where_nothing_is_seen_longer_windows_are_looked_at(
         levels.append(one.search.claims)
         word = said[one.windows.layout.width]
         follows, refused = word in ("follows", "refused"), ("spring",) if word == "refused" else ()
-        effects = ("spring",) if word == "effect" else ()
-        return SimpleNamespace(
-            word="outside_library" if follows else word, follows=0.5 * follows, effects=effects, refused=refused
-        )
+        effects = {"effect": ("spring",), "another": ("cubic_spring",)}.get(word, ())
+        word = "outside_library" if follows else "effect" if effects else word
+        return SimpleNamespace(word=word, follows=0.5 * follows, effects=effects, refused=refused)
 
     monkeypatch.setattr(verdict, "judged", judged)
     monkeypatch.setattr(verdict, "_doubted", lambda analysis, said: said)
+    monkeypatch.setattr(verdict, "_takes_too_little", lambda analysis, other: other.effects == ("cubic_spring",))
     analysis, found = verdict.agreed(of(100), of)
     assert (analysis.windows.layout.width, found.word) == (width, word)
     # the two further looks claim something by chance half as often as the first, together
