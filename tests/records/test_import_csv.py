@@ -15,7 +15,7 @@ import yaml
 
 from hjcamp import cli
 from hjcamp.errors import UsageError
-from hjcamp.records.elsewhere.importing import import_file
+from hjcamp.records.elsewhere.importing import import_file, import_files
 from hjcamp.records.read import read_log
 
 MAPPING = {
@@ -164,6 +164,29 @@ def test_a_bad_table_has_one_clear_message(tmp_path: Path, pattern: str, replace
     with pytest.raises(UsageError, match=message) as caught:
         import_file(source, rules, tmp_path / "out.mcap")
     assert "\n" not in str(caught.value) and not (tmp_path / "out.mcap").exists()
+
+
+def test_cells_without_a_value_are_filled_where_the_map_says_so(tmp_path: Path) -> None:
+    source, rules = write_case(tmp_path, table(1000), edit(lambda m: m.update(gaps="interpolate")))
+    whole = import_file(source, rules, tmp_path / "whole.mcap").columns["arm_deg"]
+    text = re.sub(r"\n12100;[^;]*;", "\n12100;;", source.read_text())
+    source.write_text(re.sub(r"\n12101;[^;]*;", "\n12101;NaN;", text))
+    [one] = import_files([source], rules, [tmp_path / "out.mcap"])
+    found = read_log(tmp_path / "out.mcap").columns["arm_deg"]
+    other = np.flatnonzero(found != whole)
+    assert set(other) <= {100, 101} and found[100] == pytest.approx((2.0 * whole[99] + whole[102]) / 3.0)
+    assert [item.line for item in one.doubtful] == [
+        "warning: 'arm_deg' has no value in 2 rows of 500, at most 2 in a row; filled in"
+    ]
+    source.write_text(source.read_text().replace("\n12103;", "\n;"))
+    with pytest.raises(UsageError, match="'time_s' is nan at sample 103"):
+        import_file(source, rules, tmp_path / "again.mcap")
+
+
+def test_gaps_are_refused_or_interpolated(tmp_path: Path) -> None:
+    source, rules = write_case(tmp_path, table(1000), edit(lambda m: m.update(gaps="interpolte")))
+    with pytest.raises(UsageError, match=r"'interpolte' in gaps of .*did you mean 'interpolate'"):
+        import_file(source, rules, tmp_path / "out.mcap")
 
 
 def test_files_that_cannot_be_used(tmp_path: Path) -> None:

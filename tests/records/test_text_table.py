@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from hjcamp.records.elsewhere.text_table import Dialect, dialect_of
+from hjcamp.records.elsewhere.text_table import Dialect, dialect_of, table_of
 
 
 @pytest.mark.parametrize(
@@ -31,11 +30,30 @@ from hjcamp.records.elsewhere.text_table import Dialect, dialect_of
         ("0.5,1\n1.5,nan\n", (",", False, None, False)),
     ],
 )
-def test_a_separator_stands_equally_often_in_each_row(tmp_path: Path, text: str, found: tuple[Any, ...]) -> None:
-    (tmp_path / "x.csv").write_text(text, encoding="utf-8")
-    assert dialect_of(tmp_path / "x.csv") == Dialect(*found)
+def test_a_separator_stands_equally_often_in_each_row(text: str, found: tuple[Any, ...]) -> None:
+    assert dialect_of(text.split("\n")) == Dialect(*found)
 
 
-def test_lines_before_the_header_and_comments_are_passed_over(tmp_path: Path) -> None:
-    (tmp_path / "x.csv").write_text("made, by, hand\n# a, b\nt;u\n0,5;1,5\n", encoding="utf-8")
-    assert dialect_of(tmp_path / "x.csv", skip_lines=1, comment="#") == Dialect(";", True, "#")
+def test_lines_before_the_header_and_comments_are_passed_over() -> None:
+    assert dialect_of(["# a, b", "t;u", "0,5;1,5", ""], comment="#") == Dialect(";", True, "#")
+
+
+@pytest.mark.parametrize(
+    ("lines", "names", "table"),
+    [
+        # what stands before the header that has all names is no row; nor is an empty line
+        (["Logger 3, by me", "", '"t","u"', "0,1", "1,2", ""], ("u", "t"), ['"t","u"', "0,1", "1,2"]),
+        (["Channels: 2", "t   u", "0   1"], ("t", "u"), ["t   u", "0   1"]),
+        # a header that is not there is told from the first line
+        (["t,u", "0,1"], ("t", "v"), ["t,u", "0,1"]),
+        # columns by number have no header
+        (["0,5", "1,2", "3,4"], ("1", "2"), ["0,5", "1,2", "3,4"]),
+        # a separator at each row's end, also where the last is cut off
+        (["t;u", "0;1;", "1;2;", "2;3;"], ("t", "u"), ["t;u", "0;1", "1;2", "2;3"]),
+        (["t;u", "0;1;", "1;2;", "2"], ("t", "u"), ["t;u", "0;1", "1;2", "2"]),
+        (["t;u;", "0;1;", "1;2;"], ("t", "u"), ["t;u;", "0;1;", "1;2;"]),
+        (["t;u", "0;1;", "1;2", "2;3;"], ("t", "u"), ["t;u", "0;1;", "1;2", "2;3;"]),
+    ],
+)
+def test_a_table_begins_at_its_header(lines: list[str], names: tuple[str, ...], table: list[str]) -> None:
+    assert table_of(lines, names) == table

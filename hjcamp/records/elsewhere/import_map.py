@@ -24,10 +24,11 @@ from hjcamp.yaml_file import read_yaml
 LOWEST_SAMPLING_HZ = 200.0  # of the usual plant: its logs have one sample each ms
 HIGHEST_SAMPLING_HZ = 100e3
 KEYS = (
-    "plant", "separator", "decimal_comma", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "resample_s", "fields",
-    "metadata", "files",
+    "plant", "separator", "decimal_comma", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "resample_s", "gaps",
+    "fields", "metadata", "files",
 )  # fmt: skip
 FIELD_KEYS = ("column", "unit", "scale", "offset", "sign")
+GAPS = ("refuse", "interpolate")
 FILE_WORD = "{file}"
 MOST_SKIPPED = 100_000
 
@@ -59,6 +60,7 @@ class ImportMap:
     by_rate: bool
     where: str
     resample: float | None = None  # s between samples that uneven rows are brought to
+    interpolate: bool = False  # cells without a value
     files: dict[str, dict[str, str]] = field(default_factory=dict)
     topic: str = ""
     separator: str | None = None
@@ -118,6 +120,7 @@ def read_import_map(path: Path) -> ImportMap:
         by_rate="sampling_hz" in content,
         where=where,
         resample=_resample(content["resample_s"], plant, where) if "resample_s" in content else None,
+        interpolate=_gaps(content.get("gaps", GAPS[0]), where),
         files=_files(content.get("files"), where),
         topic=topic,
         separator=_separator(content["separator"], where) if "separator" in content else None,
@@ -292,6 +295,12 @@ def _yes_or_no(value: Any, name: str, where: str) -> bool:
     if not isinstance(value, bool):
         raise UsageError(f"{where}: {name} is {shown(value)}; true or false is needed")
     return value
+
+
+def _gaps(value: Any, where: str) -> bool:
+    if value not in GAPS:
+        raise unknown("word", str(value), GAPS, f"gaps of {where}")
+    return bool(value == GAPS[1])
 
 
 def _resample(value: Any, plant: type[Plant], where: str) -> float:

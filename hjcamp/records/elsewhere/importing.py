@@ -50,6 +50,7 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
         plant: axis             # the usual one where it is absent; its fields: hjcamp plants axis
         skip_lines: 2           # before the header; also: comment, and separator, decimal_comma where the file misleads
         period_s: 0.001         # or sampling_hz; neither is needed where time_s is mapped
+        gaps: interpolate       # cells without a value; refused where it is absent
         fields:
           time_s: {column: t, unit: ms}
           position_m: {column: x, unit: mm, sign: -1, offset: 12.5}
@@ -86,16 +87,16 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
 
 
 def _import(source: Path, target: Path, rules: ImportMap, mapping: Path) -> Imported:
-    log = _log(source, target, rules, mapping)
-    doubtful = refuse_implausible(log, f"{source} by {mapping}")
+    log, filled = _log(source, target, rules, mapping)
+    doubtful = [*filled, *refuse_implausible(log, f"{source} by {mapping}")]
     write_log(target, log)
     return Imported(target, log.samples, log.duration, tuple(log.columns), log.metadata, doubtful)
 
 
-def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> TestLog:
+def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> tuple[TestLog, list[Finding]]:
     where = str(source)
     metadata = rules.metadata_for(source)
-    fields, times = _fields(source, rules)
+    fields, times, filled = _fields(source, rules)
     rows = len(next(iter(fields.values())))
     if rows < 2:
         raise UsageError(f"{where}: {counted(rows, 'row is', 'rows are')} no test")
@@ -118,7 +119,7 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> TestLog
         metadata |= {PLANT_KEY: rules.plant.name, PERIOD_KEY: repr(period)}
     columns = resample(fields, times, period, held, where)
     check_phase(columns, where)
-    return TestLog(columns, metadata, {"import.yaml": mapping.read_bytes()}, target)
+    return TestLog(columns, metadata, {"import.yaml": mapping.read_bytes()}, target), filled
 
 
 def _held(rules: ImportMap) -> list[str]:
@@ -127,13 +128,34 @@ def _held(rules: ImportMap) -> list[str]:
     return [one.field or field_of(one.name, one.unit, rules.where) for one in given if one.hold == "previous"]
 
 
-def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
-    """Return the mapped columns in the units of their fields, in the order of the table, and the times of the rows, s."""
+def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.ndarray | None, list[Finding]]:
+    """Return the mapped columns in the units of their fields, in the order of the table, the rows' times, s, and what was filled."""
     table = read_table(source, rules)
     fields: dict[str, np.ndarray] = {}
     for name, rule in rules.rules.items():
         values = table.columns[rule.column]
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below, with its place
             fields[name] = (rule.sign * (rule.scale * values + rule.offset) + rule.shift) * rule.factor
+    times = fields.get("time_s", table.times)
+    filled = _filled(fields, times, [*_held(rules), "phase"]) if rules.interpolate else []
     check_finite(fields, str(source))
-    return fields, fields.get("time_s", table.times)
+    return fields, times, filled
+
+
+def _filled(fields: dict[str, np.ndarray], times: np.ndarray | None, held: list[str]) -> list[Finding]:
+    """Fill what has no value, by a line between its neighbours or by the value before where a field holds that; say how much."""
+    found = []
+    for name, values in fields.items():
+        there = ~np.isnan(values)
+        if name == "time_s" or there.all() or not there.any():
+            continue
+        known = np.flatnonzero(there)
+        if name in held:
+            fields[name] = values[known[np.maximum(np.searchsorted(known, np.arange(len(values)), side="right") - 1, 0)]]
+        else:
+            rows = np.arange(len(values)) if times is None else times
+            fields[name] = np.interp(rows, rows[known], values[known])
+        longest = int(np.diff([-1, *known, len(values)]).max()) - 1
+        lacking = f"{counted(len(values) - len(known), 'row')} of {len(values)}, at most {longest} in a row"
+        found.append(Finding(name, f"'{name}' has no value in {lacking}; filled in", False))
+    return found

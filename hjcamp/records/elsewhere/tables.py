@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import re
 import sys
@@ -17,7 +18,7 @@ import numpy as np
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.records.elsewhere.import_map import ImportMap
-from hjcamp.records.elsewhere.text_table import BLANKS, dialect_of
+from hjcamp.records.elsewhere.text_table import BLANKS, dialect_of, table_of
 
 if TYPE_CHECKING:
     import polars
@@ -67,21 +68,18 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
         if b"\0" in stream.read(LOOKED_AT):
             listed = ", ".join(READERS)
             raise UsageError(f"{source}: this is no table of text in UTF-8; those, {listed} can be read")
-    found = dialect_of(source, rules.skip_lines, rules.comment)
+    lines = table_of(_text_of(source).split("\n")[rules.skip_lines :], names, rules.comment)
+    found = dialect_of(lines, rules.comment)
     separator = rules.separator or found.separator
-    text = _text_of(source)
-    content = io.BytesIO(text.encode())
     if separator == BLANKS:
-        lines = text.splitlines()
-        content, separator = io.BytesIO("\n".join("\t".join(line.split()) for line in lines).encode()), "\t"
+        lines, separator = ["\t".join(line.split()) for line in lines], "\t"
     comma = rules.decimal_comma if rules.decimal_comma is not None else found.decimal_comma and separator != ","
     try:
         table = polars.read_csv(
-            content,
+            io.BytesIO("".join(f"{line}\n" for line in lines).encode()),
             has_header=found.header,
             separator=separator,
             decimal_comma=comma,
-            skip_lines=rules.skip_lines,
             comment_prefix=found.comment,
             encoding="utf8-lossy",
             infer_schema=False,
@@ -93,7 +91,7 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
         ) from error
     if not found.header:
         table.columns = [str(place + 1) for place in range(table.width)]
-    return Table(_numbers(source, table, names, comma))
+    return Table(_numbers(source, table, names, comma, rules.interpolate))
 
 
 def _text_of(source: Path) -> str:
@@ -114,7 +112,7 @@ def _read_parquet(source: Path, names: list[str], rules: ImportMap) -> Table:
             table = polars.read_parquet(source, use_pyarrow=False)
     except (polars.exceptions.PolarsError, polars.exceptions.PanicException, ValueError) as error:
         raise UsageError(f"{source}: cannot be read as Parquet: {_first_line(error)}") from error
-    return Table(_numbers(source, table, names, False))
+    return Table(_numbers(source, table, names, False, rules.interpolate))
 
 
 @contextmanager
@@ -131,7 +129,10 @@ def _quiet() -> Iterator[None]:
         os.close(nowhere)
 
 
-def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_comma: bool) -> dict[str, np.ndarray]:
+def _numbers(
+    source: Path, table: polars.DataFrame, names: list[str], decimal_comma: bool, gaps: bool
+) -> dict[str, np.ndarray]:
+    """Return columns as numbers; an empty cell is no number, or refused where there may be no ``gaps``."""
     import polars
 
     if len({name.strip() for name in table.columns}) == len(table.columns):
@@ -162,11 +163,16 @@ def _numbers(source: Path, table: polars.DataFrame, names: list[str], decimal_co
             numbers = column.cast(polars.Float64)
         else:
             raise UsageError(f"{source}: '{name}' holds {column.dtype}, not numbers")
+        empty = column.is_null() | (column == "") if column.dtype == polars.String else column.is_null()
+        if gaps:
+            numbers = polars.select(polars.when(empty).then(math.nan).otherwise(numbers)).to_series()
         if numbers.null_count():
             row = int(numbers.is_null().arg_max() or 0)
-            said = f"no number in row {row + 1}: {column[row]!r:.60}" if column[row] is not None else f"empty in row {row + 1}"
+            said = f"empty in row {row + 1}" if empty[row] else f"no number in row {row + 1}: {column[row]!r:.60}"
             below = column[1:].cast(polars.Float64, strict=False).null_count() if column.dtype == polars.String else row
-            hint = ""
+            hint = "; gaps: interpolate in the map draws lines between its neighbours" if empty[row] else ""
+            if empty[row] and row == len(column) - 1:
+                hint = ": it is the last, was it cut off? Delete it"
             if row == 0 and len(column) > 1 and not below:
                 hint = "; where units stand below the header, say in the map skip_lines: 2 and call the columns 1, 2, 3, ..."
             raise UsageError(f"{source}: '{name}' is {said}{hint}")

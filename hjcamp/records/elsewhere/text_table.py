@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 SEPARATORS = (";", "\t", "|", ",")
 BLANKS = " "
 REMARKS = ("#", "%")
-LOOKED_AT = 64 * 1024
+LOOKED_AT = 1000  # lines
 
 
 @dataclass(frozen=True)
@@ -25,14 +24,27 @@ class Dialect:
     header: bool = True
 
 
-def dialect_of(source: Path, skip_lines: int = 0, comment: str | None = None) -> Dialect:
-    """Return how a file is written, by its header and its first rows.
+def table_of(lines: Sequence[str], names: Collection[str], comment: str | None = None) -> list[str]:
+    """Return the lines of a table without empty ones, what is before the header with all ``names``, and a separator at rows' ends."""
+    first = 0
+    if not all(name.isdigit() for name in names):
+        headers = (k for k, line in enumerate(lines[:LOOKED_AT]) if any(_has(line, names, one) for one in (*SEPARATORS, BLANKS)))
+        first = next(headers, 0)
+    kept = [line for line in lines[first:] if line.strip()]
+    rows = [line for line in kept if not (comment and line.startswith(comment))][1:]
+    for one in SEPARATORS:
+        # the last row may be cut off
+        if len(rows) > 1 and not kept[0].endswith(one) and all(row.endswith(one) for row in rows[:-1]):
+            return [kept[0], *(row.removesuffix(one) for row in kept[1:])]
+    return kept
+
+
+def dialect_of(lines: Sequence[str], comment: str | None = None) -> Dialect:
+    """Return how a table is written, by its header and its first rows.
 
     A separator stands equally often in each of them; a decimal comma needs another one. Lines before the header that begin
-    with # or % are remarks where they do not look like rows. Raises ``OSError`` for a file that cannot be read.
+    with # or % are remarks where they do not look like rows.
     """
-    with source.open("rb") as stream:
-        lines = stream.read(LOOKED_AT).decode("utf-8-sig", "replace").splitlines()[skip_lines:]
     rows = _rows(lines, comment)
     if comment is None and rows and rows[0].startswith(REMARKS) and not _separator(rows):
         comment = rows[0][0]
@@ -44,6 +56,10 @@ def dialect_of(source: Path, skip_lines: int = 0, comment: str | None = None) ->
     # what is a number in the second row is a name in a header
     header = not kinds or not any(kinds[-1]) or kinds[0] != kinds[-1]
     return Dialect(found, has_comma, comment, header)
+
+
+def _has(line: str, names: Collection[str], separator: str) -> bool:
+    return set(names) <= {cell.strip().strip('"') for cell in _cells(line, separator)}
 
 
 def _rows(lines: Iterable[str], comment: str | None) -> list[str]:
