@@ -10,6 +10,7 @@ import numpy as np
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
 from hjcamp.report.indicators import configuration, indicators_of
+from hjcamp.report.names import axis
 from hjcamp.report.pictures.map import draw_map
 from hjcamp.report.settings import leaves
 
@@ -42,7 +43,7 @@ def map_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
     for name, cells in found.items():
         values = np.array([[np.mean(cells.get((one, other), [np.nan])) for one in x] for other in y])
         if np.isfinite(values).any():
-            svg = draw_map(MAPPED[name], (x_name, x), (y_name, y), values)
+            svg = draw_map(MAPPED[name], (axis(x_name), x), (axis(y_name), y), values)
             pictures[f"Map of {MAPPED[name]}"] = svg, f"mean of the repetitions over {x_name} and {y_name}"
     return pictures
 

@@ -33,6 +33,17 @@ def _part(part: str) -> str:
     return f"{words} {value} {UNITS.get(suffix, '')}".rstrip()
 
 
+def axis(parameter: str) -> str:
+    """Return the full name of a parameter as the label of an axis: ``controller.dither.amplitude_v`` is "dither amplitude (V)".
+
+    A parameter that carries no unit in its name stands without one.
+    """
+    *groups, name = parameter.split(".")
+    suffix = max((one for one, unit in UNITS.items() if unit and name.endswith(f"_{one}")), key=len, default="")
+    words = _words(" ".join([*groups[1:], name.removesuffix(f"_{suffix}" if suffix else "")]).replace("_", " "))
+    return f"{words} ({UNITS[suffix]})" if suffix else words
+
+
 def _words(text: str) -> str:
     text = re.sub(r"(\d)(hz|mm|g|s)\b", r"\1 \2", text)
     return " ".join(WORDS.get(word, word) for word in text.split())

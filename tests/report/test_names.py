@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hjcamp.report.names import readable
+from hjcamp.report.names import axis, readable
 
 
 @pytest.mark.parametrize(
@@ -22,3 +22,17 @@ from hjcamp.report.names import readable
 )
 def test_a_condition_in_words(name: str, words: str) -> None:
     assert readable(name) == words
+
+
+@pytest.mark.parametrize(
+    ("parameter", "label"),
+    [
+        ("controller.dither.amplitude_v", "dither amplitude (V)"),
+        ("procedure.preload_mpa", "preload (MPa)"),
+        ("procedure.adjustment.positive_mpa", "adjustment positive (MPa)"),
+        ("controller.positive.kp", "positive kp"),
+        ("pump.mass_ratio", "mass ratio"),
+    ],
+)
+def test_a_parameter_as_the_label_of_an_axis(parameter: str, label: str) -> None:
+    assert axis(parameter) == label
