@@ -15,7 +15,11 @@ from hjcamp.report.pictures.map import draw_map
 from hjcamp.report.settings import leaves
 
 #: What a map shows, with its unit.
-MAPPED = {"rmse1_deg": "RMSE1 (deg)", "pressure_low_mpa": "lowest line pressure (MPa gauge)"}
+MAPPED = {
+    "rmse1_deg": "RMSE1 (deg)",
+    "pressure_low_mpa": "lowest line pressure (MPa gauge)",
+    "above_0p58_s": "time in which the fittings leak, above 0.58 MPa gauge (s)",
+}
 FEWEST = 3  # values of a parameter that make an axis
 
 
@@ -26,7 +30,10 @@ def further_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
 
 
 def map_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
-    """Return a map for each of `MAPPED` where two numbers vary on a whole grid and nothing else does; else none."""
+    """Return a map for each of `MAPPED` where two numbers vary on a whole grid and nothing else does; else none.
+
+    What is 0 in every test has no map.
+    """
     configurations = configurations_of(logs)
     flat = {name: dict(leaves(config, "")) for name, config in configurations.items()}
     axes = varied_numbers(flat)
@@ -39,8 +46,9 @@ def map_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
         for name, cells in found.items():
             if row[name] is not None:
                 cells.setdefault((place[x_name], place[y_name]), []).append(row[name])
+    happened = {name: cells for name, cells in found.items() if any(map(any, cells.values()))}
     pictures = {}
-    for name, cells in found.items():
+    for name, cells in happened.items():
         values = np.array([[np.mean(cells.get((one, other), [np.nan])) for one in x] for other in y])
         if np.isfinite(values).any():
             svg = draw_map(MAPPED[name], (axis(x_name), x), (axis(y_name), y), values)

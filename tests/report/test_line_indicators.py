@@ -9,7 +9,7 @@ import polars as pl
 import pytest
 from report_samples import make_log
 
-from hjcamp.campaign.further_pictures import varied_numbers
+from hjcamp.campaign.further_pictures import map_pictures, varied_numbers
 from hjcamp.plants.pump_joint.indicators import FURTHER, line_indicators
 from hjcamp.report.declared import Column, TableDefinition
 from hjcamp.report.indicators import indicators_of
@@ -85,3 +85,27 @@ def test_two_numbers_that_vary_make_a_map() -> None:
     assert varied_numbers({name: one | {"y": 0.1} for name, one in grid.items()}) is None
     svg = draw_map("title", ("x", [1.0, 2.0, 3.0]), ("y", [0.1, 0.2]), np.array([[1.0, 2.0, np.nan], [4.0, 5.0, 6.25]]))
     assert svg.startswith("<svg") and "6.25" in svg and "–" in svg
+
+
+def test_the_leak_has_a_map_where_a_line_was_above_0p58() -> None:
+    grid = [(x, y) for x in (0.1, 0.3, 0.45) for y in (0.05, 0.1, 0.2)]
+
+    def headings(highest: float) -> set[str]:
+        logs = []
+        for x, y in grid:
+            log = make_log("cycloid_pos", "pid")
+            pressure = np.full(len(log.columns["time_s"]), highest)
+            config = f"procedure: {{preload_mpa: {x}, adjustment: {{positive_mpa: {y}}}}}".encode()
+            logs.append(
+                replace(
+                    log,
+                    columns=log.columns | {"pressure1_mpa": pressure, "pressure2_mpa": pressure},
+                    metadata={**log.metadata, "condition": f"{x}__{y}"},
+                    attachments={**log.attachments, "config.yaml": config},
+                )
+            )
+        return set(map_pictures(logs))
+
+    usual = {"Map of RMSE1 (deg)", "Map of lowest line pressure (MPa gauge)"}
+    assert headings(0.5) == usual
+    assert headings(0.6) - usual == {"Map of time in which the fittings leak, above 0.58 MPa gauge (s)"}
