@@ -49,3 +49,11 @@ def test_both_pictures_of_a_run(config: dict[str, Any]) -> None:
     assert steps.startswith("<svg") and "dither (5.2.3, 5.2.5)" in steps and "n = 1, adjusted" in steps
     assert filters.startswith("<svg") and "(c) n = 10" in filters and "n = 5: " in said
     assert design_pictures([TestLog(log.columns, {"campaign": "controllers"}, {})], {}) == {}
+
+
+def test_the_caption_names_the_repetition_that_is_drawn(config: dict[str, Any]) -> None:
+    log = log_of(np.linspace(0.0, 3.0, 1000))
+    for number, said in (("1", "first repetition of each step"), ("3", "repetition 3 of each step")):
+        one = TestLog(log.columns, {**log.metadata, "repetition": number}, {})
+        (_, caption), *_ = design_pictures([one], {one.condition_key: config}).values()
+        assert caption.startswith(said)

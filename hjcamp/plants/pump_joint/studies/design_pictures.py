@@ -37,7 +37,7 @@ def design_pictures(
     pictures = {
         "The steps of the design, as Figures 5.2.2 to 5.2.6": (
             draw_steps(steps),
-            "first repetition of each step; 5.2.5 is the pressures of the test of 5.2.3",
+            f"{_which(list(found.values()))} of each step; 5.2.5 is the pressures of the test of 5.2.3",
         )
     }
     raw = next(
@@ -86,6 +86,12 @@ def _over(rows: Array, arm: Array, parameter: SimpleNamespace) -> Array:
         sample.index = index
         found[index] = Pid.step(sample, parameter, memory)[0]
     return found
+
+
+def _which(logs: Sequence[TestLog]) -> str:
+    """Return which repetition the tests are, in words: a report of one repetition alone has no first one."""
+    numbers = {log.metadata.get("repetition", "1") for log in logs}
+    return "first repetition" if numbers == {"1"} or len(numbers) > 1 else f"repetition {numbers.pop()}"
 
 
 def _step(log: TestLog, title: str) -> DesignStep:
