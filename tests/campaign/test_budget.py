@@ -101,6 +101,8 @@ def test_the_command(empty_folder: Path, capfd: pytest.CaptureFixture[str]) -> N
     [
         (["campaign=controllers"], "a budget is of one test, not of 14"),
         (["controller=open_loop", "trajectory=hold"], "has no gains to tune"),
+        (["plant=two_pumps", "--keep-gains"], "plant two_pumps: a budget knows the parts of pump_joint alone"),
+        (["plant=valve_joint", "controller=pva", "--keep-gains"], "plant valve_joint: a budget knows"),
         (["trajectory=rampp"], "unknown trajectory 'rampp'"),
         (["--figure", "bars.txt"], "the suffix must be one of"),
         (["--share", "1.5"], "--share"),

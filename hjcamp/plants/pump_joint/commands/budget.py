@@ -52,6 +52,8 @@ def budget(
             f"a budget is of one test, not of {len(plan.conditions)}: conditions=NAME chooses one of the campaign"
         )
     (condition,) = plan.conditions
+    if other := condition.config.get("plant"):
+        raise UsageError(f"plant {other['name']}: a budget knows the parts of pump_joint alone")
     if not keep_gains:
         gains_of(condition.config, f"condition '{condition.name}' (--keep-gains does without)")
     console, doing = make_console(), Doing("counting")
