@@ -46,6 +46,24 @@ def test_a_search_is_repeated_exactly_and_never_worse(
         assert all(0.99 * low < value / start[side][name] < 1.01 * high for name, value in group.items())
 
 
+def test_gains_that_rounding_spoils_are_not_taken(
+    composer: Composer, empty_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(search, "GENERATIONS", 1)
+    monkeypatch.setattr(search, "MEMBERS", 1)
+    lines = ["controller=pid", "repetitions=1"]
+    plan = make_plan(composer.compose(lines).config, None, lines, composer)
+    start = search.gains_of(plan.conditions[0].config, "here")
+
+    def rmse1(test: object, gains: search.Gains) -> float:
+        kp = gains["positive"]["kp"]
+        return 2.0 if gains == start else 3.0 if kp == float(f"{kp:.3g}") else 1.0  # deg
+
+    monkeypatch.setattr(search._Test, "rmse1", rmse1)
+    found = search.retune(plan.conditions, start, 3)
+    assert found.gains == start and found.after == found.before == 2.0
+
+
 def test_open_loop_has_no_gains_to_tune(composer: Composer) -> None:
     with pytest.raises(UsageError, match="'open_loop' has no gains"):
         search.gains_of(composer.compose(["controller=open_loop"]).config, "here")

@@ -70,8 +70,8 @@ def retune(
     """Return the gains with the smallest mean RMSE1 over ``conditions``, which are to share one gain set.
 
     Differential evolution in the logarithms of the six gains from ``start``, each between a third and three times its
-    start; then a simplex from the best. The same ``seed`` gives the same gains. Thesis 5.6 retunes by hand and prints
-    no gains; RMSE1 of 5.2.5.1 is the criterion here.
+    start; then a simplex from the best, rounded to three digits; ``start`` itself where that is worse. The same ``seed``
+    gives the same gains. Thesis 5.6 retunes by hand and prints no gains; RMSE1 of 5.2.5.1 is the criterion here.
     """
     from scipy.optimize import differential_evolution, minimize
 
@@ -98,6 +98,8 @@ def retune(
     found = _as_gains(base * np.exp(np.clip(fine.x if fine.fun < best.fun else best.x, *limits)))
     rounded = {side: {name: float(f"{value:.3g}") for name, value in group.items()} for side, group in found.items()}
     after = float(np.mean([test.rmse1(rounded) for test in tests]))
+    if after > before:  # rounding left a narrow minimum
+        rounded, after = {side: dict(start[side]) for side in SIDES}, before
     return Retuned(start, rounded, before, after, count, tuple(condition.name for condition in conditions))
 
 
