@@ -16,10 +16,11 @@ from hjcamp.storage import whole_file
 def draw_budget(path: Path, title: str, rows: Sequence[tuple[str, NDArray[np.float64]]]) -> None:
     """Write bars of mean RMSE1 and largest error with their deviations; the first row is the rig as it is.
 
-    ``rows`` are names and errors in deg, (repetitions, 2).
+    Dark: as it is; blue: an error that is not larger; red: a larger one. ``rows`` are names and errors in deg, (repetitions, 2).
     """
     import matplotlib
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
     names = [name for name, _ in rows]
     places = np.arange(len(rows))[::-1]
@@ -39,5 +40,7 @@ def draw_budget(path: Path, title: str, rows: Sequence[tuple[str, NDArray[np.flo
             dress(axes, "")
             axes.set_yticks(places, names)
             axes.set_xlabel(label, fontsize=8.5)
+        handles = [Patch(color=colour, label=told) for colour, told in ((BLUE, "not larger"), (RED, "larger than as it is"))]
+        figure.legend(handles=handles, loc="upper right", ncols=2, fontsize=8, frameon=False)
         with whole_file(path) as stream:
             figure.savefig(stream, dpi=150, format=path.suffix[1:].lower())
