@@ -29,6 +29,16 @@ def test_means_and_standard_errors_are_read(tmp_path):
     assert cells.errors(cells.means * math.e)[0] == pytest.approx(1.0 / cells.sigma[0])
 
 
+def test_a_table_of_a_run_is_read_as_it_is(tmp_path):
+    head = "trajectory,controller,rmse1_deg_mean,rmse1_deg_std,n,payload,rmse1_deg_published_mean,rmse1_deg_published_std,"
+    head += "rmse1_deg_difference,rmse1_deg_difference_in_std,published_differs\n"
+    cells = read_table(written(tmp_path, head + "ramp_pos,pid,1.5,0.2,4,none,1.7,0.18,-0.2,-1.1,\n"))
+    assert cells.means.tolist() == [1.5] and cells.error_of_mean.tolist() == pytest.approx([0.1])
+    assert cells.conditions == [{"trajectory": "ramp_pos", "controller": "pid", "payload": "none"}]
+    with pytest.raises(UsageError, match="'rmse1_deg' stands there twice"):
+        read_table(written(tmp_path, HEAD.replace("sse_deg,", "rmse1_deg_mean,") + ROW))
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

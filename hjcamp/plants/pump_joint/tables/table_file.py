@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,11 @@ from hjcamp.report.indicators import INDICATORS
 
 DEVIATION = "_deviation"
 TESTS = "tests"
+#: What the columns of a run's own tables are called here, and those that compare with something else: passed over.
+OWN = {"n": TESTS}
+for _name in INDICATORS:
+    OWN |= {f"{_name}_mean": _name, f"{_name}_std": f"{_name}{DEVIATION}"}
+BESIDE = re.compile(rf"({'|'.join(INDICATORS)})_(published|baseline|difference|arrow|p)(_.*)?|published_differs")
 
 
 def read_table(path: Path) -> Cells:
@@ -24,7 +30,8 @@ def read_table(path: Path) -> Cells:
     Columns: what names a condition (``trajectory``, ``controller``, ``payload`` ..., or a parameter such as
     ``controller.scale``), ``tests`` (repetitions behind each mean, 2 or more), then for each indicator its mean and its
     sample deviation, in degrees: ``rmse1_deg``, ``rmse1_deg_deviation``. A mean and its deviation may both be left empty
-    where nothing was measured. Raises ``UsageError`` for anything else, with line and column.
+    where nothing was measured. A run's own table is read too, by the names that it has for them (`OWN`). Raises
+    ``UsageError`` for anything else, with line and column.
     """
     try:
         with path.open(encoding="utf-8-sig", newline="") as stream:
@@ -39,7 +46,8 @@ def read_table(path: Path) -> Cells:
     if len(lines) < 2:
         raise UsageError(f"table {path}: it needs a line of column names and one line for each condition")
     header, *body = lines
-    keys, indicators = _columns(path, header)
+    header = [OWN.get(name, name) for name in header]
+    keys, indicators = _columns(path, [name for name in header if not BESIDE.fullmatch(name)])
     conditions: list[dict[str, str]] = []
     found: list[tuple[int, int, float, float, float]] = []
     for number, line in enumerate(body, start=2):
