@@ -63,3 +63,15 @@ def test_the_page_shows_verdict_errors_and_every_cell(found, tmp_path):
     assert "| `pump_ratio` | 1 | 1 |" in told
     draw(answer(found, "quick", 1, "", 1.0), tmp_path / "cells.png")
     assert (tmp_path / "cells.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_table_of_mean_errors_alone_has_no_ratio_to_draw(found, tmp_path):
+    content = answer(found, "quick", 1, "hjcamp diagnose --tables 5.4.1", 1.0)
+    mean_errors = [row for row in content["cells_held_out"] if row["indicator"] == "sse_deg"]
+    picture = tmp_path / "cells.png"
+    draw(content | {"cells_held_out": mean_errors}, picture)
+    assert picture.exists()
+    picture.unlink()
+    content |= {"cells": mean_errors, "cells_held_out": mean_errors}
+    draw(content, picture)
+    assert not picture.exists() and "cells.png" not in page(content)

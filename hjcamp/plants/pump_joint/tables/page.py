@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 PICTURE = "cells.png"
+GOAL = 0.2  # of the mean absolute log ratio
 VERDICTS = {
     "nothing_missing": "Nothing is missing: the calibrated base meets the table as well as tables of its own.",
     "effect": "The table is met with {names}.",
@@ -30,7 +32,9 @@ def page(found: Mapping[str, Any]) -> str:
     lines += [f"**{verdict_told(found)}**", ""]
     if found["lacking"]:
         return "\n".join(lines)
-    lines += [*_errors(found), *_reading(found), f"![Simulated over measured, cell by cell]({PICTURE})", ""]
+    lines += [*_errors(found), *_reading(found)]
+    if _drawn(found):
+        lines += [f"![Simulated over measured, cell by cell]({PICTURE})", ""]
     lines += [*_quantities(found), *_steps(found)]
     for key, title in (("cells", "The cells that were fitted"), ("cells_held_out", "The cells that were held out")):
         if found[key]:
@@ -142,26 +146,37 @@ def _cells(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     yield ""
 
 
+def _drawn(found: Mapping[str, Any]) -> list[tuple[str, dict[int, Mapping[str, Any]]]]:
+    """Return each group of cells that has a ratio to draw, by the line of the cell in its table; a mean error has none."""
+    groups = []
+    for key, title in (("cells", "fitted"), ("cells_held_out", "held out")):
+        rows = {line: row for line, row in enumerate(found[key], start=1) if row["indicator"] != "sse_deg"}
+        if rows:
+            groups.append((title, rows))
+    return groups
+
+
 def draw(found: Mapping[str, Any], path: Path) -> None:
-    """Write the picture: simulated over measured of every RMSE and largest error, fitted and held out."""
+    """Write the picture: simulated over measured of every RMSE and largest error, fitted and held out; none without such."""
     from matplotlib.figure import Figure
 
-    groups = [(key, title) for key, title in (("cells", "fitted"), ("cells_held_out", "held out")) if found[key]]
+    if not (groups := _drawn(found)):
+        return
     figure = Figure(figsize=(9.0, 3.4), layout="constrained")
     axes = figure.subplots(1, len(groups), sharey=True, squeeze=False)[0]
-    for axis, (key, title) in zip(axes, groups, strict=True):
-        rows = [row for row in found[key] if row["indicator"] != "sse_deg"]
-        names = list(rows[0]["simulated"])
+    for axis, (title, rows) in zip(axes, groups, strict=True):
+        names = list(next(iter(rows.values()))["simulated"])
         for name, colour, size in zip(names, ("#b03030", "#909090", "#2060a0"), (12, 10, 16), strict=False):
-            ratio = [max(row["simulated"][name], 1e-3) / row["measured"] for row in rows]
-            axis.scatter(range(len(rows)), ratio, s=size, color=colour, label=name, linewidths=0)
-        axis.axhspan(0.82, 1.22, color="#000000", alpha=0.07, linewidth=0)
+            ratio = [max(row["simulated"][name], 1e-3) / row["measured"] for row in rows.values()]
+            axis.scatter(list(rows), ratio, s=size, color=colour, label=name, linewidths=0)
+        axis.axhspan(math.exp(-GOAL), math.exp(GOAL), color="#000000", alpha=0.07, linewidth=0)
         axis.axhline(1.0, color="black", linewidth=0.8)
         axis.set_yscale("log")
         axis.set_yticks([0.25, 0.5, 1, 2, 4, 8, 16, 32], labels=["1/4", "1/2", "1", "2", "4", "8", "16", "32"])
         axis.minorticks_off()
-        axis.set_title(f"{title}: {', '.join(dict.fromkeys(row['table'] for row in rows))}", fontsize=9)
-        axis.set_xlabel("cell, in the order of the table below", fontsize=8)
+        axis.set_title(f"{title}: {', '.join(dict.fromkeys(row['table'] for row in rows.values()))}", fontsize=9)
+        axis.xaxis.get_major_locator().set_params(integer=True)
+        axis.set_xlabel(f"line of its table of cells; grey: log ratio within {GOAL:g}", fontsize=8)
         axis.tick_params(labelsize=8)
     axes[0].set_ylabel("simulated / measured", fontsize=8)
     axes[0].legend(fontsize=8, frameon=False)
