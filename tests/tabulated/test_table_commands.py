@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from hjcamp.cli import run
+from hjcamp.plants.pump_joint.answers.tables import folder_of
 from hjcamp.plants.pump_joint.configuration import check_model
 from hjcamp.plants.pump_joint.tables.answer import SCHEMA
 from hjcamp.plants.pump_joint.tables.page import page
@@ -78,6 +79,17 @@ def test_add_refuses_what_is_no_diagnosis_of_a_table_and_one_that_cannot_tell(em
     path.write_text(json.dumps({**FOUND, "verdict": "cannot_tell"}), encoding="utf-8")
     assert run(["add", str(path), "--as", "mended"]) == 2
     assert not (empty_folder / "conf" / "model" / "mended.yaml").exists()
+
+
+def test_each_call_has_a_folder_of_its_own():
+    calls = [
+        (["5.4.1", "5.4.2"],), (["mine.csv"],), (["a/mine.csv"],), (["b/mine.csv"],), (["mine.csv"], (None, None, "5.5.1")),
+        (["mine.csv"], (None, None, None, "payload=brass_8p5g")), (["mine.csv"], ("leakage", None, None)),
+    ]  # fmt: skip
+    folders = [folder_of(tables, "quick", 1, *others) for tables, *others in calls]
+    assert len(set(folders)) == len(calls)
+    assert [one.name for one in folders[:2]] == ["tables_5.4.1_5.4.2_quick_1", "tables_mine_quick_1"]
+    assert folder_of(["mine.csv"], "quick", 1, (None, None, None)) == folders[1]
 
 
 def test_a_page_of_cells_that_cannot_tell_says_why_and_nothing_more():

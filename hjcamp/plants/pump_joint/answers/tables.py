@@ -46,7 +46,7 @@ def diagnose_tables(
         question = questions.asked(words)
         others = questions.held_out(question, held.split(",") if held else None)
         library = list(considered(candidates(), only, without))
-        folder = folder_of(question.tables, effort, seed, (only, without))
+        folder = folder_of(question.tables, effort, seed, (only, without, held, *question.overrides))
         folder.mkdir(parents=True, exist_ok=True)
         crew = Crew(workers or min(available(), MOST_WORKERS))
         try:
@@ -73,12 +73,14 @@ def diagnose_tables(
     _print(console, content, folder)
 
 
-def folder_of(
-    tables: Sequence[str], effort: str, seed: int, chosen: tuple[str | None, str | None] = (None, None)
-) -> Path:
-    """Return where the answer of a table and its finished fits are kept; another one for each choice of candidates."""
+def folder_of(tables: Sequence[str], effort: str, seed: int, others: Sequence[str | None] = ()) -> Path:
+    """Return where the answer of a table and its finished fits are kept: another one for each of the other words of the call.
+
+    So it is for files of one name in several folders, or ``add`` would save the model of the last that was diagnosed.
+    """
     label = "_".join(Path(name).stem if name.endswith(".csv") else name for name in tables)
-    mark = f"_{zlib.crc32(repr(chosen).encode()):08x}" if any(chosen) else ""
+    folders = [str(parent) for name in tables if (parent := Path(name).parent) != Path()]
+    mark = f"_{zlib.crc32(repr((*others, *folders)).encode()):08x}" if any((*others, *folders)) else ""
     return Path("runs") / f"tables_{label}_{effort}_{seed}{mark}"
 
 
