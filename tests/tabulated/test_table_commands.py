@@ -59,11 +59,12 @@ def test_calls_that_cannot_be_are_refused_in_one_message(empty_folder, capsys, w
     assert said in told and "Traceback" not in told
 
 
-def test_add_saves_the_model_of_a_diagnosis_with_where_it_comes_from(empty_folder):
+def test_add_saves_the_model_of_a_diagnosis_with_where_it_comes_from(empty_folder, capsys):
     folder = empty_folder / "found"
     folder.mkdir()
     (folder / "diagnosis.json").write_text(json.dumps(FOUND), encoding="utf-8")
     assert run(["add", str(folder), "--as", "mended"]) == 0
+    assert "hjcamp compare --tables 5.4.1 --model published --model mended" in capsys.readouterr().out
     made = yaml.safe_load((empty_folder / "conf" / "model" / "mended.yaml").read_text(encoding="utf-8"))
     check_model(made, "model")
     assert made["factors"] == {"controller_scale": 1.3} and made["effects"] == {"leakage": {"conductance": 1e-15}}

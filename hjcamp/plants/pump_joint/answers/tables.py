@@ -167,3 +167,6 @@ def add_table(path: Path, name: str, json: Path | None) -> None:
     write_answer(json, {"schema": "hjcamp.table_model/1", "file": str(file), **content})
     make_console().print(f"{file}  = {' + '.join(['published', 'calibration', *model['names']])}", markup=False)
     make_console().print(f"next    hjcamp run campaign=controllers model={name}", markup=False)
+    measured = shlex.join(found["held_out"] or found["tables"])
+    beside = f"hjcamp compare --tables {measured} --model published --model {name}"
+    make_console().print(f"        {beside}", markup=False, soft_wrap=True)
