@@ -54,6 +54,12 @@ def test_the_torque_at_a_pressure(empty_folder: Path, capfd: pytest.CaptureFixtu
     assert [one["verdict"] for one in found.values()] == ["no: friction", "no: friction", "yes", "yes"]
 
 
+def test_a_pressure_beyond_the_sensors_is_told(empty_folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    for pressure, told in (("0.6", False), ("1.2", True)):
+        assert cli.run(["sizing", "capability", "torque_mnm=20", f"pressure_mpa={pressure}"]) == 0
+        assert ("beyond what the sensors measure: counted with their 0.689 MPa" in capfd.readouterr().out) is told
+
+
 def test_another_joint_and_friction(empty_folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     found = answers(capfd, "torque_mnm=20", "joint.bore_mm=8", "friction=bidirectional")
     assert [one["verdict"] for one in found.values()] == ["yes", "yes"]

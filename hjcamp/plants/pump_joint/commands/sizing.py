@@ -96,6 +96,7 @@ def show_formulas() -> dict[str, Any]:
 
 def answer_question(lines: list[str]) -> dict[str, Any]:
     """Print whether the joint can do it with each friction, and what stops it; returns the answer for programs."""
+    from hjcamp.campaign.console import make_console
     from hjcamp.plants.pump_joint.sizing import capability
 
     asked, overrides = _split(lines)
@@ -122,6 +123,9 @@ def answer_question(lines: list[str]) -> dict[str, Any]:
         )  # fmt: skip
     tension = capability.string_tension(question, joint)
     _print_answers(answers, tension)
+    if question.pressure is not None and question.pressure > joint.sensor_range:
+        told = f"  pressure_mpa is beyond what the sensors measure: counted with their {joint.sensor_range * 1e-6:.3g} MPa."
+        make_console().print(told, markup=False, soft_wrap=True)
     return {"schema": "hjcamp.capability/1", "asked": asked, "answers": answers, "string_tension_n": tension}
 
 
