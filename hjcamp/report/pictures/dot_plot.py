@@ -60,7 +60,8 @@ def draw_dots(conditions: Sequence[str], indicators: Sequence[str], kinds: Seque
             panel.grid(True, axis="x", color=GRID, linewidth=0.5)
             panel.set_xlabel(TITLES.get(indicator, indicator), color=INK, fontsize=8.5)
             if not any(value < 0 for kind in kinds for (_, one), (value, _) in kind.values.items() if one == indicator):
-                panel.set_xlim(left=0.0)
+                # the margin is of the axis from 0 on: values that lie close together would be cut at its end
+                panel.set_xlim(0.0, 1.05 * panel.dataLim.x1 if panel.dataLim.x1 > 0.0 else None)
         panels[0].set_yticks(range(len(shown)), [readable(name) for name in shown], fontsize=7.5)
         panels[0].set_ylim(len(shown) - 0.4, -0.6)
         handles, labels = panels[0].get_legend_handles_labels()
