@@ -6,7 +6,9 @@ import math
 
 import numpy as np
 import pytest
+import yaml
 
+from hjcamp.configuration.search_path import packaged_root
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint.calibrate.frequency_response import Point, bandwidth, bode_charts, ratio_at
 from hjcamp.plants.pump_joint.sizing import dynamics
@@ -29,11 +31,12 @@ def test_a_delayed_and_weakened_sine_with_drift_is_read_back() -> None:
 
 @pytest.mark.parametrize(("given", "printed"), PUMPS.values(), ids=PUMPS)
 def test_the_bandwidth_of_a_sweep_is_that_of_the_transfer_function(given: tuple[float, ...], printed: float) -> None:
-    frequency = np.array([0.5, 1, 2, 3, 4, 5, 7, 10, 12, 16, 20, 22, 30, 40])
+    campaign = yaml.safe_load((packaged_root() / "campaigns" / "bandwidth.yaml").read_text(encoding="utf-8"))
+    frequency = np.array([case["trajectory.frequency_hz"] for case in campaign["vary"]["frequency"].values()])
     ratios = dynamics.response(frequency, *given)
     points = [Point("pump", float(f), complex(r)) for f, r in zip(frequency, ratios, strict=True)]
     found = bandwidth(points)
-    assert found is not None and found[0] == pytest.approx(printed, rel=0.02)
+    assert found is not None and found[0] == pytest.approx(printed, abs=0.06)
     # By hand at the printed frequency: the phase of the denominator and of the delay.
     s = 2j * math.pi * printed
     a2, a1, a0, delay = given
