@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import json
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ from hjcamp.plants.pump_joint.simulation import model_values
 from hjcamp.plants.pump_joint.sizing import dynamics
 from hjcamp.plants.pump_joint.studies import budget as work
 from hjcamp.plants.pump_joint.studies.budget import Item, better_by, budget, errors_of, variants
+from hjcamp.plants.pump_joint.studies.retune import Retuned, gains_of, retune
 
 SHORT = [
     "trajectory=ramp_pos",
@@ -84,6 +87,49 @@ def test_gains_that_harm_are_not_taken() -> None:
     good, bad = np.full((2, 2), 1.0), np.full((2, 2), 3.0)
     assert Item("x", good, bad).best is good and Item("x", bad, good).best is good
     assert Item("x", good, np.empty((0, 2))).best is good
+
+
+def test_tuned_gains_that_run_away_leave_the_part_with_the_old_ones(
+    composer: Composer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    condition = make_plan(composer.compose(SHORT).config, None, SHORT, composer).conditions[0]
+    wild = {side: {"kp": 1e3, "ki": 0.0, "kd": 0.0} for side in ("positive", "negative")}
+
+    def errors(config: dict[str, Any], repetitions: int, seed: int) -> np.ndarray:
+        if config["controller"]["positive"] == wild["positive"]:
+            raise HjcampError("it ran away")
+        return np.ones((repetitions, 2))
+
+    monkeypatch.setattr(work, "retune", lambda conditions, start, *rest, **more: Retuned(start, wild, 1.0, 0.5, 1, ()))
+    monkeypatch.setattr(work, "errors_of", errors)
+    items = budget(condition, 0.5, 2, 1, tuned=True)
+    assert not any(one.problem for one in items) and all(one.best is one.kept for one in items)
+
+
+def test_gains_are_tuned_on_draws_that_do_not_judge_them(composer: Composer, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[int, ...]] = []
+
+    def retune(conditions: Any, start: Any, seed: int, draws: Sequence[int] = ()) -> Retuned:
+        asked.append(tuple(draws))
+        return Retuned(start, start, 1.0, 1.0, 1, ())
+
+    monkeypatch.setattr(work, "retune", retune)
+    monkeypatch.setattr(work, "errors_of", lambda config, repetitions, seed: np.ones((repetitions, 2)))
+    condition = make_plan(composer.compose(SHORT).config, None, SHORT, composer).conditions[0]
+    budget(condition, 0.5, 100, 7, tuned=True)
+    assert set(asked) == {tuple(range(1007, 1015))}
+
+
+def test_tuned_gains_carry_over_to_other_tests(composer: Composer) -> None:
+    """Half the friction of the refitted model: gains tuned on one test without scatter did worse than the old ones."""
+    lines = ["trajectory=sine_0p5hz", "controller=ffwd_pid", "model=refit"]
+    condition = make_plan(composer.compose(lines).config, None, lines, composer).conditions[0]
+    config = dict(variants(condition.config, 0.5))["friction"]
+    start = gains_of(config, "here")
+    found = retune([replace(condition, config=config)], start, 1, draws=range(1001, 1009))
+    tuned = {**config, "controller": {**config["controller"], **found.gains}}
+    before, after = (errors_of(one, 3, 1)[:, 0].mean() for one in (config, tuned))
+    assert after < 0.6 * before
 
 
 def test_the_command(empty_folder: Path, capfd: pytest.CaptureFixture[str]) -> None:

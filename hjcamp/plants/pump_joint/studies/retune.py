@@ -1,4 +1,4 @@
-"""Gains tuned anew for the conditions of a campaign: a seeded search on the simulated rig, without scatter."""
+"""Gains tuned anew for the conditions of a campaign: a seeded search on the simulated rig, without scatter or on given draws."""
 
 from __future__ import annotations
 
@@ -65,17 +65,23 @@ class _Test:
 
 
 def retune(
-    conditions: Sequence[Condition], start: Gains, seed: int, notice: Callable[[float], None] = lambda best: None
+    conditions: Sequence[Condition], start: Gains, seed: int, notice: Callable[[float], None] = lambda best: None,
+    draws: Sequence[int] = (),
 ) -> Retuned:
     """Return the gains with the smallest mean RMSE1 over ``conditions``, which are to share one gain set.
 
     Differential evolution in the logarithms of the six gains from ``start``, each between a third and three times its
     start; then a simplex from the best, rounded to three digits; ``start`` itself where that is worse. The same ``seed``
-    gives the same gains. Thesis 5.6 retunes by hand and prints no gains; RMSE1 of 5.2.5.1 is the criterion here.
+    gives the same gains. Thesis 5.6 retunes by hand and prints no gains; RMSE1 of 5.2.5.1 is the criterion here. Each
+    condition is one test without scatter, or, with ``draws``, one with scatter for each of these seeds: gains that fit
+    one course of sticking and slipping alone are not found then.
     """
     from scipy.optimize import differential_evolution, minimize
 
-    tests = [_made_ready(condition, seed) for condition in conditions]
+    if draws:
+        tests = [_made_ready(condition, draw, {}) for condition in conditions for draw in draws]
+    else:
+        tests = [_made_ready(condition, seed, QUIET) for condition in conditions]
     base = np.array([start[side][name] for side in SIDES for name in GAINS])
     count = 0
 
@@ -116,9 +122,9 @@ def _as_gains(values: Array) -> dict[str, dict[str, float]]:
     return {side: {name: float(next(pairs)) for name in GAINS} for side in SIDES}
 
 
-def _made_ready(condition: Condition, seed: int) -> _Test:
+def _made_ready(condition: Condition, seed: int, scatter: Mapping[str, float]) -> _Test:
     config = copy.deepcopy(condition.config)
-    config["rig"]["scatter"].update(QUIET)
+    config["rig"]["scatter"].update(scatter)
     prepared = prepare(config, seed)
     start = prepared.simulator.begin(prepared.start, prepared.p)
     law = find_controller(config["controller"]["name"])
