@@ -35,22 +35,24 @@ def read_table(path: Path) -> Cells:
     """
     try:
         with path.open(encoding="utf-8-sig", newline="") as stream:
-            lines = list(csv.reader(stream))
+            reader = csv.reader(stream)
+            numbered = [(reader.line_num, [cell.strip() for cell in line]) for line in reader]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(f"table {path}: cannot be read ({error})") from error
-    lines = [[cell.strip() for cell in line] for line in lines if any(cell.strip() for cell in line)]
+    numbered = [(number, line) for number, line in numbered if any(line)]
+    lines = [line for _, line in numbered]
     if lines and len(lines[0]) == 1 and ";" in lines[0][0]:
         raise UsageError(
             f"table {path}: its cells are parted by semicolons; part them by commas, with points in numbers"
         )
     if len(lines) < 2:
         raise UsageError(f"table {path}: it needs a line of column names and one line for each condition")
-    header, *body = lines
+    (_, header), *body = numbered
     header = [OWN.get(name, name) for name in header]
     keys, indicators = _columns(path, [name for name in header if not BESIDE.fullmatch(name)])
     conditions: list[dict[str, str]] = []
     found: list[tuple[int, int, float, float, float]] = []
-    for number, line in enumerate(body, start=2):
+    for number, line in body:
         where = f"table {path}, line {number}"
         if len(line) != len(header):
             raise UsageError(f"{where}: {len(line)} cells, but the first line names {len(header)} columns")
@@ -138,7 +140,7 @@ def _number(where: str, column: str, text: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise UsageError(f"{where}, column {column}: {shown(text)} is no number")
+        raise UsageError(f"{where}, column {column}: {shown(text)} is no number; what was not measured is left empty")
     return value
 
 
