@@ -10,7 +10,7 @@ from hjcamp.plants.pump_joint.tables.answer import answer
 from hjcamp.plants.pump_joint.tables.cells import Cells
 from hjcamp.plants.pump_joint.tables.diagnosis import Diagnosis, Judged
 from hjcamp.plants.pump_joint.tables.fit import Fit
-from hjcamp.plants.pump_joint.tables.page import draw, page
+from hjcamp.plants.pump_joint.tables.page import draw, few_told, page
 from hjcamp.plants.pump_joint.tables.quantities import quantities_of
 from hjcamp.plants.pump_joint.tables.question import Question
 from hjcamp.plants.pump_joint.tables.search import Step
@@ -75,3 +75,11 @@ def test_a_table_of_mean_errors_alone_has_no_ratio_to_draw(found, tmp_path):
     content |= {"cells": mean_errors, "cells_held_out": mean_errors}
     draw(content, picture)
     assert not picture.exists() and "cells.png" not in page(content)
+
+
+def test_as_few_means_as_fitted_quantities_are_no_proof(found):
+    content = answer(found, "quick", 1, "hjcamp diagnose --tables mine.csv", 1.0)
+    fitted = len(content["models"]["accepted"]["quantities"])
+    assert f"4 means against {fitted} fitted quantities" in page(content)
+    more = content | {"cells": content["cells"] * fitted}
+    assert few_told(more) == "" and "fitted quantities" not in page(more)

@@ -87,11 +87,11 @@ def folder_of(tables: Sequence[str], effort: str, seed: int, others: Sequence[st
 def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
     from hjcamp.analyses.data import free_model_name
     from hjcamp.commands._wrapped import print_wrapped
-    from hjcamp.plants.pump_joint.tables.page import best_of, verdict_told
+    from hjcamp.plants.pump_joint.tables.page import best_of, few_told, verdict_told
 
     word, told = content["verdict"].upper(), verdict_told(content)
     console.print(word, style="bold", markup=False, highlight=False)
-    print_wrapped(console, [told], 8)
+    print_wrapped(console, [one for one in (told, few_told(content)) if one], 8)
     if not content["lacking"]:
         print_errors(console, content)
         for number, step in enumerate(content["steps"], start=1):

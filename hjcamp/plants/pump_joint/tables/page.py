@@ -25,11 +25,22 @@ def verdict_told(found: Mapping[str, Any]) -> str:
     return VERDICTS[found["verdict"]].format(names=names, partly=partly, lacking="; ".join(found["lacking"]))
 
 
+def few_told(found: Mapping[str, Any]) -> str:
+    """Return a warning where the cells are no more than the quantities of the last model, which then can hardly fail; else ""."""
+    if found["lacking"]:
+        return ""
+    cells, fitted = len(found["cells"]), len(list(found["models"].values())[-1]["quantities"])
+    if cells > fitted:
+        return ""
+    return f"{cells} means against {fitted} fitted quantities: so few are met nearly whatever is missing; add conditions."
+
+
 def page(found: Mapping[str, Any]) -> str:
     """Return the page: verdict, errors, quantities, steps, cells."""
     tables = ", ".join(found["tables"])
     lines = [f"# What the tables say: {tables}", "", f"Made by `{found['command']}`. Angles in degrees.", ""]
     lines += [f"**{verdict_told(found)}**", ""]
+    lines += [few, ""] if (few := few_told(found)) else []
     if found["lacking"]:
         return "\n".join(lines)
     lines += [*_errors(found), *_reading(found)]
