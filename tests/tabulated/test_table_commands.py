@@ -8,6 +8,7 @@ import yaml
 from hjcamp.cli import run
 from hjcamp.plants.pump_joint.answers.tables import folder_of
 from hjcamp.plants.pump_joint.configuration import check_model
+from hjcamp.plants.pump_joint.tables import comparison
 from hjcamp.plants.pump_joint.tables.answer import SCHEMA
 from hjcamp.plants.pump_joint.tables.page import page
 
@@ -91,6 +92,18 @@ def test_each_call_has_a_folder_of_its_own():
     assert len(set(folders)) == len(calls)
     assert [one.name for one in folders[:2]] == ["tables_5.4.1_5.4.2_quick_1", "tables_mine_quick_1"]
     assert folder_of(["mine.csv"], "quick", 1, (None, None, None)) == folders[1]
+
+
+def test_a_model_on_the_table_it_was_fitted_to_is_no_prediction(empty_folder, capsys, monkeypatch):
+    error = {"mean_abs_log_ratio": {"5.4.1": 0.2}, "near": 40, "cells": 42, "loss": 50.0}
+    content = {
+        "schema": "hjcamp.table_comparison/1", "tables": ["5.4.1"], "error_held_out": {}, "cells": [],
+        "models": {"published": {}, "refit": {"tables": ["5.4.1", "5.4.2"]}}, "error": {"published": error, "refit": error},
+    }  # fmt: skip
+    monkeypatch.setattr(comparison, "compare", lambda *given: content)
+    assert run(["compare", "--tables", "5.4.1", "--model", "published", "--model", "refit"]) == 0
+    out = capsys.readouterr().out
+    assert "refit was fitted to 5.4.1: its error there is no prediction" in out and "published was fitted" not in out
 
 
 def test_a_page_of_cells_that_cannot_tell_says_why_and_nothing_more():

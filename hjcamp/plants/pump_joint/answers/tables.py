@@ -133,6 +133,10 @@ def compare_tables(words: Sequence[str], names: Sequence[str], json: Path | None
         content = compare(asked(words), names, SIMULATED, 1, report)
         write_answer(json, content)
     print_errors(console, content, "")
+    for name, origin in content["models"].items():
+        if own := [table for table in content["tables"] if table in (origin.get("tables") or ())]:
+            told = f"  {name} was fitted to {', '.join(own)}: its error there is no prediction"
+            console.print(told, markup=False, soft_wrap=True)
 
 
 def add_table(path: Path, name: str, json: Path | None) -> None:
