@@ -22,6 +22,8 @@ def split(words: list[str], library: Any, plant: Any = DEFAULT) -> tuple[list[st
             names.append(word)
         elif names and (Path(word).exists() or "/" in word or nearest(word, library) is None):
             return names, [Path(one) for one in words[index:]]
+        elif "/" in word and not Path(word).exists():
+            raise UsageError(f"{word}: does not exist; give EFFECT... PATH..., or the folder of a table's diagnosis")
         else:
             library_of(plant).find(word)
             raise unknown("effect", word, library)

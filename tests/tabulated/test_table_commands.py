@@ -106,6 +106,12 @@ def test_a_model_on_the_table_it_was_fitted_to_is_no_prediction(empty_folder, ca
     assert "refit was fitted to 5.4.1: its error there is no prediction" in out and "published was fitted" not in out
 
 
+def test_add_says_that_a_folder_is_not_there(empty_folder, capsys):
+    assert run(["add", "runs/nowhere", "--as", "mended"]) == 2
+    err = capsys.readouterr().err
+    assert "runs/nowhere: does not exist" in err and len(err.strip().splitlines()) == 1
+
+
 def test_a_page_of_cells_that_cannot_tell_says_why_and_nothing_more():
     told = page({**FOUND, "verdict": "cannot_tell", "effects": [], "lacking": ["2 conditions; 3 at least are needed"]})
     assert "2 conditions; 3 at least are needed" in told and "##" not in told
