@@ -39,6 +39,12 @@ def test_twice_the_payload_pulls_twice_and_none_does_not() -> None:
     assert curves[1] == pytest.approx(2.0 * curves[0]) and np.ptp(curves[0]) > 0.9 and not np.any(curves[2])
 
 
+def test_no_payload_has_an_axis_in_newtons() -> None:
+    axes = painted("figure_5_5_9")
+    axes.figure.canvas.draw()
+    assert axes.get_ylim() == (-0.1, 0.1)
+
+
 def test_the_friction_drawn_is_the_configured_one() -> None:
     for friction, numbers in (("first_state", (2.02, 1.22, 19.9)), ("bidirectional", (7.20, 5.27, 23.5))):
         axes = painted("figure_4_5_2", f"friction={friction}")

@@ -63,6 +63,8 @@ def payload_load(figure: Any, config: Mapping[str, Any]) -> None:
     axes.annotate(f"{largest:.2f} N", (ANGLES_DEG[0], largest), (2, 3), textcoords="offset points", fontsize=7.5)
     axes.axhline(0.0, color=INK, linewidth=0.6)
     axes.margins(y=0.15)
+    if not largest:  # the rounding of zeros is no scale
+        axes.set_ylim(-0.1, 0.1)  # N
     dress(axes, "Force at the sliders (N)")
     payload = config["payload"]
     what = f"{float(payload['mass_g']):g} g at {float(payload['radius_mm']):g} mm, vertical; hangs at {math.degrees(rest):g} deg"
