@@ -229,7 +229,7 @@ def _page(
     beside: Sheet | None,
 ) -> Iterator[str]:
     tests = Counter(log.condition_key for log in logs)
-    pictures = {name: Picture(caption, partial(str, svg)) for name, (svg, caption) in more.items()}
+    pictures = {}
     for one in spreads:
         caption = f"{tests[one.name]} test{'s' * (tests[one.name] > 1)}"
         pictures[one.name] = Picture(caption, partial(draw_condition, one))
@@ -237,6 +237,9 @@ def _page(
     unfinished = [f"{count} {state}" for state, count in states.items() if state != "done"]
     campaign = str(origin.plan.get("campaign") or logs[0].metadata.get("campaign") or "Test logs")
     facts = [run_dir.resolve().name, counted(len(logs), "test"), counted(len(spreads), "condition"), *unfinished]
+    repetitions = {log.metadata.get("repetition", "") for log in logs}
+    if len(repetitions) == 1 and (one_alone := repetitions.pop()) not in ("", "1"):
+        facts.insert(1, f"repetition {one_alone} alone")
     if left_out:
         facts.append(f"{len(left_out)} log{'s' if len(left_out) > 1 else ''} left out, see below")
     return build_page(
@@ -249,6 +252,7 @@ def _page(
         sheets=sheets,
         beside=beside,
         pictures=pictures,
+        further=more,
         origin=[*origin_facts(origin, logs), *(("left out", text) for text in left_out)],
         command=origin.command,
         configuration=origin.config_text,

@@ -44,6 +44,7 @@ $style</style>
 <h1>$title</h1>
 <p class="soft">$facts</p>
 $verdict
+$further
 $overview
 $small
 $beside
@@ -89,6 +90,7 @@ def build_page(
     sheets: Sequence[Sheet],
     beside: Sheet | None = None,
     pictures: Mapping[str, Picture],
+    further: Mapping[str, tuple[str, str]] | None = None,
     origin: Sequence[tuple[str, str]],
     command: str,
     configuration: str,
@@ -97,7 +99,8 @@ def build_page(
 
     ``overview`` is the SVG of all conditions, ``small`` are those drawn small, ``beside`` is a table that stands open
     below them, ``explorer`` is a block of HTML.
-    ``pictures`` are those of the conditions by name, ``origin`` are name and value of what made the run, ``command``
+    ``pictures`` are those of the conditions by name, ``further`` those of the campaign itself, heading -> (SVG, caption), which
+    come first; ``origin`` are name and value of what made the run, ``command``
     runs it again.
     """
     numbered = {name: f"condition-{number}" for number, name in enumerate(pictures, start=1)}
@@ -110,6 +113,9 @@ def build_page(
         verdict=f'<p class="verdict">{escape(verdict)}</p>' if verdict else "",
         policy=NOTHING_FETCHED,
         beside=table_html(beside) if beside else "",
+        further="\n".join(
+            picture_html(name, f"campaign-{number}", *drawn) for number, (name, drawn) in enumerate((further or {}).items(), start=1)
+        ),
         overview=f"<figure>{shaded(tidy(overview), OVERVIEW)}</figure>" if overview else "",
         small=small_multiples(small, numbered, {}) if small else "",
         explorer=explorer,
@@ -117,7 +123,8 @@ def build_page(
         links="\n".join(f'<a href="#{anchor}">{escape(readable(name))}</a>' for name, anchor in numbered.items()),
     )
     for number, (name, picture) in enumerate(pictures.items()):
-        yield ("\n" if number else "") + picture_html(name, numbered[name], picture.draw(), picture.caption)
+        told = "angle, error, pressures, command"
+        yield ("\n" if number else "") + picture_html(name, numbered[name], picture.draw(), picture.caption, told)
     yield BELOW.substitute(
         origin="\n".join(
             f'<tr><td>{escape(name)}</td><td class="fact">{escape(value)}</td></tr>' for name, value in origin
@@ -165,10 +172,10 @@ def _class(name: str) -> str:
     return f' class="{name}"' if name else ""
 
 
-def picture_html(name: str, anchor: str, svg: str, caption: str) -> str:
-    """Return one condition's picture with its colours handed to the page."""
+def picture_html(name: str, anchor: str, svg: str, caption: str, told: str = "") -> str:
+    """Return one picture under its heading, with its colours handed to the page."""
     name = readable(name)
-    svg = shaded(svg, f"{name}: angle, error, pressures, command")
+    svg = shaded(svg, f"{name}: {told}" if told else name)
     heading = f'<h3 id="{anchor}">{escape(name)}</h3>'
     return f"{heading}\n<figure>\n<figcaption>{escape(caption)}</figcaption>\n{svg}</figure>"
 
