@@ -10,6 +10,7 @@ from hjcamp.commands.report import of_repetition
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint.published import refitted
 from hjcamp.records.write import write_log
+from hjcamp.report.build import build_report
 from hjcamp.report.page import build_page
 
 PLACE = {"trajectory": "mixed", "controller": "pid", "payload": "brass_8p5g", "orientation": "vertical"}
@@ -61,8 +62,11 @@ def test_the_picture_of_all_conditions_comes_before_the_table(shipped):
     """The report begins with the dot plot (decision 0025: a picture first)."""
     page = "".join(
         build_page(title="a", facts=[], verdict="", overview='<svg viewBox="0 0 9 9"></svg>', sheets=[], pictures={}, origin=[],
-                   command="", configuration="", beside=refitted.beside_refit(conditions(1.8)))
+                   command="", configuration="", beside=refitted.beside_refit(conditions(1.8)),
+                   further={"Gain of output over input": ('<svg viewBox="0 0 9 9"></svg>', "-3 dB at 20.7 Hz")})
     )  # fmt: skip
+    # what the campaign is for comes before what every campaign has
+    assert page.index("-3 dB at 20.7 Hz") < page.index("every condition: mean")
     assert page.index("every condition: mean") < page.index('id="refitted"') < page.index('id="tables"')
     assert "`" not in page[page.index('id="refitted"') : page.index('id="tables"')]
 
@@ -81,5 +85,10 @@ def test_one_repetition_is_read_alone_and_one_that_is_not_there_is_refused(tmp_p
     chosen = logs[0].metadata["repetition"]
     expected = sum(log.metadata["repetition"] == chosen for log in logs)
     assert 0 < len(of_repetition(tmp_path, int(chosen))) == expected < len(logs)
+    for number in ("1", "2"):
+        alone = [log for log in logs if log.metadata["repetition"] == number]
+        build_report(tmp_path, output=tmp_path / number, logs=alone)
+        said = "repetition 2 alone" in (tmp_path / number / "report.html").read_text(encoding="utf-8")
+        assert alone and said == (number == "2")
     with pytest.raises(UsageError, match="--repetition 99: no log"):
         of_repetition(tmp_path, 99)
