@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 WARM := $(VENV)/.warm
 # of make thesis_gap
-EFFORT ?= quick
+EFFORT ?= standard
 TESTABLE := $(VENV)/.testable
 DOCUMENTED := $(VENV)/.documented
 

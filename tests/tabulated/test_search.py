@@ -12,7 +12,7 @@ from hjcamp.plants.pump_joint.tables.fit import Fit, fit
 from hjcamp.plants.pump_joint.tables.ledger import Ledger
 from hjcamp.plants.pump_joint.tables.probes import Probe, looked_at
 from hjcamp.plants.pump_joint.tables.quantities import candidate_quantities
-from hjcamp.plants.pump_joint.tables.search import Effort, Search, Step, chance
+from hjcamp.plants.pump_joint.tables.search import EFFORTS, Effort, Search, Step, chance, different
 from hjcamp.workers.pool import Crew
 
 CONDITIONS = 14
@@ -72,7 +72,7 @@ def searched(rig, cells, ledger):
 def test_a_hidden_factor_is_named_with_its_size():
     rig = LogLinearRig()
     cells = measured(rig, {"pump_bandwidth": 2.0, "coulomb_positive": 6.5})
-    model, steps = searched(rig, cells, Ledger(None, "")).run()
+    model, steps, _ = searched(rig, cells, Ledger(None, "")).run()
     assert model.names == ("pump_bandwidth",)
     assert model.settings["pump_bandwidth"] == pytest.approx(2.0, rel=0.15)
     assert model.settings["coulomb_positive"] == pytest.approx(6.5, rel=0.15)
@@ -82,7 +82,7 @@ def test_a_hidden_factor_is_named_with_its_size():
 
 def test_nothing_is_named_where_only_the_base_differs():
     rig = LogLinearRig()
-    model, steps = searched(rig, measured(rig, {"coulomb_positive": 6.5}), Ledger(None, "")).run()
+    model, steps, _ = searched(rig, measured(rig, {"coulomb_positive": 6.5}), Ledger(None, "")).run()
     assert model.names == () and len(steps) == 1 and steps[0].p_value > 0.05
     assert verdict_of(model, steps, 0.5)[0] == NOTHING
     assert verdict_of(model, steps, 0.005)[0] == "outside_library"
@@ -91,7 +91,7 @@ def test_nothing_is_named_where_only_the_base_differs():
 def test_a_model_is_fitted_to_the_tests_that_it_is_judged_with():
     rig = ScatteringRig()
     cells = measured(LogLinearRig(), {"coulomb_positive": 6.5})
-    model = searched(rig, cells, Ledger(None, "")).base()
+    model = searched(rig, cells, Ledger(None, "")).bases()[0]
     judged = robust(cells.errors(cells.of(rig.indicators(model.settings)))).sum()
     assert model.loss - model.surprise == pytest.approx(judged)
     one = robust(cells.errors(cells.of(rig.repeated(1).indicators(model.settings)))).sum()
@@ -114,7 +114,7 @@ def test_what_the_linear_prediction_promises_is_what_a_fit_then_gains():
     rig = LogLinearRig()
     cells = measured(rig, {"controller_scale": 1.3, "coulomb_positive": 6.5})
     search = searched(rig, cells, Ledger(None, ""))
-    step = search.step(0, search.base())
+    step = search.step(0, search.bases()[0])
     assert step.rivals[0].names == ("controller_scale",)
     assert step.predicted == pytest.approx(step.gain, rel=0.15)
     assert len(step.twins) == search.effort.twins and max(step.twins) < step.gain
@@ -156,9 +156,9 @@ def test_a_search_that_was_stopped_goes_on_and_ends_alike(tmp_path):
     rig = LogLinearRig()
     cells = measured(rig, {})
     path = tmp_path / "fits.json"
-    first = searched(rig, cells, Ledger(path, "asked")).base()
+    first = searched(rig, cells, Ledger(path, "asked")).bases()[0]
     calls = rig.calls
-    assert searched(rig, cells, Ledger(path, "asked")).base() == first and rig.calls == calls
+    assert searched(rig, cells, Ledger(path, "asked")).bases()[0] == first and rig.calls == calls
     assert Ledger(path, "asked otherwise").found == {}
     path.write_text("{ damaged", encoding="utf-8")
     assert Ledger(path, "asked").found == {}
@@ -184,3 +184,41 @@ def test_the_chance_of_a_gain_is_counted_and_beyond_all_twins_follows_their_tail
     assert chance(20.0, heavy) == pytest.approx(2 / 200) and chance(41.0, heavy) > 1e-3
     told = [chance(gain, gains) for gain in np.linspace(0.0, 30.0, 200)]
     assert told == sorted(told, reverse=True)
+
+
+def test_bottoms_of_nearly_one_depth_are_kept_once_each():
+    bottoms = {"deep": (0.0, 0.0), "the same": (0.1, 0.0), "near": (1.0, 0.0), "shallow": (0.0, 3.0)}
+    losses = {"deep": 100.0, "the same": 100.5, "near": 105.9, "shallow": 106.1}
+    fits = {name: Fit((), dict(zip("ab", places, strict=True)), losses[name]) for name, places in bottoms.items()}
+    assert different(list(fits.values())[::-1]) == [fits["deep"], fits["near"]]
+
+
+@pytest.mark.parametrize(("effort", "accepted", "elsewhere"), [("standard", "leakage", 1), ("quick", "controller_scale", 0)])
+def test_each_bottom_is_searched_from_and_what_is_met_best_is_accepted(monkeypatch, effort, accepted, elsewhere):
+    # the deeper bottom of the base leads to a model that is met less well
+    bases = [Fit((), {"a": 0.0}, 100.0), Fit((), {"a": 1.0}, 103.0)]
+    ends = {0.0: Fit(("controller_scale",), {"a": 0.0}, 80.0), 1.0: Fit(("leakage",), {"a": 1.0}, 70.0)}
+    monkeypatch.setattr(Search, "bases", lambda self: bases)
+    monkeypatch.setattr(Search, "longer", lambda self, key, model: model)
+    monkeypatch.setattr(Search, "forward", lambda self, model: (ends[model.places["a"]], [self.path]))
+    monkeypatch.setattr(Fit, "settings", {})
+    rig = LogLinearRig()
+    search = replace(searched(rig, measured(rig, {}), Ledger(None, "")), effort=EFFORTS[effort])
+    model, steps, others = search.run()
+    assert model.names == (accepted,) and len(others) == elsewhere
+    assert steps == ["bottom 1, " if accepted == "leakage" else ""]
+
+
+def test_a_model_of_another_bottom_that_is_met_as_well_is_not_told_apart():
+    model, rival = Fit(("leakage",), {}, 70.0), Fit(("controller_scale",), {}, 71.0)
+    steps = [Step(Fit((), {}, 100.0), Fit((), {}, 100.0), [model], [1.0] * 20)]
+    assert verdict_of(model, steps, 0.5) == (EFFECT, ("leakage",))
+    assert verdict_of(model, steps, 0.5, [rival])[1] == ("leakage", "controller_scale")
+
+
+def test_a_long_search_ends_within_bounds():
+    rig = LogLinearRig()
+    [scale] = candidate_quantities("controller_scale")
+    beyond = 3.0 * scale.back(scale.ends[1])
+    found = fit(rig, measured(rig, {"controller_scale": beyond}), ("controller_scale",), [{}], 60, 1, polish=400)
+    assert found.places["controller_scale"] == pytest.approx(scale.ends[1])

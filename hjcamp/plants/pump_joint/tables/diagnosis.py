@@ -106,7 +106,7 @@ def diagnose(
     laws = sorted({gated(place.law).source for tests in rig.tests for place in tests})
     ledger = Ledger(folder / "fits.json" if folder else None, _asked(question, laws, names, seed))
     search = Search(rig, question.cells, names, EFFORTS[effort], seed, crew, ledger, report)
-    model, steps = search.run()
+    model, steps, elsewhere = search.run()
     report("judging", 0.92)
     models = {"published": published, "base": steps[0].before if steps else model}
     if model.names:
@@ -116,7 +116,7 @@ def diagnose(
     fitted = judged(question, rig, models)
     predicted = judged(others, other, models) if others and other else {}
     p_left = _p_left(search, model, list(fitted.values())[-1].loss)
-    word, effects = verdict_of(model, steps, p_left)
+    word, effects = verdict_of(model, steps, p_left, elsewhere)
     p_value = steps[0].p_value if steps else 1.0
     return Diagnosis(question, others, word, effects, p_value, p_left, (), models, fitted, predicted, steps)
 
@@ -140,13 +140,16 @@ def _p_left(search: Search, model: Fit, loss: float) -> float:
     return (1 + sum(one >= loss for one in own)) / (1 + len(own))
 
 
-def verdict_of(model: Fit, steps: Sequence[Step], p_left: float) -> tuple[str, tuple[str, ...]]:
-    """Return one of the five words, and the names that go with it."""
+def verdict_of(
+    model: Fit, steps: Sequence[Step], p_left: float, elsewhere: Sequence[Fit] = ()
+) -> tuple[str, tuple[str, ...]]:
+    """Return one of the five words, and the names that go with it; ``elsewhere`` are the models of other bottoms of the base."""
     if not model.names:
         return (NOTHING if p_left > LEVEL else OUTSIDE), ()
     last = next(one for one in steps if any(rival.names == model.names for rival in one.rivals))
     best = min(penalised(one, last.control) for one in last.rivals)
-    alike = [one for one in last.rivals if math.exp(0.5 * (best - penalised(one, last.control))) > LEAST_WEIGHT]
+    others = [one for one in elsewhere if one.names and one.names != model.names]
+    alike = [one for one in (*last.rivals, *others) if math.exp(0.5 * (best - penalised(one, last.control))) > LEAST_WEIGHT]
     if p_left <= LEVEL:
         return OUTSIDE, model.names
     if len(alike) > 1:

@@ -140,9 +140,10 @@ class Fitting:
         """
         best, strategy = places, CMA(places.copy(), WIDEST * self.cells.form, seed=seed)
         for _ in range(budget // strategy.population_size):
-            points = [strategy.ask() for _ in range(strategy.population_size)]
+            asked = [strategy.ask() for _ in range(strategy.population_size)]
+            points = [np.clip(point, self.low, self.high) for point in asked]
             losses = [self.loss(self.errors(point), point) for point in points]
-            strategy.tell(list(zip(points, losses, strict=True)))
+            strategy.tell(list(zip(asked, losses, strict=True)))
             place = int(np.argmin(losses))
             if losses[place] < lowest:
                 best, lowest = points[place], losses[place]

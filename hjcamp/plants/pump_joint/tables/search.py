@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from hjcamp.plants.pump_joint.tables.cells import Cells, robust
-from hjcamp.plants.pump_joint.tables.fit import Fit, fit
+from hjcamp.plants.pump_joint.tables.fit import WIDEST, Fit, fit
 from hjcamp.plants.pump_joint.tables.ledger import Ledger
 from hjcamp.plants.pump_joint.tables.probes import COST, Promise, look
 from hjcamp.plants.pump_joint.tables.quantities import base_quantities, candidate_quantities
@@ -29,7 +29,11 @@ SHOWN = 5
 
 @dataclass(frozen=True)
 class Effort:
-    """How long is searched: tables of the base's fits, of others, of the evolution of what is taken; rivals, twins, steps."""
+    """How long is searched: tables of the base's fits, of others, of the evolution of what is taken; rivals, twins, steps; starts.
+
+    The base begins at so many ``starts``. Of more than two each is fitted for longer, as short fits end on the way, and where they
+    come to several bottoms of nearly one depth each is searched from.
+    """
 
     base: int
     short: int
@@ -37,12 +41,13 @@ class Effort:
     refitted: int
     twins: int
     steps: int
+    starts: int = 2
 
 
 EFFORTS = {
     "quick": Effort(base=120, short=60, polish=200, refitted=3, twins=199, steps=4),
-    "standard": Effort(base=250, short=120, polish=1000, refitted=6, twins=199, steps=5),
-    "thorough": Effort(base=400, short=250, polish=3000, refitted=10, twins=999, steps=6),
+    "standard": Effort(base=250, short=120, polish=1000, refitted=6, twins=199, steps=5, starts=4),
+    "thorough": Effort(base=400, short=250, polish=3000, refitted=10, twins=999, steps=6, starts=8),
 }
 
 
@@ -111,19 +116,25 @@ class Search:
     crew: Crew
     ledger: Ledger
     report: Callable[[str, float], None]
+    path: str = ""
 
-    def base(self) -> Fit:
-        """Return the base fitted from the published constants, and from them without a drop of friction; the better.
+    def bases(self) -> list[Fit]:
+        """Return the bases, the lowest first: fitted from the published constants, from them without a drop of friction, and from
+        draws of what is known of them.
 
-        The second start is left out where the first already meets the table as tables of its own would.
+        The other starts are left out where the first already meets the table as tables of its own would.
         """
         self.report("fitting the base", 0.02)
         printed = self._fit("base as printed", (), [{}], self.effort.base)
         if printed.loss <= len(self.cells):
-            return printed
-        level = {one.name: one.forth(1.0) for one in base_quantities() if one.name.startswith("drop_")}
-        other = self._fit("base without a drop of friction", (), [level], self.effort.base)
-        return min(printed, other, key=lambda one: one.loss)
+            return [printed]
+        quantities, generator = base_quantities(), np.random.default_rng([self.seed, 98])
+        starts = {"without a drop of friction": {one.name: one.forth(1.0) for one in quantities if one.name.startswith("drop_")}}
+        for number in range(1, self.effort.starts - 1):
+            away = generator.standard_normal(len(quantities))
+            starts[f"from draw {number}"] = {one.name: one.start + one.spread * far for one, far in zip(quantities, away, strict=True)}
+        fits = self.crew.together(lambda one: self._fit(f"base {one}", (), [starts[one]], self.effort.base), list(starts))
+        return sorted([printed, *fits], key=lambda one: one.loss)
 
     def step(self, number: int, model: Fit) -> Step:
         """Return the candidates that promise most beside the control, and what the twins of ``model`` promise by chance."""
@@ -157,18 +168,27 @@ class Search:
         starts: list[Mapping[str, float]] = [model.places]
         return self._fit(f"{key} for longer", model.names, starts, self.effort.short, self.effort.polish)
 
-    def run(self) -> tuple[Fit, list[Step]]:
-        """Return the accepted model and every step, the one that adds nothing as the last.
+    def run(self) -> tuple[Fit, list[Step], list[Fit]]:
+        """Return the accepted model, its steps, the one that adds nothing as the last, and the models of other bottoms of the base.
 
-        Gains are judged by the error of form that the base leaves, where that is less than what is allowed at first.
+        Gains are judged by the error of form that the base leaves, where that is less than what is allowed at first. Each bottom
+        of the base, fitted for longer, is searched from by itself; what is met best in the end is accepted.
         """
-        base = self.base()
+        bases = self.bases()
+        base = bases[0]
         cells = self.cells.known_by(self.cells.of(self.rig.indicators(base.settings)), len(base.places))
-        return replace(self, cells=cells).forward(base)
+        paths = [replace(self, cells=cells, path=f"bottom {number}, " if number else "") for number in range(len(bases))]
+        if self.effort.starts <= 2:
+            paths = paths[:1]
+        longer = list(self.crew.together(lambda k: paths[k].longer("base", bases[k]), range(len(paths))))
+        kept = {longer.index(one): one for one in different(longer)}
+        found = [paths[number].forward(one) for number, one in kept.items()]
+        found.sort(key=lambda one: penalised(one[0], base))
+        return *found[0], [model for model, _ in found[1:]]
 
-    def forward(self, base: Fit) -> tuple[Fit, list[Step]]:
-        """Return the model and the steps from a base that is fitted for longer first."""
-        model, steps = self.longer("base", base), []
+    def forward(self, model: Fit) -> tuple[Fit, list[Step]]:
+        """Return the model and the steps from a base."""
+        steps: list[Step] = []
         for number in range(self.effort.steps):
             found = self.step(number, model)
             steps.append(found)
@@ -189,4 +209,15 @@ class Search:
         def compute() -> dict[str, Any]:
             return fit(self.rig, self.cells, tuple(names), starts, budget, self.seed, polish).as_json()
 
-        return Fit.from_json(self.ledger.keep(f"{key}, {budget} tables", compute))
+        return Fit.from_json(self.ledger.keep(f"{self.path}{key}, {budget} tables", compute))
+
+
+def different(fits: Sequence[Fit]) -> list[Fit]:
+    """Return the fits within `RIVALS` of the lowest, the lowest first, without those that end where a lower one does."""
+    ordered = sorted(fits, key=lambda one: one.loss)
+    kept: list[Fit] = []
+    for one in ordered:
+        there = any(all(abs(one.places[name] - place) <= WIDEST for name, place in other.places.items()) for other in kept)
+        if one.loss <= ordered[0].loss + RIVALS and not there:
+            kept.append(one)
+    return kept
