@@ -103,6 +103,9 @@ class Plant:
         cls.inputs |= {name: item for name, item in ALWAYS.items() if name not in cls.inputs}
         cls.measured = declared(cls, Measured)
         cls.ports = declared(cls, Port)
+        for name in (*cls.states, *cls.parameters, *cls.inputs, *cls.measured):
+            if hasattr(Plant, name):
+                raise UsageError(f"{cls.__name__}: '{name}' is a name that every plant has for itself; call this one otherwise")
         if not cls.base_parameters:
             cls.base_parameters = tuple(name for name, item in cls.parameters.items() if item.base)
 
