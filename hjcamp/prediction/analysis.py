@@ -16,7 +16,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.chapters import FEWEST, chapters_of
 from hjcamp.prediction.contact_form import with_contact_forms
-from hjcamp.prediction.fitting import TURNS_OF_BASE, Fitted, Free, settled
+from hjcamp.prediction.fitting import SETTLED, TURNS_OF_BASE, Fitted, Free, settled
 from hjcamp.prediction.floor import Floor, floor_of
 from hjcamp.prediction.kernels import Kernels
 from hjcamp.prediction.layout import SHORTEST, SHORTEST_OF_ALL, WINDOWS, Layout
@@ -26,7 +26,7 @@ from hjcamp.prediction.scored import Scored
 from hjcamp.prediction.selection import Search
 from hjcamp.prediction.starts import estimated
 from hjcamp.prediction.unknowns import Unknown, ranges_of, unknowns_of
-from hjcamp.prediction.windows import ZERO, Windows
+from hjcamp.prediction.windows import FARTHEST_MOVED, ZERO, Windows
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
@@ -164,7 +164,7 @@ def calibrated(
     windows.move_starts(begun)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if layout.short or above_noise(layout, fitted.features):
-        fitted = best_begun(windows, begun, fitted, plant.base_parameters)
+        fitted = begun_anew(windows, best_begun(windows, begun, fitted, plant.base_parameters))
     if not np.isfinite(fitted.loss):
         raise UsageError(
             f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "
@@ -258,6 +258,26 @@ def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterab
     return best
 
 
+def begun_anew(windows: Windows, fitted: Fitted) -> Fitted:
+    """Return the better of a fit and one whose unseen states begin where the fitted model leads them, from each test's start on.
+
+    Readings may tell such a state in more than one place, as a speed of which nothing but the size is measured: then it stays about
+    where the declared parameters have led it. ``windows`` are left begun where the better has them.
+    """
+    if not windows.unseen.any() or windows.layout.memory or not np.isfinite(fitted.loss):
+        return fitted
+    for _ in range(TURNS_OF_BASE):
+        own = replace(windows)
+        own.place = windows.place
+        begin_hidden(own, fitted.candidate)
+        own.move_starts(fitted.candidate)
+        found = settled(own, fitted.candidate, fitted.free, turns=TURNS_OF_BASE)
+        if not found.loss < fitted.loss - SETTLED:
+            break
+        fitted, windows.place = found, own.place
+    return fitted
+
+
 def power_of(width: int, order: int) -> float:
     """Return how often as large a power of time is at the end of a window as at the end of its first half."""
     return ((width - 1) / (width // 2 - 1)) ** order
@@ -306,17 +326,21 @@ def first_starts(layout: Layout, joined: Array) -> Array:
 
 
 def begin_hidden(windows: Windows, candidate: Candidate) -> None:
-    """Let a state that nothing measures begin each window where the window before left it."""
+    """Let a state that nothing measures begin each window where the window before left it, from the first of its test on.
+
+    To first order in the starts (condensing), twice: copied from window to window, each turn, it would be known two windows long.
+    """
     unseen = windows.unseen
     if not unseen.any():
         return
-    layout = windows.layout
+    following = np.flatnonzero(windows.layout.goes_on)
     for _ in range(2):
-        passed = windows.readings(candidate)[1]
-        for w in np.flatnonzero(layout.goes_on):
-            last = passed[w * layout.width - 1, unseen]
-            windows.starts[w, unseen] = np.where(np.isfinite(last), last, windows.starts[w, unseen])
-    windows.starts = np.maximum(windows.starts, windows.lowest)
+        ends, passed = windows.passed(candidate)
+        starts, moved = windows.starts / windows.sizes, np.zeros_like(ends)
+        for w in following:
+            jump = (ends[w - 1] + passed[w - 1] @ moved[w - 1] - starts[w])[unseen]
+            moved[w, unseen] = np.clip(np.where(np.isfinite(jump), jump, 0.0), -FARTHEST_MOVED, FARTHEST_MOVED)
+        windows.starts = np.maximum(windows.starts + moved * windows.sizes, windows.lowest)
 
 
 def _filled(windows: Windows, candidate: Candidate) -> Array:

@@ -26,6 +26,8 @@ from hjcamp.prediction.starts import erring_sensors
 
 Array = NDArray[np.float64]
 STEP = 1e-3
+# In its usual sizes: how far a start is moved at once.
+FARTHEST_MOVED = 3.0
 ZERO = "zero."
 # So many times the steps of the plant itself: what is stiffer than that costs time for nothing that samples show.
 STIFF = 10.0
@@ -186,7 +188,7 @@ class Windows:
             found = self._predicted(candidate)
             left, passage, starts = self._left(found), self._passage_of(candidate, found), self.starts / self.sizes
             moved = passage.begun(left, starts, found.ends / self.sizes)[0] - starts
-            tried = np.maximum(self.starts + np.clip(moved, -3.0, 3.0) * self.sizes, self.lowest)
+            tried = np.maximum(self.starts + np.clip(moved, -FARTHEST_MOVED, FARTHEST_MOVED) * self.sizes, self.lowest)
             before = self._of_starts(left)
             kept, self.starts = self.starts, tried
             after = self._of_starts(self._left(self._predicted(candidate)))
@@ -236,6 +238,16 @@ class Windows:
         if self.layout.memory:
             return Through.of(np.stack(readings, axis=2), self.layout.of_test)
         return Passage.of(np.stack(readings, axis=2), np.stack(ends, axis=2), self.unseen, self.layout.goes_on)
+
+    def passed(self, candidate: Candidate) -> tuple[Array, Array]:
+        """Return each window's end (windows, states) and what unseen starts change of it (windows, states, states), in sizes."""
+        base = self._predicted(candidate).ends
+        found = np.zeros((*base.shape, len(self.sizes)))
+        for k in np.flatnonzero(self.unseen):
+            moved = self.starts.copy()
+            moved[:, k] += STEP * self.sizes[k]
+            found[:, :, k] = (self._predicted(candidate, moved).ends - base) / (STEP * self.sizes)
+        return base / self.sizes, np.where(np.isfinite(found), found, 0.0)
 
     def growth(self, candidate: Candidate) -> float:
         """Return how often as large a small change of the start is at a window's end as in its first half: most of the states,
