@@ -143,6 +143,15 @@ class LossOverLevel(_Hats, Effect, on="loss", over="level", knots=6):
     acts_on = "store"
 
 
+class LossOverTime(_Hats, Effect, on="loss", over="time", knots=6):
+    r"""A loss of a store that changes during a test: a room that warms, a valve that somebody opens.
+
+    .. math:: q \mathrel{+}= h(t)
+    """
+
+    acts_on = "store"
+
+
 class FlowOverHead(_Hats, Effect, on="flow", over="head", knots=6, changes=True):
     r"""A flow of a path that depends on its head: what is upstream of it, less what is downstream where the path has that.
 
@@ -181,7 +190,7 @@ class ReadingOverTrue(_Hats, Effect, on="reading", over="true", knots=12, change
 
 LAWS: tuple[type[Effect], ...] = (
     ForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
-    FrictionOverLoad, LossOverLevel, FlowOverHead, CommandOverDemand, OutputOverInput, ReadingOverTrue,
+    FrictionOverLoad, LossOverLevel, LossOverTime, FlowOverHead, CommandOverDemand, OutputOverInput, ReadingOverTrue,
 )  # fmt: skip
 
 

@@ -54,14 +54,16 @@ def area_at(level: float | np.ndarray) -> float | np.ndarray:
     return AREA * (0.4 + (level / WIDE) ** 2)
 
 
-def measured_log(seed: int) -> TestLog:
+def measured_log(seed: int, rain: float = 0.0) -> TestLog:
+    """Return a log of the bowl; where ``rain`` falls or dries up (m^3/s at most) the bowl is as wide everywhere."""
     generator, count, small = np.random.default_rng(seed), 1500, 10
     pump = np.repeat(generator.uniform(0.005, 0.03, count // 60 + 1), 60)[:count]
     level, levels = 0.8, np.empty(count)
     for k in range(count):
         levels[k] = level
         for _ in range(small):
-            level = max(level + 2.0 / small * (pump[k] - OUTFLOW * np.sqrt(level)) / area_at(level), 0.0)
+            inflow, area = pump[k] + rain * np.sin(k / 150.0), AREA if rain else area_at(level)
+            level = max(level + 2.0 / small * (inflow - OUTFLOW * np.sqrt(level)) / area, 0.0)
     columns = {"time_s": 2.0 * np.arange(count), "level_m": levels + 1e-3 * generator.standard_normal(count), "pump_m3_per_s": pump}
     return TestLog(columns, {"plant": "bowl", "period_s": "2.0", "condition": f"train {seed}"})
 
@@ -79,6 +81,17 @@ def test_a_bowl_that_widens_is_outside_and_its_capacity_is_drawn(bowl: Path) -> 
     ratio = ((1.0 + y) / area_at(x))[1:-1]
     assert np.ptp(ratio) < 0.2 * ratio.mean() and np.all(1.0 + y > 0.0)
     assert row["left"] < 0.3
+
+
+def test_what_a_store_gets_or_loses_in_the_course_of_a_test_is_outside(bowl: Path) -> None:
+    measured = measured_tests([measured_log(1, rain=0.01), measured_log(2, rain=0.01)])
+    library = load_effects(plant=measured.plant)
+    analysis = calibrated(measured, {name: library[name] for name in ("leakage", "flow_exponent", "sensor_gain")})
+    found = judged(analysis)
+    row = unknown_rows(analysis, found)[0]
+    assert (found.word, found.effects) == ("outside_library", ())
+    assert (row["quantity"], row["port"], row["driver"]) == ("loss", "level", "time")
+    assert row["left"] < 0.6
 
 
 def test_a_positive_law_leaves_something_whatever_its_amplitudes_are(bowl: Path) -> None:
