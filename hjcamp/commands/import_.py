@@ -31,7 +31,7 @@ with all fields of a plant. An example of MAP.yaml:
     position_m: {column: x, unit: mm, scale: 1, offset: 0, sign: -1}
     voltage_v: u
   metadata: {condition: "{file}", mass_kg: 95}   # {file}: the file's name
-  files:                   # where single files differ
+  files:                   # metadata of single files; then every file stands here
     train.csv: {condition: train}
     pulses.csv: {condition: pulses, mass_kg: 120}
 

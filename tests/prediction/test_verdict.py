@@ -271,6 +271,18 @@ def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
     assert "6 times its noise, though the library takes no more of it than chance (p = 0.5)" in " ".join(words.sentences())
 
 
+@pytest.mark.parametrize(("augmented", "floor", "said"), [(0.8, 0.1, True), (0.5, 0.1, False), (0.8, 0.7, False)])
+def test_that_most_of_the_error_is_left_beside_a_name_is_said(augmented: float, floor: float, said: bool) -> None:
+    rows = {
+        "level_v": {"baseline": 1.0, "augmented": augmented, "floor": floor, "unit": "V"},
+        "flow_m3_per_s": {"baseline": 0.5, "augmented": 0.5, "floor": 0.4, "unit": "m^3/s"},
+    }
+    words = Words(SimpleNamespace(floor=SimpleNamespace(source="sensor")), SimpleNamespace(), {"channels": rows})  # type: ignore[arg-type]
+    found = words._most_is_left()
+    assert bool(found) == said
+    assert not said or "level errs by 0.8 V instead of 1 V, 8 times the noise" in found[0]
+
+
 def test_linear_algebra_takes_one_thread(axis: Path) -> None:
     measured = measured_tests([measured_log(seconds=0.6)])
     with threadpool_limits(2, user_api="blas"):

@@ -157,6 +157,8 @@ class Words:
             else:
                 freest = f"a free law over {first['driver'].replace('_', ' ')}" if first else "a regression on the motion"
                 found.append(f"The law leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
+        if verdict.word in ("effect", "one_of"):
+            found += self._most_is_left()
         if verdict.word != "cannot_tell":
             found.append(
                 f"Error on chapters left out, over the floor: {error['baseline']:.2f} calibrated"
@@ -180,6 +182,23 @@ class Words:
         found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
         found += still_words(self.content["still"])
         return found + self.telling()
+
+    def _most_is_left(self) -> list[str]:
+        """Say so where what was found takes less than half of what lies above the floor, in every channel."""
+        from hjcamp.prediction.levels import MOST_OF_IT
+        from hjcamp.report.exploration import channel_label
+
+        rows = self.content["channels"]
+        if any(row["baseline"] - row["augmented"] >= MOST_OF_IT * (row["baseline"] - row["floor"]) for row in rows.values()):
+            return []
+        name = max(rows, key=lambda one: rows[one]["augmented"] / max(rows[one]["floor"], 1e-300))
+        row = rows[name]
+        kind = "the noise" if self.analysis.floor.source == "sensor" else "the floor"
+        return [
+            f"Most of the error is left: {channel_label(name)} errs by {told(row['augmented'], row['unit'])} instead of "
+            f"{told(row['baseline'], row['unit'])}, {row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}. "
+            "Something else is missing as well, or the rig scatters."
+        ]
 
     def _remains(self, name: str, row: Mapping[str, Any]) -> str:
         """What a channel still errs by, beside chance, and what may be the reason."""
