@@ -80,6 +80,15 @@ class ForceOverPosition(_Hats, Effect, on="force", over="position", knots=12):
     acts_on = "body"
 
 
+class FineForceOverPosition(_Hats, Effect, on="force", over="position", knots=48):
+    r"""The same with knots four times as near: a force that repeats along the travel, as of teeth, poles or the turns of a screw.
+
+    .. math:: F \mathrel{+}= h(x)
+    """
+
+    acts_on = "body"
+
+
 class ForceOverVelocity(_Hats, Effect, on="force", over="velocity", knots=6):
     r"""A force on a body that depends on its velocity.
 
@@ -189,7 +198,7 @@ class ReadingOverTrue(_Hats, Effect, on="reading", over="true", knots=12, change
 
 
 LAWS: tuple[type[Effect], ...] = (
-    ForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
+    ForceOverPosition, FineForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
     FrictionOverLoad, LossOverLevel, LossOverTime, FlowOverHead, CommandOverDemand, OutputOverInput, ReadingOverTrue,
 )  # fmt: skip
 

@@ -69,7 +69,7 @@ def unknowns_of(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -
     for law in unknown_laws.LAWS:
         words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", law.__name__).lower()
         law.name = f"unknown_{words}"
-        quantity, driver = words.split("_over_")
+        quantity, driver = words.removeprefix("fine_").split("_over_")
         try:
             bound = bind(law, plant)
         except UsageError:

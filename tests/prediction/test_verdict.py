@@ -67,6 +67,15 @@ def test_what_no_law_has_is_outside_and_its_curve_is_drawn(axis: Path) -> None:
     assert len(curve["x"]) == len(curve["y"]) and curve["x_unit"] == "m" and curve["y_unit"] == "N"
 
 
+def test_a_force_that_repeats_many_times_along_the_travel_is_outside(axis: Path) -> None:
+    measured = measured_tests([measured_log(lambda x, v: 12.0 * np.sin(2.0 * np.pi * x / 0.013), seconds=9.0)])
+    library = load_effects(plant=measured.plant)
+    analysis = calibrated(measured, {name: library[name] for name in LIBRARY})
+    found = answer(analysis, judged(analysis), 0.0)
+    assert (found["verdict"], found["drivers"][0]) == ("outside_library", "velocity_position")
+    assert found["unknowns"][0]["quantity"] == "force" and found["unknowns"][0]["left"] < 0.7
+
+
 def test_what_depends_on_two_quantities_is_outside_though_no_law_of_one_takes_it(axis: Path) -> None:
     found = asked(lambda x, v: -2500.0 * x * v)
     assert (found["verdict"], found["effects"], found["drivers"]) == ("outside_library", [], [])
