@@ -157,12 +157,15 @@ class Fits:
 
         Of short tests all are fitted to the end: what is best as it is often leads nowhere, and it takes little.
         """
+        distinct = {one.key: one for one in starts}
         if self.windows.layout.short:
-            best = min((self.settled(one) for one in starts), key=lambda one: one.loss)
+            best = min((self.settled(one) for one in distinct.values()), key=lambda one: one.loss)
             return min(best, self.settled(self.plain(best.candidate, before.candidate)), key=lambda one: one.loss)
-        starts = sorted(starts, key=lambda one: loss(self.windows.features(one)))[:FITTED_STARTS]
-        starts += [one for one in [self.plain(starts[0], before.candidate)] if one.key != starts[0].key]
-        tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in starts]
+        left = {key: loss(self.windows.features(one)) for key, one in distinct.items()}
+        starts = sorted(starts, key=lambda one: left[one.key])[:FITTED_STARTS]
+        starts.append(self.plain(starts[0], before.candidate))
+        distinct = {one.key: one for one in starts}
+        tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in distinct.values()]
         return min(tried, key=lambda one: one.loss)
 
     def plain(self, candidate: Candidate, before: Candidate) -> Candidate:
