@@ -146,10 +146,12 @@ class Windows:
                 windows = group & part
                 if not windows.any():
                     continue
-                samples_of = np.repeat(windows, samples)
-                rows, p = of_all[samples_of], model.vector({**values, **given})
-                own = windows & begun
-                course = Given(measured.period, marks[rows], layout.time[rows], inputs[rows], begin[own])
+                # nothing is picked out of the whole: most runs are of all windows
+                samples_of = slice(None) if windows.all() else np.repeat(windows, samples)
+                rows = samples_of if samples == layout.width else of_all[samples_of]
+                own, p = windows & begun, model.vector({**values, **given})
+                given_inputs = np.ascontiguousarray(inputs[rows])  # a kernel is compiled anew for other orders
+                course = Given(measured.period, marks[rows], layout.time[rows], given_inputs, begin[own])
                 ran = model.run_to_ends(p, course, most=most * len(course.time))
                 out[samples_of], states[samples_of] = ran.readings[:, measured.columns], ran.states[:, : begin.shape[1]]
                 ends[own] = ran.ends
