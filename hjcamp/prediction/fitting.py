@@ -126,17 +126,19 @@ def fit(
     rounds: int = ROUNDS,
     near: Fitted | None = None,
     exact: bool = True,
+    features: Array | None = None,
 ) -> Fitted:
     """Return the fit from ``start`` within its bounds; it never is worse than that. Window starts stay as they are.
 
     Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6). They are computed afresh
     where a step gains little, and once more where it gains nothing; ``near`` lends its own, ``exact`` asks for fresh ones at
-    the end.
+    the end. ``features`` are those of ``start`` where they are known.
     """
     candidate, damping = start, 1e-3
     for one in free:
         candidate = one.within(candidate)
-    features = windows.features(candidate)
+    if features is None or candidate is not start:
+        features = windows.features(candidate)
     current = whole_loss(features, candidate, free)
     slopes, fresh = _lent(windows, candidate, free, features, near)
     close = fresh  # whether no step since they were computed has gained much
@@ -215,8 +217,8 @@ def settled(
         if not np.isfinite(found.loss):
             break
         before = found
-        windows.move_starts(before.candidate, rounds=1)
-        found = fit(windows, before.candidate, free, near=before)
+        features = windows.move_starts(before.candidate, rounds=1)
+        found = fit(windows, before.candidate, free, near=before, features=features)
         gained = before.loss - found.loss
         # where states go on from window to window, starts that are moved may bend the loss upwards at first
         if gained < SETTLED and (gained > -SETTLED or not windows.unseen.any()):

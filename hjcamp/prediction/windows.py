@@ -184,20 +184,23 @@ class Windows:
         """Return the coefficients (windows, coefficients) of the errors of a prediction."""
         return self.layout.coefficients(self._error(found)).reshape(len(self.starts), -1)
 
-    def move_starts(self, candidate: Candidate, rounds: int = 2) -> None:
-        """Move each window's start to where its readings are met best, and renew the sensitivities."""
+    def move_starts(self, candidate: Candidate, rounds: int = 2) -> Array:
+        """Move each window's start to where its readings are met best, renew the sensitivities, and return the features there."""
+        found = self._predicted(candidate)
         for _ in range(rounds):
-            found = self._predicted(candidate)
             left, passage, starts = self._left(found), self._passage_of(candidate, found), self.starts / self.sizes
             moved = passage.begun(left, starts, found.ends / self.sizes)[0] - starts
             tried = np.maximum(self.starts + np.clip(moved, -FARTHEST_MOVED, FARTHEST_MOVED) * self.sizes, self.lowest)
             before = self._of_starts(left)
             kept, self.starts = self.starts, tried
-            after = self._of_starts(self._left(self._predicted(candidate)))
+            seen = self._predicted(candidate)
             # what readings do not tell of a start changes them by less than their noise
-            better = after < before + passage.open
+            better = self._of_starts(self._left(seen)) < before + passage.open
             self.starts = np.where(better[:, None], tried, kept)
-        self.renew(candidate)
+            if better.any():
+                found = seen if better.all() else self._predicted(candidate)
+        self._passage = self._passage_of(candidate, found)
+        return self._unexplained(found)
 
     def _of_starts(self, left: Array) -> Array:
         """Return the squares (windows,) of errors (windows, coefficients), summed over all windows that share a start."""
@@ -273,5 +276,8 @@ class Windows:
 
         What nothing measures begins where the window before ended.
         """
-        found = self._predicted(candidate, friction=friction)
+        return self._unexplained(self._predicted(candidate, friction=friction))
+
+    def _unexplained(self, found: Predicted) -> Array:
+        """Return what no start explains of the errors of a prediction."""
         return self._passage.unexplained(self._left(found), self.starts / self.sizes, found.ends / self.sizes)
