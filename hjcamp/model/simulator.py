@@ -123,11 +123,16 @@ class Simulator:
         for name in values:
             if name not in known:
                 raise unknown("parameter", name, known, f"the model of {self.composition.plant.name}")
-        found = {name: float(values.get(name, parameter.default)) for name, parameter in known.items()}
+        found = self._defaults | {name: float(value) for name, value in values.items()}
         if self.composition.gated:
             opened = [found[f"gate.{effect.name}"] != 0.0 for effect in self.composition.effects]
             found[GATES] = float(sum(1 << place for place, one in enumerate(opened) if one))
         return np.array(list(found.values()))
+
+    @cached_property
+    def _defaults(self) -> dict[str, float]:
+        """The parameters by full name, in order, as they are declared."""
+        return {name: float(parameter.default) for name, parameter in self.composition.parameters.items()}
 
     def inputs(self) -> Array:
         """Return the input vector at its defaults."""
