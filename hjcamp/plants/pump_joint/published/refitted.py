@@ -20,7 +20,7 @@ WHY = (
     "the lines have stored, and the printed viscous friction is too small to brake the jump: the arm overshoots, sticks and "
     "winds the loop up again, the more with a payload. Where a motion turns back, the integral of the errors is multiplied with "
     "another gain from one sample to the next, which kicks the arm as well (controller.bumpless=1: without that kick). The "
-    "refitted constants have more viscous friction; what that stands for is open (docs/thesis_gap.md)."
+    "refitted constants have more viscous friction and half the feedforward; what these stand for is open (docs/thesis_gap.md)."
 )
 
 
