@@ -92,6 +92,7 @@ def asked(tanks: Path, *, end: float, brim: float = np.inf, seed: int = 1) -> tu
     return content, " ".join(Words(*found, content).sentences())
 
 
+@pytest.mark.study
 def test_the_spill_of_the_upper_tank_is_named_though_the_gauge_of_the_lower_one_ends(tanks: Path) -> None:
     found, said = asked(tanks, end=6.0, brim=7.0)
     assert (found["verdict"], found["effects"]) == ("effect", ["spill_over"])

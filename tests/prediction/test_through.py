@@ -90,6 +90,7 @@ def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch:
     assert said() == ("cannot_tell", [])
 
 
+@pytest.mark.study
 def test_what_few_chapters_do_not_show_is_looked_for_in_windows(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # simulated through there are nine chapters, too few for two things at once
     measured = measured_tests([gauge.measured_log(brim=7.0, seed=9, samples=800, power=0.4)])
