@@ -19,7 +19,7 @@ from hjcamp.report.declared import TableDefinition, declared_tables
 from hjcamp.report.exploration import REFERENCE, Exploration, names_of
 from hjcamp.report.explorer import explorer_html
 from hjcamp.report.formats import to_latex, to_markdown
-from hjcamp.report.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, row_of, varied_columns
+from hjcamp.report.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, configuration, row_of, varied_columns
 from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
 from hjcamp.report.page import Picture, build_page
 from hjcamp.report.pictures.conditions import draw_condition
@@ -125,7 +125,7 @@ def build_report(
     more = further(found) if further else {}
     said = compared.verdict if compared else verdict(comparison, differs) if against else ""
     dots = _dots(conditions, found)
-    refitted = beside_refit(conditions) if against in AGAINST else None
+    refitted = beside_refit(conditions) if against in AGAINST and _as_printed(found) else None
     page = _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out, shown, dots, refitted)
     replace_file(target / "report.html", page)
     return Report(
@@ -141,6 +141,12 @@ def build_report(
         said,
         compared,
     )
+
+
+def _as_printed(logs: Sequence[TestLog]) -> bool:
+    """Whether no test was simulated with another model than the published one."""
+    models = (configuration(log.attachments.get("config.yaml", b"")).get("model") for log in logs)
+    return all(not isinstance(one, dict) or one.get("name") in (None, "published") for one in models)
 
 
 def in_plan_order(logs: Sequence[TestLog], origin: RunOrigin) -> list[TestLog]:

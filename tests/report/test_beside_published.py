@@ -178,6 +178,18 @@ def test_another_configuration_has_a_dash_and_the_reason(
     assert why in str(refusal.value)
 
 
+def test_what_was_measured_stands_beside_another_model_of_the_joint(tmp_path: Path) -> None:
+    report = run_of(tmp_path, [make_log("ramp_pos", "pid", 1, 1.5, ("model=refit",))])
+    assert not report.differs and report.comparison.height > 0
+    # its errors are not those of the printed constants
+    assert 'id="refitted"' not in report.page.read_text(encoding="utf-8")
+    # what was simulated with the printed constants stands beside these alone
+    own = ("controller/gains=simulation", "controller/feedforward=design")
+    for model, missing in ((), 0), (("model=refit",), 1):
+        frame = by_condition(indicators_frame([make_log("ramp_pos", "ffwd_pid", overrides=(*own, *model))]))
+        assert frame["rmse1_deg_published_mean"].null_count() == missing
+
+
 @pytest.mark.parametrize(
     "overrides",
     [("rig.scatter.friction_between=0.0",), ("rig.sensors.pressure_noise_mpa=0.001",), ("backend=nidaqmx",)],

@@ -19,20 +19,31 @@ from hjcamp.report.settings import difference
 
 #: Parameters of controllers that came later; a log without them was made as by their defaults.
 LATER = ("bumpless",)
+#: Tables of the real joint: whatever models it, that is what its tests are held against.
+MEASURED = ("5.4.1", "5.4.2", "5.5.1", "5.5.2")
 UNKNOWN = "the log does not hold its configuration"
 
 
 def standing(config: Mapping[str, Any], cell: tuple[str, ...]) -> list[dict[str, str]]:
     """Return, for each table that has the ``cell`` (of `cell_key`), its name and where ``config`` differs from its test.
 
-    ``differs`` is empty where nothing that decides the physics does: only then the published value may stand beside.
+    ``differs`` is empty where nothing that decides the physics does: only then the published value may stand beside. What was
+    measured stands beside every model of the joint that has a name of its own.
     """
     found = []
     for table, campaigns in CAMPAIGNS.items():
         published = [one for one in (_published(name, cell) for name in campaigns) if one is not None]
         if published:
-            found.append({"table": table, "cell": " ".join(cell), "differs": _differs(config, published[0])})
+            differs = _differs(_with_published_model(config, published[0]) if table in MEASURED else config, published[0])
+            found.append({"table": table, "cell": " ".join(cell), "differs": differs})
     return found
+
+
+def _with_published_model(config: Mapping[str, Any], published: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a configuration without its saved model; values that are set within the published one are another joint."""
+    own, theirs = (one.get("model") for one in (config, published))
+    named = isinstance(own, Mapping) and isinstance(theirs, Mapping) and own.get("name") != theirs.get("name")
+    return {**config, "model": theirs} if named else config
 
 
 def _differs(config: Mapping[str, Any], published: Mapping[str, Any]) -> str:
