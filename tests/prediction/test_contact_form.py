@@ -66,6 +66,7 @@ def analysed(measured: Measured) -> Analysis:
     return calibrated(measured, {name: library[name] for name in ("presliding", "spring")})
 
 
+@pytest.mark.study
 def test_the_form_of_a_contact_is_the_bases_where_it_is_small(measured: Measured) -> None:
     analysis = analysed(measured)
     found = judged(analysis)

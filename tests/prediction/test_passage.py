@@ -113,6 +113,7 @@ def test_a_fit_goes_on_where_a_parameter_stands_at_its_bound() -> None:
 
 
 @pytest.mark.usefixtures("tanks")
+@pytest.mark.study
 def test_a_spill_is_named_beside_a_gauge_that_is_bent_and_the_bend_is_told() -> None:
     measured = measured_tests([measured_log(brim=7.0, bend=0.15)])
     names = ("spill_over", "overflow_at_upper", "sensor_offset", "flow_exponent_at_outflow")

@@ -29,6 +29,6 @@ def test_every_place_names_the_same_versions() -> None:
 
 
 def test_one_place_says_how_long_the_setup_takes() -> None:
-    said = re.findall(r"make setup[^\n]*\d+ minutes", (ROOT / "README.md").read_text().replace("`", ""))
+    said = re.findall(r"make setup[^\n]*\d+ (?:minutes|s)\b", (ROOT / "README.md").read_text().replace("`", ""))
     assert len(said) == 1
     assert "minute" not in next(line for line in (ROOT / "Makefile").read_text().splitlines() if "make setup " in line)
