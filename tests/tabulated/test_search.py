@@ -222,3 +222,11 @@ def test_a_long_search_ends_within_bounds():
     beyond = 3.0 * scale.back(scale.ends[1])
     found = fit(rig, measured(rig, {"controller_scale": beyond}), ("controller_scale",), [{}], 60, 1, polish=400)
     assert found.places["controller_scale"] == pytest.approx(scale.ends[1])
+
+
+def test_a_model_of_another_bottom_pays_for_no_more_than_it_has():
+    base, control = Fit((), {}, 100.0), Fit(("pump_ratio",), {}, 80.0)
+    model, rival = Fit(("pump_ratio", "controller_scale"), {}, 70.0), Fit(("bumpless",), {}, 77.0)
+    steps = [Step(base, base, [control], [1.0] * 20), Step(control, control, [model], [1.0] * 20)]
+    # 74 with two quantities against 79 with one; by the last step alone it would be 72 against 79
+    assert verdict_of(model, steps, 0.5, [rival])[1] == ("pump_ratio", "controller_scale", "bumpless")

@@ -148,8 +148,12 @@ def verdict_of(
         return (NOTHING if p_left > LEVEL else OUTSIDE), ()
     last = next(one for one in steps if any(rival.names == model.names for rival in one.rivals))
     best = min(penalised(one, last.control) for one in last.rivals)
+    alike = [one for one in last.rivals if math.exp(0.5 * (best - penalised(one, last.control))) > LEAST_WEIGHT]
+    # models of other bottoms share no step: each pays for all that it has
+    base = steps[0].before
+    whole = penalised(model, base)
     others = [one for one in elsewhere if one.names and one.names != model.names]
-    alike = [one for one in (*last.rivals, *others) if math.exp(0.5 * (best - penalised(one, last.control))) > LEAST_WEIGHT]
+    alike += [one for one in others if math.exp(0.5 * (whole - penalised(one, base))) > LEAST_WEIGHT]
     if p_left <= LEVEL:
         return OUTSIDE, model.names
     if len(alike) > 1:
