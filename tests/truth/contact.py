@@ -16,6 +16,34 @@ BRISTLE_DAMPING = 0.2
 
 
 @njit
+def smooth_speed(
+    speed: float, force: float, upper: float, lower: float, viscous: float, mass: float, grain: float, step: float
+) -> float:
+    """Return the speed after a step under a friction F tanh(v/v_0), which never sticks; `grain` is v_0 (m/s).
+
+    Backward Euler; what it solves grows with the speed: Newton's steps, and half the interval where one leaves it.
+    """
+    share = step / mass
+    low = (speed + share * (force - upper)) / (1 + share * viscous)
+    high = (speed + share * (force + lower)) / (1 + share * viscous)
+    found = min(max(speed, low), high)
+    for _ in range(100):
+        strength, bend = upper if found > 0 else lower, math.tanh(found / grain)
+        error = found * (1 + share * viscous) - speed - share * (force - strength * bend)
+        if error > 0:
+            high = found
+        else:
+            low = found
+        then = found - error / (1 + share * (viscous + strength / grain * (1 - bend * bend)))
+        if not low < then < high:
+            then = 0.5 * (low + high)
+        if abs(then - found) <= 1e-15 * (abs(then) + grain):
+            return then
+        found = then
+    return found
+
+
+@njit
 def contact_step(
     law: int,
     speed: float,
@@ -37,16 +65,7 @@ def contact_step(
     """
     share = step / mass
     if law == 1:
-        low = (speed + share * (force - upper)) / (1 + share * viscous)
-        high = (speed + share * (force + lower)) / (1 + share * viscous)
-        for _ in range(40):
-            middle = 0.5 * (low + high)
-            wall = (upper if middle > 0 else lower) * math.tanh(middle / grain)
-            if middle - speed - share * (force - wall - viscous * middle) > 0:
-                high = middle
-            else:
-                low = middle
-        found = 0.5 * (low + high)
+        found = smooth_speed(speed, force, upper, lower, viscous, mass, grain, step)
         return found, (upper if found > 0 else lower) * math.tanh(found / grain)
     if law == 2:
         strength = upper if speed > 0 else lower

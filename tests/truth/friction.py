@@ -59,25 +59,6 @@ def bristle_step(bend: float, speed: float, strength: float, stiffness: float, s
 
 
 @within
-def smooth_speed(
-    speed: float, push: float, upper: float, lower: float, viscous: float, mass: float, step: float
-) -> float:
-    """Return the speed after a step under a friction F tanh(v/v_0), which never sticks: v_0 = `SMOOTH_SPEED`.
-
-    Backward Euler; what it solves grows with the speed, so that halving an interval finds it.
-    """
-    low, high = speed - 10.0, speed + 10.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        wall = (upper if middle > 0 else lower) * math.tanh(middle / SMOOTH_SPEED)
-        if middle - speed - step / mass * (push - wall - viscous * middle) > 0:
-            high = middle
-        else:
-            low = middle
-    return 0.5 * (low + high)
-
-
-@within
 def sharp_speed(
     speed: float, push: float, upper: float, lower: float, viscous: float, mass: float, step: float
 ) -> tuple[float, float]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from truth.arm import arm_load
 from truth.compiled import within
+from truth.contact import smooth_speed
 from truth.friction import (
     BRISTLE_DAMPING_SPEED,
     SMOOTH_SPEED,
@@ -16,7 +17,6 @@ from truth.friction import (
     contact_step,
     dry_strength,
     sharp_speed,
-    smooth_speed,
     surface_level,
 )
 from truth.hydraulics import JOINT_PRESSURE
@@ -127,7 +127,7 @@ def joint_step(
     else:
         force += load
     if plant.contact_law == 2.0:
-        speed = smooth_speed(speed, force, share * upper, share * lower, damping, mass, step)
+        speed = smooth_speed(speed, force, share * upper, share * lower, damping, mass, SMOOTH_SPEED, step)
         friction = share * (upper if speed > 0 else lower) * math.tanh(speed / SMOOTH_SPEED)
     elif plant.contact_law == 3.0:
         speed, friction = sharp_speed(speed, force, share * upper, share * lower, damping, mass, step)

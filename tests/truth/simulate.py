@@ -23,7 +23,7 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-COMPILED = ("arm", "controller", "friction", "hydraulics", "joint", "lines", "plant", "pump", "simulate")
+COMPILED = ("arm", "contact", "controller", "friction", "hydraulics", "joint", "lines", "plant", "pump", "simulate")
 SUBSTEPS = 50
 STEP = SAMPLE / SUBSTEPS
 RING = 4096
