@@ -12,7 +12,7 @@ from hjcamp.errors import counted
 
 if TYPE_CHECKING:
     from hjcamp.model.plant import Plant
-    from hjcamp.prediction.measured import Measured
+    from hjcamp.prediction.measured.tests import Measured
     from hjcamp.records.log import TestLog
 
 Report = Callable[[str, float], None]
@@ -55,7 +55,7 @@ class Data:
     def measured(self) -> Measured:
         """The tests as the analyses of any plant take them; what is doubtful is said on stderr."""
         from hjcamp.model.plant_checks import check_users_plant, other_period
-        from hjcamp.prediction.measured import measured_tests
+        from hjcamp.prediction.measured.tests import measured_tests
 
         check_users_plant(self.plant)
         doubtful = doubtful_lines(self.logs)

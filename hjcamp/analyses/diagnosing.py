@@ -14,8 +14,8 @@ from hjcamp.errors import UsageError, shown, unknown
 if TYPE_CHECKING:
     from hjcamp.model.candidate import Candidate
     from hjcamp.model.effect import Effect
-    from hjcamp.prediction.analysis import Analysis
-    from hjcamp.prediction.verdict import Verdict
+    from hjcamp.prediction.selection.analysis import Analysis
+    from hjcamp.prediction.verdict.verdict import Verdict
 
 MOST_WORKERS = 4
 
@@ -60,11 +60,11 @@ def check_seed(seed: int) -> None:
 
 
 def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDiagnosed:
-    """Return what the model of any plant misses (`hjcamp.prediction.verdict`)."""
-    from hjcamp.prediction.analysis import Known, calibrated
+    """Return what the model of any plant misses (`hjcamp.prediction.verdict.verdict`)."""
     from hjcamp.prediction.answer import answer, asked_candidates
-    from hjcamp.prediction.floor import not_above
-    from hjcamp.prediction.verdict import agreed
+    from hjcamp.prediction.measured.floor import not_above
+    from hjcamp.prediction.selection.analysis import Known, calibrated
+    from hjcamp.prediction.verdict.verdict import agreed
     from hjcamp.workers.pool import available
 
     began = time.perf_counter()
@@ -94,8 +94,8 @@ def chosen_and_start(data: Data, asked: Asked) -> tuple[dict[str, type[Effect]],
     ``--only`` says what may be named; the form of a contact belongs to the base unless ``--without`` takes it out.
     """
     from hjcamp.effects import load_effects
-    from hjcamp.prediction.contact_form import forms_among
     from hjcamp.prediction.model_file import load_model
+    from hjcamp.prediction.selection.contact_form import forms_among
 
     plant = data.measured.plant
     library = load_effects(plant=plant)

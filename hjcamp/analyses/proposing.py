@@ -12,9 +12,9 @@ from hjcamp.analyses.data import Data, Report, silent
 from hjcamp.analyses.diagnosing import Asked, PlantDiagnosed, chosen_and_start, diagnose_plant, made_from
 
 if TYPE_CHECKING:
-    from hjcamp.prediction.analysis import Analysis
     from hjcamp.prediction.next.proposal import Proposal
-    from hjcamp.prediction.scored import Scored
+    from hjcamp.prediction.selection.analysis import Analysis
+    from hjcamp.prediction.selection.scored import Scored
 
 DIAGNOSED = 0.6
 
@@ -44,8 +44,8 @@ def propose_for_plant(
 
     ``kept`` may be the answer of a diagnosis: where it was made from the same logs and model, the search is not made again.
     """
-    from hjcamp.prediction.analysis import calibrated
     from hjcamp.prediction.next.rivals import NONE, check_names
+    from hjcamp.prediction.selection.analysis import calibrated
 
     before = _kept(kept, made_from(data, asked))
     if before is not None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from hjcamp.prediction.analysis import Analysis
+    from hjcamp.prediction.selection.analysis import Analysis
 
 
 def untold(analysis: Analysis) -> list[str]:
@@ -15,7 +15,7 @@ def untold(analysis: Analysis) -> list[str]:
 
     None where its interval is narrow all the same: within a share of its value that matters.
     """
-    from hjcamp.prediction.intervals import intervals
+    from hjcamp.prediction.fitting.intervals import intervals
     from hjcamp.prediction.levels import MATTERS
     from hjcamp.report.pictures.corner import ALIKE, correlation_of
 

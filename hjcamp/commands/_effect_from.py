@@ -92,7 +92,7 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.effects._curve_template import Begun, Table, even_steps
     from hjcamp.known_plants import find_plant
     from hjcamp.model.vocabulary import read_vocabulary
-    from hjcamp.prediction.unknowns import SHARES, times_of
+    from hjcamp.prediction.laws.unknowns import SHARES, times_of
 
     ports = read_vocabulary(find_plant(plant)).ports
     if row["port"] not in ports:

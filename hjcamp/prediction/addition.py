@@ -9,14 +9,14 @@ from typing import Any
 from hjcamp.configuration.saved_model import log_hashes
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
-from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import calibration, channel_rows, end_rows, floor_size, removed
-from hjcamp.prediction.contact_form import forms_among
-from hjcamp.prediction.floor import not_above
-from hjcamp.prediction.intervals import intervals
-from hjcamp.prediction.measured import Measured
-from hjcamp.prediction.scored import Scored
-from hjcamp.prediction.screening import Projection
+from hjcamp.prediction.fitting.intervals import intervals
+from hjcamp.prediction.measured.floor import not_above
+from hjcamp.prediction.measured.tests import Measured
+from hjcamp.prediction.screening.screening import Projection
+from hjcamp.prediction.selection.analysis import Analysis, calibrated
+from hjcamp.prediction.selection.contact_form import forms_among
+from hjcamp.prediction.selection.scored import Scored
 
 
 @dataclass(frozen=True)

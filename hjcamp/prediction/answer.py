@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.field_unit import unit_of_field
-from hjcamp.prediction.analysis import Analysis
-from hjcamp.prediction.chapters import advantages, chance_of_t, critical
-from hjcamp.prediction.floor import in_units, shared
-from hjcamp.prediction.functional import functional
-from hjcamp.prediction.intervals import Interval, intervals
-from hjcamp.prediction.layout import Layout
-from hjcamp.prediction.leading import leading
-from hjcamp.prediction.measured import Measured
-from hjcamp.prediction.scored import Scored, Step
-from hjcamp.prediction.unknowns import Unknown
-from hjcamp.prediction.verdict import Verdict
-from hjcamp.prediction.windows import ZERO
+from hjcamp.prediction.fitting.chapters import advantages, chance_of_t, critical
+from hjcamp.prediction.fitting.intervals import Interval, intervals
+from hjcamp.prediction.laws.unknowns import Unknown
+from hjcamp.prediction.measured.floor import in_units, shared
+from hjcamp.prediction.measured.layout import Layout
+from hjcamp.prediction.measured.tests import Measured
+from hjcamp.prediction.residuals.windows import ZERO
+from hjcamp.prediction.selection.analysis import Analysis
+from hjcamp.prediction.selection.scored import Scored, Step
+from hjcamp.prediction.verdict.functional import functional
+from hjcamp.prediction.verdict.leading import leading
+from hjcamp.prediction.verdict.verdict import Verdict
 
 Array = NDArray[np.float64]
 SCHEMA = "hjcamp.diagnosis/2"

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
-from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import end_rows, floor_size
-from hjcamp.prediction.contact_form import forms_among
-from hjcamp.prediction.fitting import TURNS_OF_BASE, settled
-from hjcamp.prediction.floor import in_units, not_above
-from hjcamp.prediction.likelihood import size
-from hjcamp.prediction.measured import Measured
+from hjcamp.prediction.fitting.gauss_newton import TURNS_OF_BASE, settled
+from hjcamp.prediction.fitting.likelihood import size
+from hjcamp.prediction.measured.floor import in_units, not_above
+from hjcamp.prediction.measured.tests import Measured
+from hjcamp.prediction.selection.analysis import Analysis, calibrated
+from hjcamp.prediction.selection.contact_form import forms_among
 
 Array = NDArray[np.float64]
 

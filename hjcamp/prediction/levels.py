@@ -5,7 +5,7 @@ from __future__ import annotations
 # One claim in twenty may be wrong: chance of the screening, paired comparisons of models over chapters.
 LEVEL = 0.05
 # Equal readings in a row at the largest or smallest of all are the sensor's end where chance makes such a row anywhere in the logs,
-# at either end of any sensor, less often than this: one claim in twenty (`hjcamp.prediction.ends` counts them).
+# at either end of any sensor, less often than this: one claim in twenty (`hjcamp.prediction.measured.ends` counts them).
 ENDS = LEVEL
 # An effect matters where it takes a tenth of the error: the smallest change that is told to a user as an improvement.
 MATTERS = 0.10

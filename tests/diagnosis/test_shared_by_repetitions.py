@@ -10,7 +10,7 @@ import pytest
 
 from hjcamp.plants.pump_joint.diagnosis.answer_rows import confidence_set, worst
 from hjcamp.plants.pump_joint.diagnosis.scale import Judged, Scale, shared_by
-from hjcamp.prediction.floor import shared
+from hjcamp.prediction.measured.floor import shared
 from hjcamp.report.floor_words import worst_table, worst_words
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hjcamp.prediction.analysis import calibrated
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY
 

@@ -11,9 +11,9 @@ import numpy as np
 from carriage import measured_log
 
 from hjcamp.effects import load_effects
-from hjcamp.prediction.analysis import Analysis, calibrated
-from hjcamp.prediction.borne_out import not_borne_out, not_in_windows
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import Analysis, calibrated
+from hjcamp.prediction.verdict.borne_out import not_borne_out, not_in_windows
 
 
 def short(axis: Path, force: Callable[[float, float], float]) -> Analysis:

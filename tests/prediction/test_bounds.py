@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.fitting import Free
+from hjcamp.prediction.fitting.gauss_newton import Free
 
 
 @pytest.mark.parametrize(("value", "found"), [(1e-3, 0.5), (0.7, 0.7), (9.0, 2.0)])

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.chance import chance_gains, moved_orders, p_value
-from hjcamp.prediction.fitting import Fitted
-from hjcamp.prediction.screening import Probe, Projection
+from hjcamp.prediction.fitting.gauss_newton import Fitted
+from hjcamp.prediction.screening.chance import chance_gains, moved_orders, p_value
+from hjcamp.prediction.screening.screening import Probe, Projection
 
 WINDOWS, D, ORDERS = 160, 3, 99
 

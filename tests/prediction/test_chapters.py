@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from carriage import measured_log
 
-from hjcamp.prediction import chapters
-from hjcamp.prediction.analysis import calibrated
-from hjcamp.prediction.chapters import advantages, left_out, ratio_t, told_apart
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.fitting import chapters
+from hjcamp.prediction.fitting.chapters import advantages, left_out, ratio_t, told_apart
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
 
 
 def test_the_ratio_of_two_chapters_by_hand() -> None:

@@ -17,8 +17,8 @@ from hjcamp.analyses.data import Data
 from hjcamp.analyses.diagnosing import Asked, made_from
 from hjcamp.cli import app
 from hjcamp.errors import UsageError
-from hjcamp.prediction.analysis import Analysis
-from hjcamp.prediction.verdict import ONE_OF, Verdict, judged
+from hjcamp.prediction.selection.analysis import Analysis
+from hjcamp.prediction.verdict.verdict import ONE_OF, Verdict, judged
 
 SAMPLES = Path(__file__).parents[2] / "docs" / "own_plant"
 ONLY = "spring,constant_force,quadratic_drag"  # those of the verdict's tests and of the notebook: one kernel
@@ -119,7 +119,7 @@ def test_a_group_has_its_page_though_the_model_has_one_of_it(stage: Path, monkey
         sets = (found.effects, ("constant_force",))
         return analysis, replace(found, word=ONE_OF, effects=("spring", "constant_force"), confidence_set=sets)
 
-    monkeypatch.setattr("hjcamp.prediction.verdict.agreed", group)
+    monkeypatch.setattr("hjcamp.prediction.verdict.verdict.agreed", group)
     done = run(app, ["diagnose", "logs/train.mcap", "--only", ONLY, "--json", "a.json"])
     assert done.exit_code == 0, done.exception
     answer = json.loads((stage / "a.json").read_text(encoding="utf-8"))

@@ -10,7 +10,7 @@ from carriage import COULOMB, MASS, VISCOUS, measured_log
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.comparison import compared
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.measured.tests import measured_tests
 
 
 def test_a_model_errs_by_the_same_whichever_stands_beside_it(axis: Path) -> None:

@@ -11,11 +11,11 @@ import pytest
 from carriage import COULOMB, GAIN, MASS, PERIOD, VISCOUS
 
 from hjcamp.effects import load_effects
-from hjcamp.prediction import contact_form
-from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import calibration
-from hjcamp.prediction.measured import Measured, measured_tests
-from hjcamp.prediction.verdict import judged
+from hjcamp.prediction.measured.tests import Measured, measured_tests
+from hjcamp.prediction.selection import contact_form
+from hjcamp.prediction.selection.analysis import Analysis, calibrated
+from hjcamp.prediction.verdict.verdict import judged
 from hjcamp.records.log import TestLog
 
 SMALL = 40

@@ -9,10 +9,10 @@ import pytest
 from wheel_plant import WHEEL
 
 from hjcamp.effects import load_effects
-from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import answer
-from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.verdict import agreed
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.verdict import agreed
 from hjcamp.records.log import TestLog
 
 PERIOD, STEPS = 2e-3, 40

@@ -14,17 +14,17 @@ from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.commands.any_plant.words import notes_on
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import answer
 from hjcamp.prediction.comparison import answer as answer_of_comparison
 from hjcamp.prediction.comparison import compared
-from hjcamp.prediction.ends import ends_of, within
-from hjcamp.prediction.intervals import intervals
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.fitting.intervals import intervals
+from hjcamp.prediction.measured.ends import ends_of, within
+from hjcamp.prediction.measured.noise import step_of
+from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.next.truth import bench_of
 from hjcamp.prediction.next.wanted import Wanted
-from hjcamp.prediction.noise import step_of
-from hjcamp.prediction.verdict import agreed
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.verdict import agreed
 
 CHANCE = np.random.default_rng(3)
 AT = np.arange(2000)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from hjcamp.effects import load_effects
-from hjcamp.prediction.analysis import calibrated, power_of
-from hjcamp.prediction.measured import Measured, measured_tests
-from hjcamp.prediction.starts import erring_sensors
-from hjcamp.prediction.verdict import judged
-from hjcamp.prediction.windows import Windows
+from hjcamp.prediction.measured.tests import Measured, measured_tests
+from hjcamp.prediction.residuals.starts import erring_sensors
+from hjcamp.prediction.residuals.windows import Windows
+from hjcamp.prediction.selection.analysis import calibrated, power_of
+from hjcamp.prediction.verdict.verdict import judged
 from hjcamp.records.log import TestLog
 
 PERIOD, SMALL, OFFSET, MAGNET, MASS = 2e-3, 20, 1e-3, 9e-5, 0.068

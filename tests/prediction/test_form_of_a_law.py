@@ -12,11 +12,11 @@ from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.prediction.floor import _alike_by_no_means
-from hjcamp.prediction.laws import alike_laws
-from hjcamp.prediction.selection import Search
-from hjcamp.prediction.unknowns import Unknown, unknowns_of
-from hjcamp.prediction.verdict import _simpler
+from hjcamp.prediction.laws.alike import alike_laws
+from hjcamp.prediction.laws.unknowns import Unknown, unknowns_of
+from hjcamp.prediction.measured.floor import _alike_by_no_means
+from hjcamp.prediction.selection.forward import Search
+from hjcamp.prediction.verdict.verdict import _simpler
 
 
 @pytest.fixture

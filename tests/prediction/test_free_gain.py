@@ -12,11 +12,11 @@ from carriage import GAIN, measured_log
 from hjcamp.commands.any_plant.verdict_words import free_law
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
-from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import unknown_rows
-from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.unknowns import unknowns_of
-from hjcamp.prediction.verdict import judged
+from hjcamp.prediction.laws.unknowns import unknowns_of
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.verdict import judged
 
 REACH = 0.06
 

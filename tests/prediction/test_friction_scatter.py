@@ -9,11 +9,11 @@ import pytest
 from carriage import COULOMB, measured_log
 
 from hjcamp.effects import load_effects
-from hjcamp.prediction.analysis import calibrated
+from hjcamp.prediction.laws.unknowns import unknowns_of
 from hjcamp.prediction.levels import SCATTER
-from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.unknowns import unknowns_of
-from hjcamp.prediction.verdict import judged
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.verdict import judged
 
 LENGTH = 0.09
 

@@ -11,9 +11,9 @@ from carriage import MASS, PERIOD, measured_log
 
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
-from hjcamp.prediction.analysis import calibrated
-from hjcamp.prediction.functional import functional, in_proportion
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.functional import functional, in_proportion
 
 
 def test_a_force_bends_a_window_by_what_newton_says(axis: Path) -> None:

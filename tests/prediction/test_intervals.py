@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.fitting import Fitted, Free
-from hjcamp.prediction.intervals import Interval, covariance_of, intervals
+from hjcamp.prediction.fitting.gauss_newton import Fitted, Free
+from hjcamp.prediction.fitting.intervals import Interval, covariance_of, intervals
 from hjcamp.report.units import told_interval
 
 WINDOWS = 40

@@ -12,8 +12,8 @@ import pytest
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.law_curve import law_curves
-from hjcamp.prediction.unknowns import unknowns_of
+from hjcamp.prediction.laws.unknowns import unknowns_of
+from hjcamp.prediction.verdict.law_curve import law_curves
 
 STIFFNESS, REST = 140.0, 0.02
 SAMPLES, WIDTH = 400, 40

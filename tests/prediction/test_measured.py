@@ -12,8 +12,8 @@ from carriage import COUNT, measured_log
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
-from hjcamp.prediction.measured import MOST_DELAY, measured_tests
-from hjcamp.prediction.starts import estimated, rate_of, slope
+from hjcamp.prediction.measured.tests import MOST_DELAY, measured_tests
+from hjcamp.prediction.residuals.starts import estimated, rate_of, slope
 
 
 def test_a_slope_is_exact_for_a_parabola() -> None:

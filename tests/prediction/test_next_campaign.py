@@ -14,7 +14,7 @@ from hjcamp.analyses.data import Data
 from hjcamp.backends.plant_simulation import reference_of
 from hjcamp.campaign.campaign_file import read_campaign
 from hjcamp.commands.any_plant.next_campaign import written_campaign
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.next.menu import menu
 
 SAMPLES = 1000

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from carriage import PERIOD, measured_log
 
-from hjcamp.prediction.measured import Measured, measured_tests
+from hjcamp.prediction.measured.tests import Measured, measured_tests
 from hjcamp.prediction.next.menu import menu
 from hjcamp.prediction.next.wanted import Wanted
 from hjcamp.records.log import TestLog

@@ -17,12 +17,12 @@ from hjcamp.commands.any_plant.next_answer import answer
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.notebook.proposal import Proposal as Proposed
-from hjcamp.prediction.analysis import Analysis, calibrated
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.next.proposal import APART, Proposal, propose
 from hjcamp.prediction.next.rivals import Question, question_of
 from hjcamp.prediction.next.truth import bench_of, held_by_loop
 from hjcamp.prediction.next.wanted import Wanted
+from hjcamp.prediction.selection.analysis import Analysis, calibrated
 from hjcamp.records.log import TestLog
 
 LIBRARY = ("constant_force", "quadratic_drag", "spring")

@@ -12,14 +12,14 @@ from gauge import BETWEEN, OUTFLOW, PLANT, PUMP, measured_log
 
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.effects import load_effects
-from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import answer
-from hjcamp.prediction.bounded_step import bounded_step
-from hjcamp.prediction.fitting import TURNS_OF_BASE, settled
-from hjcamp.prediction.intervals import intervals
-from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.passage import Passage
-from hjcamp.prediction.verdict import agreed
+from hjcamp.prediction.fitting.bounded_step import bounded_step
+from hjcamp.prediction.fitting.gauss_newton import TURNS_OF_BASE, settled
+from hjcamp.prediction.fitting.intervals import intervals
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.residuals.passage import Passage
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.verdict import agreed
 
 UNSEEN, GOES_ON = np.array([True, False]), np.array([False, True, True])
 # what the unseen and the measured state change of four readings of each window, and how they go on

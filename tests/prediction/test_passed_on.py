@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from hjcamp.known_plants import find_plant
-from hjcamp.prediction.analysis import calibrated
-from hjcamp.prediction.at_once import passed_to
-from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.noise import noise_of
+from hjcamp.prediction.measured.at_once import passed_to
+from hjcamp.prediction.measured.noise import noise_of
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from hjcamp.commands.any_plant.explorer import modelled_tests
 from hjcamp.known_plants import find_plant
-from hjcamp.prediction.layout import Layout
-from hjcamp.prediction.measured import Measured, MeasuredTest, Sensor
+from hjcamp.prediction.measured.layout import Layout
+from hjcamp.prediction.measured.tests import Measured, MeasuredTest, Sensor
 from hjcamp.records.log import TestLog
 
 WIDTH = 16

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from carriage import measured_log
 
-from hjcamp.prediction.analysis import calibrated
-from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.regression import RIDGES, kernel, predictions, regressed, regression_of
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.selection.regression import RIDGES, kernel, predictions, regressed, regression_of
 
 CHANCE = np.random.default_rng(7)
 MOTION = CHANCE.standard_normal((240, 3))

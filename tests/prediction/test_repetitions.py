@@ -9,7 +9,7 @@ import numpy as np
 from carriage import measured_log
 
 from hjcamp.prediction.answer import _few_windows
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.report.floor_words import worst_words
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from carriage import COULOMB, MASS, PERIOD, measured_log
 
-from hjcamp.prediction.analysis import calibrated
-from hjcamp.prediction.measured import MOST_DELAY, measured_tests
-from hjcamp.prediction.starts import estimated
+from hjcamp.prediction.measured.tests import MOST_DELAY, measured_tests
+from hjcamp.prediction.residuals.starts import estimated
+from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.records.log import TestLog
 
 TURNS, ZERO = 40.0, 0.5

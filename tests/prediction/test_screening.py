@@ -11,10 +11,10 @@ import pytest
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.compose import MOST_GATED
 from hjcamp.model.parameter import Parameter
-from hjcamp.prediction.fitting import Fitted, Free
-from hjcamp.prediction.kernels import Kernels
-from hjcamp.prediction.likelihood import loss
-from hjcamp.prediction.screening import Probe, Projection
+from hjcamp.prediction.fitting.gauss_newton import Fitted, Free
+from hjcamp.prediction.fitting.likelihood import loss
+from hjcamp.prediction.residuals.kernels import Kernels
+from hjcamp.prediction.screening.screening import Probe, Projection
 
 LAW: Any = SimpleNamespace(parameters={"delay": Parameter("s", 1.0, (0.0, 10.0), off=0.0)})
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hjcamp.prediction.analysis import calibrated
-from hjcamp.prediction.measured import Measured, measured_tests
+from hjcamp.prediction.measured.tests import Measured, measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.records.log import TestLog
 
 PERIOD, GAIN, LAG, NOISE = 0.02, 8.0, 4.0, 0.05

@@ -10,7 +10,7 @@ from gauge import measured_log
 
 from hjcamp.commands.any_plant.words import still_words
 from hjcamp.prediction.answer import still_rows
-from hjcamp.prediction.measured import measured_tests
+from hjcamp.prediction.measured.tests import measured_tests
 
 
 def test_an_input_that_never_moves_is_said_so(tanks: Path) -> None:

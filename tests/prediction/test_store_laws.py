@@ -9,12 +9,12 @@ import pytest
 
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
-from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import unknown_rows
-from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.unknown_laws import gain_over
-from hjcamp.prediction.unknowns import unknowns_of
-from hjcamp.prediction.verdict import judged
+from hjcamp.prediction.laws.unknown_laws import gain_over
+from hjcamp.prediction.laws.unknowns import unknowns_of
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.verdict import judged
 from hjcamp.records.log import TestLog
 
 AREA, OUTFLOW, WIDE = 2.0, 0.02, 1.2

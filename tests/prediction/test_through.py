@@ -14,15 +14,15 @@ import pytest
 from hjcamp import cli
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction import analysis
-from hjcamp.prediction.analysis import Analysis, calibrated
 from hjcamp.prediction.answer import answer
-from hjcamp.prediction.chapters import chapters_of
-from hjcamp.prediction.measured import Measured, measured_tests
-from hjcamp.prediction.passage import Through
-from hjcamp.prediction.scored import Follows
-from hjcamp.prediction.selection import Search
-from hjcamp.prediction.verdict import Verdict, agreed, judged
+from hjcamp.prediction.fitting.chapters import chapters_of
+from hjcamp.prediction.measured.tests import Measured, measured_tests
+from hjcamp.prediction.residuals.passage import Through
+from hjcamp.prediction.selection import analysis
+from hjcamp.prediction.selection.analysis import Analysis, calibrated
+from hjcamp.prediction.selection.forward import Search
+from hjcamp.prediction.selection.scored import Follows
+from hjcamp.prediction.verdict.verdict import Verdict, agreed, judged
 from hjcamp.records.write import write_log
 
 NAMES = ("flow_exponent_at_outflow", "overflow_at_upper", "spill_over")
@@ -103,7 +103,7 @@ def test_what_few_chapters_do_not_show_is_looked_for_in_windows(tanks: Path, mon
         said.append((one.windows.layout.memory > 0, judged(one)))
         return said[-1][1]
 
-    monkeypatch.setattr("hjcamp.prediction.verdict.judged", heard)
+    monkeypatch.setattr("hjcamp.prediction.verdict.verdict.judged", heard)
     found, verdict = agreed(at(), lambda width: at(width=width))
     assert [(through, one.word) for through, one in said] == [(True, "outside_library"), (False, "effect")]
     assert not found.windows.layout.memory and set(verdict.effects) == {"spill_over", "flow_exponent_at_outflow"}

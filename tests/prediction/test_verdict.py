@@ -15,14 +15,14 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.effects import load_effects
-from hjcamp.prediction import doubts, verdict
-from hjcamp.prediction.analysis import calibrated
 from hjcamp.prediction.answer import answer
-from hjcamp.prediction.claims import Claims
-from hjcamp.prediction.floor import Floor
-from hjcamp.prediction.intervals import Interval
-from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.verdict import Verdict, agreed, judged
+from hjcamp.prediction.fitting.intervals import Interval
+from hjcamp.prediction.measured.floor import Floor
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.selection.claims import Claims
+from hjcamp.prediction.verdict import doubts, verdict
+from hjcamp.prediction.verdict.verdict import Verdict, agreed, judged
 
 LIBRARY = ("constant_force", "quadratic_drag", "spring")
 HIDDEN = {

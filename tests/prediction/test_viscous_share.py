@@ -8,9 +8,9 @@ import pytest
 from carriage import VISCOUS, measured_log
 
 from hjcamp.effects import load_effects
-from hjcamp.prediction.analysis import calibrated
-from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.verdict import judged
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.verdict import judged
 
 PLACE, HALF_WIDTH, SHARE = 0.03, 0.015, 0.6
 

@@ -10,11 +10,11 @@ from carriage import measured_log
 
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
-from hjcamp.prediction.analysis import calibrated
-from hjcamp.prediction.laws import law_of
-from hjcamp.prediction.measured import measured_tests
-from hjcamp.prediction.screening import amplitudes_of, shape_grid
-from hjcamp.prediction.visited import visited_shapes
+from hjcamp.prediction.laws.alike import law_of
+from hjcamp.prediction.laws.visited import visited_shapes
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.screening.screening import amplitudes_of, shape_grid
+from hjcamp.prediction.selection.analysis import calibrated
 
 HERE = {"position": (-0.02, 0.16), "velocity": (-0.3, 0.3)}
 

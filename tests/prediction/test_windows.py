@@ -11,11 +11,11 @@ from carriage import COULOMB, MASS, PERIOD, VISCOUS, measured_log
 
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.analysis import MOST_SAMPLES, Analysis, calibrated, what_lacks, width_of
-from hjcamp.prediction.fitting import Free
-from hjcamp.prediction.intervals import intervals
-from hjcamp.prediction.layout import Layout
-from hjcamp.prediction.measured import MOST_DELAY, measured_tests
+from hjcamp.prediction.fitting.gauss_newton import Free
+from hjcamp.prediction.fitting.intervals import intervals
+from hjcamp.prediction.measured.layout import Layout
+from hjcamp.prediction.measured.tests import MOST_DELAY, measured_tests
+from hjcamp.prediction.selection.analysis import MOST_SAMPLES, Analysis, calibrated, what_lacks, width_of
 from hjcamp.records.log import TestLog
 
 

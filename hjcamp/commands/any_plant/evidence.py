@@ -8,8 +8,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     from hjcamp.commands.any_plant.verdict_words import Words
-    from hjcamp.prediction.scored import Scored
-    from hjcamp.prediction.unknowns import Unknown
+    from hjcamp.prediction.laws.unknowns import Unknown
+    from hjcamp.prediction.selection.scored import Scored
     from hjcamp.report.pictures.evidence import Branch, Missing
 
 POINTS = 1500
@@ -54,7 +54,7 @@ def _without_starts(words: Words, model: Scored) -> Any:
 def missing_of(words: Words) -> Missing:
     """Return what the calibrated model misses over the driver of the freest law, the named law there, and what is left."""
     from hjcamp.prediction.answer import curve_of
-    from hjcamp.prediction.law_curve import law_curves
+    from hjcamp.prediction.verdict.law_curve import law_curves
     from hjcamp.report.pictures.evidence import BOTH, Missing
 
     analysis, verdict = words.analysis, words.verdict

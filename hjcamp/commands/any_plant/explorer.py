@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from hjcamp.analyses.plant_comparison import PlantComparison
     from hjcamp.prediction.comparison import Shown
-    from hjcamp.prediction.layout import Layout
+    from hjcamp.prediction.measured.layout import Layout
     from hjcamp.records.log import TestLog
     from hjcamp.records.views.model_log import ModelledTest
     from hjcamp.report.exploration import Exploration

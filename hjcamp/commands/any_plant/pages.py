@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from hjcamp.analyses.plant_comparison import PlantComparison
     from hjcamp.commands.any_plant.verdict_words import Words
-    from hjcamp.prediction.analysis import Analysis
+    from hjcamp.prediction.selection.analysis import Analysis
 
 WINDOWS = 3
 EVIDENCE = {

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from hjcamp.model.effect import Effect
-    from hjcamp.prediction.analysis import Analysis
-    from hjcamp.prediction.verdict import Verdict
+    from hjcamp.prediction.selection.analysis import Analysis
+    from hjcamp.prediction.verdict.verdict import Verdict
 
 SHOWN = 6
 TITLES = {
@@ -89,7 +89,7 @@ class Words:
     def beside(self) -> bool:
         """Whether the first free law is something beside the named effects, no other form of one of them."""
         from hjcamp.model.vocabulary import read_vocabulary
-        from hjcamp.prediction.laws import alike_laws
+        from hjcamp.prediction.laws.alike import alike_laws
 
         if not self.content["unknowns"]:
             return False

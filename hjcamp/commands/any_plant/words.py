@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from hjcamp.prediction.addition import Addition
-    from hjcamp.prediction.analysis import Analysis
     from hjcamp.prediction.comparison import Comparison
+    from hjcamp.prediction.selection.analysis import Analysis
 
 FLOORS = {
     "repetitions": "floor: what repetitions do not share",
@@ -37,7 +37,7 @@ def calibration_table(
     rows: Mapping[str, Mapping[str, Any]], beside: Mapping[str, Mapping[str, Any]] | None = None
 ) -> list[list[str]]:
     """Rows of a base parameter: declared, here, 95 %, and its value ``beside`` what was found, where something was."""
-    from hjcamp.prediction.intervals import limited
+    from hjcamp.prediction.fitting.intervals import limited
 
     return [
         [name.replace("_", " ").replace(DELAY, "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
@@ -54,7 +54,7 @@ def calibrated(beside: object) -> tuple[str, ...]:
 
 def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Return a sentence for each base parameter that its bounds keep away from what is declared: often a wrong sign."""
-    from hjcamp.prediction.intervals import held_away
+    from hjcamp.prediction.fitting.intervals import held_away
 
     return [
         f"{name.replace('_', ' ')} is held by its bound, {told(row['value'], row['unit'])}, far from what is declared: is a sign or "
@@ -210,7 +210,7 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
 
 def helped(found: Addition) -> list[str]:
     """Return in words that a model explains the tests no better, where it is not shown to."""
-    from hjcamp.prediction.chapters import critical
+    from hjcamp.prediction.fitting.chapters import critical
     from hjcamp.prediction.levels import MATTERS
 
     if found.helps:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.next.truth import Bench
-from hjcamp.prediction.windows import Windows
+from hjcamp.prediction.residuals.windows import Windows
+from hjcamp.prediction.selection.analysis import Analysis
 
 Array = NDArray[np.float64]
 # A state or input is where it is for all but this share of the time, in percent.

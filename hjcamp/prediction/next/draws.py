@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.analysis import Analysis
-from hjcamp.prediction.intervals import covariance_of
-from hjcamp.prediction.likelihood import loss
-from hjcamp.prediction.scored import Scored
+from hjcamp.prediction.fitting.intervals import covariance_of
+from hjcamp.prediction.fitting.likelihood import loss
+from hjcamp.prediction.selection.analysis import Analysis
+from hjcamp.prediction.selection.scored import Scored
 
 Array = NDArray[np.float64]
 HALVINGS = 6

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.measured import Measured, MeasuredTest
+from hjcamp.prediction.measured.tests import Measured, MeasuredTest
 from hjcamp.prediction.next.motions import motions
 from hjcamp.prediction.next.wanted import Wanted
 

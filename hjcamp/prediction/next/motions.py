@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.measured import Measured
+from hjcamp.prediction.measured.tests import Measured
 from hjcamp.prediction.next.wanted import Wanted
-from hjcamp.prediction.starts import slope
+from hjcamp.prediction.residuals.starts import slope
 
 Array = NDArray[np.float64]
 # Readings that follow the first one to this share of their variance are moved with it.

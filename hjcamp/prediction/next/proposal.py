@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.next.beyond import Beyond, beyond, ranges
 from hjcamp.prediction.next.menu import DEARER, menu
 from hjcamp.prediction.next.rivals import Question
 from hjcamp.prediction.next.separation import Contest, contests, refitted
 from hjcamp.prediction.next.truth import bench_of, held_by_loop
 from hjcamp.prediction.next.wanted import Wanted
-from hjcamp.prediction.windows import Windows
+from hjcamp.prediction.residuals.windows import Windows
+from hjcamp.prediction.selection.analysis import Analysis
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]

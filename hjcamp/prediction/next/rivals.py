@@ -11,12 +11,12 @@ import numpy as np
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.analysis import Analysis
 from hjcamp.prediction.levels import MATTERS
 from hjcamp.prediction.next.draws import draws
-from hjcamp.prediction.scored import Scored
-from hjcamp.prediction.screening import Projection
-from hjcamp.prediction.verdict import CANNOT_TELL, EFFECT, NOTHING, ONE_OF
+from hjcamp.prediction.screening.screening import Projection
+from hjcamp.prediction.selection.analysis import Analysis
+from hjcamp.prediction.selection.scored import Scored
+from hjcamp.prediction.verdict.verdict import CANNOT_TELL, EFFECT, NOTHING, ONE_OF
 
 NONE = "nothing"
 MOST = 4

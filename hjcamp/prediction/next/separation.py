@@ -9,7 +9,7 @@ with the whitener W of what A leaves of the measured tests. With e the white res
 
 .. math:: a = \sum_w \tfrac{d}{2} \log \frac{d + |e_w + z_w|^2}{d + |e_w|^2}
 
-as in `hjcamp.prediction.chapters.advantages`. The separation is the mean of a over its standard deviation,
+as in `hjcamp.prediction.fitting.chapters.advantages`. The separation is the mean of a over its standard deviation,
 over shifts of e in time and both signs.
 It is averaged over sets of A's parameters; those of B are averaged by the refit (for Gaussians minimum and mean are the same).
 """
@@ -22,12 +22,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.analysis import Analysis
-from hjcamp.prediction.fitting import fit, slopes_of
-from hjcamp.prediction.likelihood import whitener
+from hjcamp.prediction.fitting.gauss_newton import fit, slopes_of
+from hjcamp.prediction.fitting.likelihood import whitener
 from hjcamp.prediction.next.rivals import Rival
 from hjcamp.prediction.next.truth import joined_with
-from hjcamp.prediction.windows import Windows
+from hjcamp.prediction.residuals.windows import Windows
+from hjcamp.prediction.selection.analysis import Analysis
 
 Array = NDArray[np.float64]
 SHIFTS = 32

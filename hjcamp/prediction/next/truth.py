@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.simulator import Given
-from hjcamp.prediction.analysis import Analysis, begin_hidden, first_starts
-from hjcamp.prediction.layout import Layout
-from hjcamp.prediction.measured import Measured, MeasuredTest
+from hjcamp.prediction.measured.layout import Layout
+from hjcamp.prediction.measured.tests import Measured, MeasuredTest
 from hjcamp.prediction.next.wanted import Wanted
-from hjcamp.prediction.starts import estimated
-from hjcamp.prediction.windows import Windows
+from hjcamp.prediction.residuals.starts import estimated
+from hjcamp.prediction.residuals.windows import Windows
+from hjcamp.prediction.selection.analysis import Analysis, begin_hidden, first_starts
 
 Array = NDArray[np.float64]
 ORDERS = 6

@@ -14,7 +14,7 @@ from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import CHANNELS
 from hjcamp.plants.pump_joint.diagnosis.scale import HEADLINE, Judged, Scale
-from hjcamp.prediction.functional import in_proportion
+from hjcamp.prediction.verdict.functional import in_proportion
 
 WORST = 8
 # What each residual is, SI.

@@ -1,0 +1,34 @@
+"""When two laws are one: what drives them, and on what they act."""
+
+from __future__ import annotations
+
+from hjcamp.model.effect import Effect
+from hjcamp.prediction.laws.unknowns import Unknown
+
+
+def law_of(effect: type[Effect]) -> frozenset[tuple[str, frozenset[str]]] | None:
+    """Return what an effect without memory makes of what: each slot with the names that drive it; none where it has states."""
+    if effect.states or getattr(effect, "made_of", None) is None:
+        return None
+    own = set(effect.parameters)
+    found = frozenset((slot, frozenset(set(term.arguments) - own - {slot})) for slot, term in effect.terms.items())
+    return found if any(drivers for _, drivers in found) else None
+
+
+def alike_laws(free: Unknown, named: type[Effect]) -> bool:
+    """Whether a free law is another form of a named one: over what drives it, in the same slot or in what a store gains and loses.
+
+    Dry friction, which nothing drives, is a form of every law of that friction.
+    """
+    own = {*named.parameters, *named.terms}
+    drivers = [set(term.arguments) - own for term in named.terms.values()]
+    dry = kind_of(named) == "contact" and not (named.states or any(drivers))
+    driven = dry or any(free.signal in one for one in drivers)
+    kinds = {kind_of(free.effect), kind_of(named)}
+    return driven and (not set(free.effect.terms).isdisjoint(named.terms) or kinds == {"store", "path"})
+
+
+def kind_of(effect: type[Effect]) -> str:
+    """Return the kind of place that a bound effect acts on; empty where it was written in the names of one plant."""
+    made_of = getattr(effect, "made_of", None)
+    return made_of[0].acts_on if made_of else ""

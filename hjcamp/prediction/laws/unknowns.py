@@ -1,0 +1,162 @@
+"""The unknowns that a plant can have, at each of its places, over the range that the tests visit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.errors import UsageError
+from hjcamp.model.amount_formula import plain_functions
+from hjcamp.model.binding import bind
+from hjcamp.model.effect import Effect
+from hjcamp.model.plant import Plant
+from hjcamp.model.port import Port
+from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.prediction.laws import unknown_laws
+from hjcamp.prediction.laws.unknown_laws import amplitudes_of_law, gain_over
+
+Array = NDArray[np.float64]
+LOOKED_AT = 400
+# The slot whose gain may change at a place of a kind, and what it is so many times of.
+TIMES = {"actuator": ("command", "demand"), "path": ("flow", "flow"), "store": ("capacity", "capacity")}
+# What is a share of its slot's own value.
+SHARES = ("gain", "capacity", "stiffness")
+
+
+def times_of(port: Port) -> tuple[str, str]:
+    """Return the plant's names of the slot whose gain may change at a place, and of what it is so many times of."""
+    slot, times = (name if name in port.names else "stiffness" for name in TIMES[port.kind])
+    return port.names[slot], port.names[times]
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """An unknown at one place: its effect, the plant's name of what drives it, and the range of that in the tests, SI."""
+
+    effect: type[Effect]
+    place: str
+    quantity: str
+    driver: str
+    signal: str
+    low: float
+    high: float
+    usual: float
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """The names of its parameters that are fitted."""
+        return amplitudes_of_law(self.effect)
+
+    def amount(self, value: Any) -> Any:
+        """Return what an amplitude stands for: itself, or the share by which a positive law changes its slot."""
+        return value + np.hypot(1.0, value) - 1.0 if getattr(self.effect, "positive", False) else value
+
+    @property
+    def scatters(self) -> bool:
+        """Whether it is friction over place or time: see `Effect.scatters`."""
+        return self.quantity == "friction" and self.driver in ("travel", "time")
+
+
+def unknowns_of(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:
+    """Return every unknown that fits the plant, by name; those whose driver hardly moves in the tests are left out."""
+    found = {}
+    for law in unknown_laws.LAWS:
+        words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", law.__name__).lower()
+        law.name = f"unknown_{words}"
+        quantity, driver = words.removeprefix("fine_").split("_over_")
+        try:
+            bound = bind(law, plant)
+        except UsageError:
+            continue
+        for effect in bound:
+            signal = next(
+                (name for term in effect.terms.values() for name in term.arguments if _drives(term, name, driver)),
+                driver,
+            )
+            low, high = ranges.get(signal, (0.0, 0.0))
+            if high - low > 1e-9 * max(abs(low), abs(high)):
+                port = _port(plant, law, effect)
+                usual = ranges.get(port.size_of(next(iter(law.terms))), (0.0, 1.0))
+                size = max(abs(usual[0]), abs(usual[1])) or 1.0
+                found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size)
+    return found | _gains(plant, ranges)
+
+
+def _gains(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:
+    """Return the unknowns of drives whose gain depends on a state or on time, of paths that clog, and of stores that soften."""
+    found = {}
+    states = {name: item.unit for name, item in plant.states.items()}
+    for port in read_vocabulary(plant).ports.values():
+        if port.kind not in TIMES:
+            continue
+        slot, times = times_of(port)
+        own = {port.names["level"]: states[port.names["level"]]} if port.kind == "store" else {"time": "s"}
+        for driver, unit in {**(states if port.kind == "actuator" else {}), **own}.items():
+            low, high = ranges.get(driver, (0.0, 0.0))
+            if high - low > 1e-9 * max(abs(low), abs(high)):
+                law = gain_over(plant.name, slot, times, driver, unit, positive=port.kind == "store")
+                of_store = ("capacity" if "capacity" in port.names else "stiffness", "level")
+                what, of = of_store if port.kind == "store" else ("gain", driver)
+                found[law.name] = Unknown(law, port.name, what, of, driver, low, high, 1.0)
+    return found
+
+
+def _drives(term: Any, name: str, driver: str) -> bool:
+    return dict(term.names).get(driver, driver) == name
+
+
+def _port(plant: type[Plant], law: type[Effect], effect: type[Effect]) -> Port:
+    """Return the place on which a bound law acts."""
+    ports = [port for port in read_vocabulary(plant).ports.values() if port.kind == law.acts_on]
+    return next(port for port in ports if {port.names.get(slot) for slot in law.terms} <= set(effect.terms))
+
+
+def ranges_of(
+    plant: type[Plant], values: Mapping[str, float], states: Array, inputs: Array, time: Array
+) -> dict[str, tuple[float, float]]:
+    """Return the range (1st to 99th percentile) of every signal and state along ``states`` (n, states), SI."""
+    vocabulary = read_vocabulary(plant)
+    # lines may read a rate that is given above them
+    lines = [
+        (f"d_{one.target}" if one.mark == "rate" else one.target, compile(one.expression, "<plant>", "eval"))
+        for one in vocabulary.statements
+    ]
+    rates = {f"d_{one.target}" for one in vocabulary.statements if one.mark == "rate"}
+    regimes = {
+        f"u_{port.names['direction']}": port.names.get("velocity", "")
+        for port in vocabulary.ports.values()
+        if "direction" in port.names
+    }
+    names = [name for name in plant.inputs if name not in ("time", "direction")]
+    rows = np.unique(np.linspace(0, len(states) - 1, LOOKED_AT).astype(int))
+    seen: dict[str, list[float]] = {}
+    for row in rows:
+        scope: dict[str, Any] = plain_functions("") | {
+            f"p_{name}": values.get(name, item.default) for name, item in plant.parameters.items()
+        }
+        own = {name: float(states[row, k]) for k, name in enumerate(plant.states)}
+        scope |= {f"s_{name}": value for name, value in own.items()}
+        scope |= {f"u_{name}": float(inputs[row, k]) for k, name in enumerate(names)}
+        scope |= {name: float(np.sign(own.get(velocity, 1.0))) for name, velocity in regimes.items()}
+        scope |= {"u_time": float(time[row])}
+        scope.setdefault("u_direction", 1.0)
+        with suppress(ArithmeticError, ValueError):
+            for name, code in lines:
+                scope[name] = eval(code, scope)
+                if name not in rates:
+                    seen.setdefault(name, []).append(float(scope[name]))
+        for name, value in own.items():
+            seen.setdefault(name, []).append(value)
+    found = {}
+    for name, all_of in seen.items():
+        finite = np.array(all_of)[np.isfinite(all_of)]
+        if len(finite):
+            found[name] = (float(np.percentile(finite, 1.0)), float(np.percentile(finite, 99.0)))
+    found["time"] = (float(time.min()), float(time.max()))
+    return found

@@ -1,0 +1,167 @@
+"""What no model can remove: the part of the residuals that repetitions do not share, or that near-replicates differ by."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.prediction.levels import MOST_OF_IT
+from hjcamp.prediction.measured.layout import Layout
+
+Array = NDArray[np.float64]
+# Moments this far apart are looked at twice, not one after the other.
+NEIGHBOURS = 10
+FEWEST_PAIRS = 300
+FEWEST_REPEATED = 20
+
+
+@dataclass(frozen=True)
+class Floor:
+    """Second moments (d, d) of what cannot be explained, in units of the sensors' noise, and where they come from.
+
+    ``moments`` have one unit of noise more than that, as the likelihood gives it to what a model leaves: sizes of both compare.
+    ``source`` is "repetitions", "near_replicates", or "sensor" where neither is there: then it is a lower bound only.
+    ``usual`` is what most windows of repetitions differ by (`usual_size`), and the sensors' noise; not a number where there are none.
+    """
+
+    source: str
+    moments: Array
+    usual: float = math.nan
+
+    def of_sensors(self, layout: Layout) -> Array:
+        """Return its rms in each sensor's unit (sensors,), SI: the sensor's noise at least."""
+        return in_units(np.maximum(np.diag(self.moments) - 1.0, 1.0), layout)
+
+
+def not_above(floor: Floor, features: Array) -> Floor:
+    """Return the floor, or that of the sensors where a model leaves less (features (windows, d)) than alike moments differ by.
+
+    Then the moments were not alike enough to say anything.
+    """
+    if floor.source != "near_replicates":
+        return floor
+    left = features.T @ features / len(features) + np.eye(features.shape[1])
+    if np.linalg.slogdet(left)[1] >= np.linalg.slogdet(floor.moments)[1]:
+        return floor
+    return Floor("sensor", 2.0 * np.eye(features.shape[1]))
+
+
+def in_units(squares: Array, layout: Layout) -> Array:
+    """Return the rms (sensors,), SI, of mean squares of features (d,)."""
+    each = squares.reshape(len(layout.measured.sensors), -1).sum(axis=1)
+    return np.asarray(layout.measured.noise * np.sqrt(each / layout.width))
+
+
+def floor_of(layout: Layout, features: Array) -> Floor:
+    """Return the floor by features (windows, d) of a calibrated model."""
+    d = features.shape[1]
+    repeated = _of_repetitions(layout, features)
+    if repeated is not None:
+        moments = repeated.T @ repeated / len(repeated) + np.eye(d)
+        # repetitions of one course may be rounded alike: what they differ by is no less than the sensors' noise
+        rounded = float(np.trace(np.linalg.inv(moments))) / d
+        return Floor("repetitions", moments, math.hypot(usual_size(repeated, moments), math.sqrt(rounded)))
+    # what is simulated through depends on more of the past than a window shows: windows that are alike need not err alike
+    near = None if layout.memory else _of_neighbours(layout, features)
+    if near is not None and not _alike_by_no_means(near, features):
+        return Floor("near_replicates", near + np.eye(d))
+    return Floor("sensor", 2.0 * np.eye(d))
+
+
+def _alike_by_no_means(near: Array, features: Array) -> bool:
+    """Whether windows of like motion differ by most of what any windows do, far above the noise: that is scatter, or a structure finer
+    than their likeness, and no one can tell.
+    """
+    whole = features.T @ features / len(features)
+    if np.trace(whole) * (1.0 - MOST_OF_IT) ** 2 <= len(whole):
+        return False
+    return bool(np.trace(np.linalg.solve(whole + np.eye(len(whole)), near)) > MOST_OF_IT * len(whole))
+
+
+def _of_repetitions(layout: Layout, features: Array) -> Array | None:
+    r"""Return by what n repetitions of a window differ, :math:`\sqrt{n / (n - 1)} (f - \bar f)` (windows, d): the pure error."""
+    found = []
+    for tests in layout.measured.conditions.values():
+        if len(tests) < 2:
+            continue
+        block = _side_by_side(layout, features, tests)
+        apart = (block - block.mean(axis=0)) * math.sqrt(len(tests) / (len(tests) - 1))
+        found.append(apart.reshape(-1, features.shape[1]))
+    every = np.concatenate(found) if found else np.zeros((0, features.shape[1]))
+    return every if len(every) >= FEWEST_REPEATED else None
+
+
+def shared(layout: Layout, features: Array, tests: Sequence[int]) -> Array | None:
+    r"""Return the rms (sensors,), SI, that the repetitions of a condition share; None for a single test.
+
+    .. math:: s^2 = \max\Bigl(\frac{1}{R (R - 1)} \sum_{r \ne r'} \overline{f_r f_{r'}},\ 0\Bigr)
+
+    for R repetitions of each window: what they differ by cancels.
+    """
+    if len(tests) < 2:
+        return None
+    block = _side_by_side(layout, features, tests)
+    if not block.shape[1]:
+        return None
+    squares = (block.sum(axis=0) ** 2 - (block**2).sum(axis=0)).mean(axis=0) / (len(tests) * (len(tests) - 1))
+    # sensors are summed before the root: single features may come out below zero
+    return in_units(np.maximum(squares.reshape(len(layout.measured.sensors), -1).sum(axis=1), 0.0), layout)
+
+
+def _side_by_side(layout: Layout, features: Array, tests: Sequence[int]) -> Array:
+    """Return the features of the windows that all tests of a condition have (tests, windows, d)."""
+    rows = [np.flatnonzero(layout.of_test == test) for test in tests]
+    shortest = min(len(one) for one in rows)
+    return np.stack([features[one[:shortest]] for one in rows])
+
+
+def usual_size(features: Array, moments: Array) -> float:
+    """Return the median over windows of how large features (windows, d) are, in units of moments (d, d): 1 is as large."""
+    squares = np.einsum("wi,ij,wj->w", features, np.linalg.inv(moments), features)
+    return math.sqrt(float(np.median(squares)) / len(moments))
+
+
+def _of_neighbours(layout: Layout, features: Array) -> Array | None:
+    r"""Return the second moments (d, d) at distance 0 of windows of like motion and inputs: the Gamma test.
+
+    The intercept of half the mean squared difference over the mean squared distance of the p nearest neighbours, p = 1 .. 10
+    (Evans & Jones 2002, doi:10.1098/rspa.2002.1010), for each pair of features; no more than at the nearest neighbour.
+    """
+    motion = motion_of(layout, layout.readings)
+    count, d = len(motion), features.shape[1]
+    if count < 4 * NEIGHBOURS or count * NEIGHBOURS < FEWEST_PAIRS:
+        return None
+    apart = np.abs(np.arange(count)[:, None] - np.arange(count)[None, :]) > 1
+    size = np.sum(motion**2, axis=1)
+    between = np.maximum(size[:, None] + size[None, :] - 2.0 * motion @ motion.T, 0.0) / motion.shape[1]
+    squares = np.where(apart, between, np.inf)
+    order = np.argsort(squares, axis=1)[:, :NEIGHBOURS]
+    distance = np.take_along_axis(squares, order, axis=1).mean(axis=0)
+    halves = []
+    for p in range(NEIGHBOURS):
+        difference = features - features[order[:, p]]
+        halves.append((0.5 * difference.T @ difference / count).ravel())
+    line = np.column_stack([np.ones(NEIGHBOURS), distance])
+    intercept = np.linalg.lstsq(line, np.array(halves), rcond=None)[0][0].reshape(d, d)
+    # within the nearest neighbours' own differences, in whose coordinates each part lies between 0 and 1
+    root = np.linalg.cholesky(halves[0].reshape(d, d) + np.eye(d))
+    inside = np.linalg.solve(root, np.linalg.solve(root, 0.5 * (intercept + intercept.T)).T)
+    values, vectors = np.linalg.eigh(inside)
+    part = root @ vectors
+    return np.asarray((part * np.clip(values, 0.0, 1.0)) @ part.T)
+
+
+def motion_of(layout: Layout, readings: Array) -> Array:
+    """Return what describes each window (windows, m): the first coefficients of readings and inputs, each of unit spread.
+
+    ``readings`` (n, sensors) are those that were measured or predicted.
+    """
+    inputs = layout.inputs[:, np.std(layout.inputs, axis=0) > 0.0]
+    columns = np.column_stack([readings, inputs])
+    shaped = columns.reshape(-1, layout.width, columns.shape[1])
+    found = np.einsum("wtc,to->wco", shaped, layout.basis[:, :3]).reshape(len(shaped), -1)
+    return np.asarray((found - found.mean(axis=0)) / np.maximum(found.std(axis=0), 1e-300))

@@ -1,0 +1,211 @@
+"""Tests cut into windows, and which of these are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.prediction.measured.tests import Measured, MeasuredTest
+
+Array = NDArray[np.float64]
+ORDERS = 8
+# Samples of a window: four of its eight features are left where a log is so short that it would have too few windows.
+SHORTEST, SHORTEST_OF_ALL = 24, 16
+# So many windows at least: the moments of eight features are known to a tenth from about a hundred.
+WINDOWS = 96
+# Where not all windows are looked at, about so many follow one another: an effect that remembers knows where it is but in the first.
+RUN = 8
+# A test has so many such runs at least.
+RUNS_OF_TEST = 4
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Tests cut into windows of ``width`` samples, of which a ``share`` is looked at; the rest of a test belongs to none.
+
+    ``apart``: no window goes on from the one before it. ``memory``: where it is not 0, a test begins once and is simulated through,
+    and a start is forgotten in so many samples.
+    """
+
+    measured: Measured
+    width: int
+    share: float = 1.0
+    apart: bool = False
+    memory: int = 0
+
+    @cached_property
+    def whole(self) -> list[int]:
+        """Number of windows that each test has."""
+        return [test.samples // self.width for test in self.measured.tests]
+
+    @cached_property
+    def counts(self) -> list[int]:
+        """Number of windows of each test that are looked at."""
+        return [int(one.sum()) for one in self.of_each]
+
+    @cached_property
+    def looked_at(self) -> NDArray[np.bool_]:
+        """Whether each window of all tests is looked at (all windows,)."""
+        return np.concatenate(self.of_each)
+
+    @cached_property
+    def of_each(self) -> list[NDArray[np.bool_]]:
+        """Whether each window of each test is looked at: runs of windows, evenly spread, the first at its beginning."""
+        found = []
+        for count in self.whole:
+            seen = round(self.share * count)
+            runs = max(min(seen, RUNS_OF_TEST), seen // RUN, 1)
+            ends = np.round(np.linspace(0, count, runs + 1)).astype(int)
+            looked = np.arange(count) - np.repeat(ends[:-1], np.diff(ends))
+            found.append(looked < np.repeat(np.maximum(np.round(self.share * np.diff(ends)), 1), np.diff(ends)))
+        return found
+
+    @cached_property
+    def of_test(self) -> NDArray[np.int64]:
+        """The position of the test that each window belongs to (windows,)."""
+        return np.repeat(np.arange(len(self.counts)), self.counts)
+
+    @property
+    def short(self) -> bool:
+        """Whether the tests are too few samples for as many windows as there should be: then much can be tried of them."""
+        return len(self.of_test) * self.width < WINDOWS * SHORTEST
+
+    @cached_property
+    def begins(self) -> NDArray[np.int64]:
+        """1 where a test begins, 2 where another window of it begins anew, else 0 (n,)."""
+        marks = np.zeros(len(self.of_test) * self.width, dtype=np.int64)
+        marks[:: self.width] = 0 if self.memory else 2
+        first = np.concatenate([[0], np.cumsum(self.counts)])[:-1]
+        marks[first[np.array(self.counts) > 0] * self.width] = 1
+        return marks
+
+    @cached_property
+    def begun(self) -> NDArray[np.bool_]:
+        """Whether each window begins from a start of its own (windows,)."""
+        return np.asarray(self.begins[:: self.width] > 0)
+
+    def joined(self, columns: Sequence[Array]) -> Array:
+        """Return one array of each test (samples, ...), cut to the windows that are looked at and joined (n, ...)."""
+        parts = []
+        for one, count, seen in zip(columns, self.whole, self.of_each, strict=True):
+            cut = one[: count * self.width].reshape(count, self.width, *one.shape[1:])[seen]
+            parts.append(cut.reshape(-1, *one.shape[1:]))
+        return np.concatenate(parts)
+
+    def condensed(self) -> tuple[MeasuredTest, ...]:
+        """Return the tests with nothing but the windows that are looked at, one after the other."""
+        if self.share >= 1.0:
+            return self.measured.tests
+        ends, inputs = np.cumsum([0, *self.counts]) * self.width, self._moved({})
+        return tuple(
+            replace(test, time=self.time[a:b], inputs=inputs[a:b], readings=self.readings[a:b])
+            for test, a, b in zip(self.measured.tests, ends[:-1], ends[1:], strict=True)
+        )
+
+    @cached_property
+    def readings(self) -> Array:
+        """What was measured (n, sensors), SI."""
+        return self.joined([test.readings for test in self.measured.tests])
+
+    @cached_property
+    def means(self) -> Array:
+        """The mean of what was measured from each start to the next (n, sensors), SI."""
+        of_start = np.repeat(np.cumsum(self.begun) - 1, self.width)
+        counts = np.bincount(of_start)[:, None]
+        sums = [np.bincount(of_start, column) for column in self.readings.T]
+        return np.asarray((np.column_stack(sums) / counts)[of_start])
+
+    @cached_property
+    def at_ends(self) -> NDArray[np.bool_]:
+        """Whether a sensor reads its end (n, sensors)."""
+        low, high = self.measured.ends.T
+        return np.asarray((self.readings <= low) | (self.readings >= high))
+
+    def held(self, predicted: Array) -> Array:
+        """Return predicted readings (n, sensors), SI, held at the end of a sensor where it reads that."""
+        return np.where(self.at_ends, self.measured.shown(predicted), predicted)
+
+    @cached_property
+    def time(self) -> Array:
+        """Time since the beginning of its test (n,), s."""
+        return self.joined([test.time for test in self.measured.tests])
+
+    @cached_property
+    def goes_on(self) -> NDArray[np.bool_]:
+        """Whether each window begins where the one before it ends (windows,)."""
+        begins, ends = self.time[:: self.width], self.time[self.width - 1 :: self.width]
+        found = np.zeros(len(self.of_test), dtype=bool)
+        if self.apart or self.memory:
+            return found
+        gap = np.abs(begins[1:] - ends[:-1] - self.measured.period)
+        found[1:] = (self.of_test[1:] == self.of_test[:-1]) & (gap < 0.5 * self.measured.period)
+        return found
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The names of the given inputs."""
+        return [name for name in self.measured.plant.inputs if name not in ("time", "direction")]
+
+    @cached_property
+    def inputs(self) -> Array:
+        """The given inputs (n, inputs of the plant), which hold from each sample to the next: of what runs linearly the mean."""
+        return self._moved(self._between)
+
+    @cached_property
+    def _between(self) -> dict[int, float]:
+        """By how much the mean over a sample is later (s) than what runs linearly is at its beginning, by the input's place."""
+        given = self.measured.plant.inputs
+        return {k: -0.5 * self.measured.period for k, name in enumerate(self.names) if given[name].hold == "linear"}
+
+    @cached_property
+    def ahead(self) -> dict[int, Array]:
+        """By how much what runs linearly is more at each sample than its mean over it (n,), by the input's place."""
+        logged = self._moved({}) if self._between else self.inputs
+        return {place: logged[:, place] - self.inputs[:, place] for place in self._between}
+
+    def delayed(self, delays: Mapping[str, float]) -> Array:
+        """Return the inputs (n, inputs), each later by its delay (s): whole samples, and the fraction of one as a mean."""
+        late = {self.names.index(name): delay for name, delay in delays.items() if delay != 0.0}
+        return self._moved(self._between | late) if late else self.inputs
+
+    def _moved(self, late: Mapping[int, float]) -> Array:
+        """Return the inputs as measured (n, inputs), those at some places later by a time (s), earlier where that is negative."""
+        columns = []
+        for test in self.measured.tests:
+            moved, lead = test.inputs.copy(), len(test.earlier)
+            logged = np.concatenate([test.earlier, moved]) if lead else moved
+            for place, delay in late.items():
+                whole, part = divmod(delay / self.measured.period, 1.0)
+                rows = lead + np.arange(test.samples) - int(whole)
+                now, before = (logged[np.clip(one, 0, len(logged) - 1), place] for one in (rows, rows - 1))
+                moved[:, place] = (1.0 - part) * now + part * before
+            columns.append(moved)
+        return self.joined(columns)
+
+    @cached_property
+    def groups(self) -> list[tuple[dict[str, float], NDArray[np.bool_]]]:
+        """The parameters that the tests are given, and the windows (windows,) of the tests with each set of them."""
+        found: dict[tuple[tuple[str, float], ...], list[int]] = {}
+        for place, test in enumerate(self.measured.tests):
+            found.setdefault(test.given, []).append(place)
+        return [(dict(given), np.isin(self.of_test, places)) for given, places in found.items()]
+
+    @cached_property
+    def basis(self) -> Array:
+        """Legendre polynomials over a window, orthonormal (width, orders)."""
+        orders = min(ORDERS, self.width // 4)
+        return np.asarray(np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, self.width), orders, increasing=True))[0])
+
+    def coefficients(self, residuals: Array) -> Array:
+        """Return the coefficients (windows, sensors, orders) of residuals (n, sensors), in units of the sensor's noise.
+
+        What a sensor reads at its end is left out: held there, residuals break off, and no start is found from their slopes.
+        """
+        known = np.where(self.at_ends, 0.0, residuals) if self.at_ends.any() else residuals
+        with np.errstate(over="ignore", invalid="ignore"):  # a model that diverges is no warning: it is not taken
+            shaped = known.reshape(-1, self.width, residuals.shape[1]) / self.measured.noise
+            return np.asarray(np.einsum("wts,to->wso", shaped, self.basis))

@@ -1,0 +1,55 @@
+"""Which tests of one condition are repetitions: those that follow one course."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.prediction.levels import MATTERS
+
+if TYPE_CHECKING:
+    from hjcamp.prediction.measured.tests import MeasuredTest
+
+Array = NDArray[np.float64]
+# A course is compared by means over so many samples: a controller's answer to noise is none of it.
+BLOCK = 24
+
+
+def apart_by_course(tests: Sequence[MeasuredTest]) -> tuple[MeasuredTest, ...]:
+    """Return the tests; those of a condition that follow another course than its first get a condition of their own.
+
+    Tests follow one course where their inputs differ by less than a tenth of what they do, or their readings where a loop makes
+    the inputs.
+    """
+    groups: dict[str, list[list[int]]] = {}
+    for place, test in enumerate(tests):
+        known = groups.setdefault(test.condition, [])
+        group = next((one for one in known if _alike(tests[one[0]], test)), None)
+        if group is None:
+            known.append(group := [])
+        group.append(place)
+    found = list(tests)
+    for condition, known in groups.items():
+        names = [tests[group[0]].name for group in known]
+        for k, group in enumerate(known if len(known) > 1 else ()):
+            own = names[k] if names.count(names[k]) == 1 else str(k + 1)
+            name = f"{condition} ({own})" if condition else own
+            for place in group:
+                found[place] = replace(tests[place], condition=name)
+    return tuple(found)
+
+
+def _alike(first: MeasuredTest, second: MeasuredTest) -> bool:
+    return _shared(first.inputs, second.inputs) or _shared(first.readings, second.readings)
+
+
+def _shared(one: Array, other: Array) -> bool:
+    """Whether columns (n, m) differ by less than what matters, over the time that both have, each against its own rms."""
+    count = min(len(one), len(other)) // BLOCK
+    a, b = (columns[: count * BLOCK].reshape(count, BLOCK, -1).mean(axis=1) for columns in (one, other))
+    both = np.concatenate([a, b])
+    return bool(np.all(np.mean((a - b) ** 2, axis=0) <= MATTERS**2 * np.mean((both - both.mean(axis=0)) ** 2, axis=0)))

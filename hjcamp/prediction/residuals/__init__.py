@@ -1,0 +1,1 @@
+"""What a model leaves of the measured tests, window by window."""

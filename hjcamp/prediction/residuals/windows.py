@@ -1,0 +1,283 @@
+r"""Residuals over windows: each begins at states of its own, and only what those states cannot explain is kept.
+
+In window w a model gives the readings :math:`y_w(x_w, \theta)` from the state :math:`x_w` with which it begins. With the
+sensitivities :math:`S_w = \partial y_w / \partial x_w`, what counts is the residual's part orthogonal to S_w: a wrong start
+changes nothing to first order (variable projection; multiple shooting of Bock 1983). It is written as coefficients of
+Legendre polynomials in units of the sensor's noise. States that nothing measures go on from the window before
+(`hjcamp.prediction.residuals.passage`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.model.base_values import DELAY
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.simulator import Given
+from hjcamp.prediction.measured.at_once import passed_on, passed_to
+from hjcamp.prediction.measured.layout import Layout
+from hjcamp.prediction.residuals.kernels import Kernels
+from hjcamp.prediction.residuals.passage import Passage, Through
+from hjcamp.prediction.residuals.starts import erring_sensors
+
+Array = NDArray[np.float64]
+STEP = 1e-3
+# In its usual sizes: how far a start is moved at once.
+FARTHEST_MOVED = 3.0
+ZERO = "zero."
+# So many times the steps of the plant itself: what is stiffer than that costs time for nothing that samples show.
+STIFF = 10.0
+# Without a state of its own an effect may take so many: a strong cubic spring takes 50 where the plant takes one.
+BENT = 64.0
+
+
+class Predicted(NamedTuple):
+    """Predicted readings (n, sensors) and states (n, states), each window's states one sample after its last (windows, states),
+    SI, and the integrator's steps a sample.
+    """
+
+    readings: Array
+    states: Array
+    ends: Array
+    steps: float
+
+
+@dataclass
+class Windows:
+    """The residuals of models over the windows of a layout; ``starts`` (windows, states) are moved as the tests tell.
+
+    ``unseen`` (states,): what nothing measures; such states go on from window to window. ``usual_steps`` are what the integrator
+    takes a sample; a model that needs far more, where that is not 0, is not simulated to its end. ``forms`` are effects that
+    change nothing where a contact slides, in the windows of which ``slides`` (windows,) is true: they are left out there, and the
+    time that they take.
+    """
+
+    layout: Layout
+    kernels: Kernels
+    starts: Array
+    sizes: Array
+    lowest: Array
+    unseen: NDArray[np.bool_]
+    usual_steps: float = 0.0
+    forms: frozenset[str] = frozenset()
+    slides: NDArray[np.bool_] | None = None
+
+    @property
+    def place(self) -> tuple[Array, Passage | Through]:
+        """The starts and what they explain, to come back to."""
+        return self.starts, self._passage
+
+    @place.setter
+    def place(self, one: tuple[Array, Passage | Through]) -> None:
+        self.starts, self._passage = one
+
+    def readings(self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0) -> tuple[Array, Array]:
+        """Return the predicted readings (n, sensors) and states (n, states of the plant), SI; may hold NaN where it diverges.
+
+        ``friction`` is a factor on the static and Coulomb friction of all contacts.
+        """
+        found = self._predicted(candidate, starts, friction)
+        return found.readings, found.states
+
+    def _predicted(self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0) -> Predicted:
+        layout = self.layout
+        inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
+        begin = self._true(candidate, self.starts if starts is None else starts, inputs)
+        if friction != 1.0:
+            inputs = inputs.copy()
+            inputs[:, layout.names.index("friction_scatter")] *= friction
+        return self._read_at_once(candidate, self._run(candidate, begin, inputs, layout.width))
+
+    def _read_at_once(self, candidate: Candidate, found: Predicted) -> Predicted:
+        """Return what is predicted with what sensors read at once of inputs that run linearly, of which a run holds the mean."""
+        layout, plant = self.layout, self.layout.measured.plant
+        for place, ahead in layout.ahead.items():
+            for k, one in enumerate(layout.measured.sensors):
+                if place in passed_to(plant, one.field):
+                    found.readings[:, k] += ahead * passed_on(plant, one.field, layout.names[place], candidate.base)
+        return found
+
+    def _true(self, candidate: Candidate, starts: Array, inputs: Array) -> Array:
+        """Return the true states (windows, states) of starts that are given as sensors without errors would read them.
+
+        What begins where its sensor reads begins elsewhere where that errs: each first reading stays the same. A plant that
+        falls by itself would else leave its path before a fit of the sensor's error could follow.
+        """
+        plant = self.layout.measured.plant
+        erring = erring_sensors(plant, {name: self.kernels.effects[name] for name in candidate.effects})
+        if not erring:
+            return starts
+        without = candidate.without(set().union(*erring.values()))
+        wrong, right = (self._run(one, starts, inputs, 1).readings for one in (candidate, without))
+        moved = starts.copy()
+        for k, one in enumerate(self.layout.measured.sensors):
+            if one.field in erring:
+                place = list(plant.states).index(plant.measured[one.field].of)
+                with np.errstate(over="ignore", invalid="ignore"):
+                    change = wrong[:, k] - right[:, k]
+                moved[:, place] -= np.where(np.isfinite(change), change, 0.0)
+        return np.maximum(moved, self.lowest)
+
+    def _run(self, candidate: Candidate, begin: Array, inputs: Array, samples: int) -> Predicted:
+        """Return what is predicted of the first ``samples`` of each window, (windows samples, ...).
+
+        They begin at true states (windows, states), under ``inputs`` (n, inputs) of the whole windows.
+        """
+        layout, measured = self.layout, self.layout.measured
+        most = STIFF * self.usual_steps
+        if most and not self._remembers(candidate):
+            most = max(most, BENT)
+        count = len(begin) * samples
+        out, states = np.empty((count, len(measured.sensors))), np.empty((count, begin.shape[1]))
+        ends = begin.copy()
+        of_all = np.arange(len(begin) * layout.width).reshape(-1, layout.width)[:, :samples].ravel()
+        taken = 0
+        for simpler, part in self._parts(candidate):
+            model, values = self.kernels.model(simpler)
+            marks, begun = layout.begins.copy(), layout.begun.copy()
+            alone = part & ~np.concatenate([[False], part[:-1]])
+            marks[:: layout.width][alone] = 1
+            begun |= alone
+            for given, group in layout.groups:
+                windows = group & part
+                if not windows.any():
+                    continue
+                # nothing is picked out of the whole: most runs are of all windows
+                samples_of = slice(None) if windows.all() else np.repeat(windows, samples)
+                rows = samples_of if samples == layout.width else of_all[samples_of]
+                own, p = windows & begun, model.vector({**values, **given})
+                given_inputs = np.ascontiguousarray(inputs[rows])  # a kernel is compiled anew for other orders
+                course = Given(measured.period, marks[rows], layout.time[rows], given_inputs, begin[own])
+                ran = model.run_to_ends(p, course, most=most * len(course.time))
+                out[samples_of], states[samples_of] = ran.readings[:, measured.columns], ran.states[:, : begin.shape[1]]
+                ends[own] = ran.ends
+                taken += ran.steps
+        zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
+        return Predicted(out + np.array(zeros), states, ends, taken / count)
+
+    def spare(self, candidate: Candidate) -> None:
+        """Let every later model take so many more steps than this one at most; a stiffer one counts as one that diverges."""
+        self.usual_steps = self._predicted(candidate).steps
+
+    def _remembers(self, candidate: Candidate) -> bool:
+        """Whether an effect beside the forms of contacts has states of its own."""
+        return any(self.kernels.effects[name].states for name in candidate.effects if name not in self.forms)
+
+    def _parts(self, candidate: Candidate) -> list[tuple[Candidate, NDArray[np.bool_]]]:
+        """Return the model of each part of the windows: without forms where contacts slide, unless another effect has a memory."""
+        if self.layout.memory or self.slides is None or self._remembers(candidate) or not self.forms & set(candidate.effects):
+            return [(candidate, np.ones(len(self.starts), dtype=bool))]
+        return [(candidate.without(self.forms), self.slides), (candidate, ~self.slides)]
+
+    def errors(self, candidate: Candidate) -> Array:
+        """Return measured less predicted readings (n, sensors), SI, from the present starts; held where sensors read their ends."""
+        return self._error(self._predicted(candidate))
+
+    def _error(self, found: Predicted) -> Array:
+        return self.layout.readings - self.layout.held(found.readings)
+
+    def _left(self, found: Predicted) -> Array:
+        """Return the coefficients (windows, coefficients) of the errors of a prediction."""
+        return self.layout.coefficients(self._error(found)).reshape(len(self.starts), -1)
+
+    def move_starts(self, candidate: Candidate, rounds: int = 2) -> Array:
+        """Move each window's start to where its readings are met best, renew the sensitivities, and return the features there."""
+        found = self._predicted(candidate)
+        for _ in range(rounds):
+            left, passage, starts = self._left(found), self._passage_of(candidate, found), self.starts / self.sizes
+            moved = passage.begun(left, starts, found.ends / self.sizes)[0] - starts
+            tried = np.maximum(self.starts + np.clip(moved, -FARTHEST_MOVED, FARTHEST_MOVED) * self.sizes, self.lowest)
+            before = self._of_starts(left)
+            kept, self.starts = self.starts, tried
+            seen = self._predicted(candidate)
+            # what readings do not tell of a start changes them by less than their noise
+            better = self._of_starts(self._left(seen)) < before + passage.open
+            self.starts = np.where(better[:, None], tried, kept)
+            if better.any():
+                found = seen if better.all() else self._predicted(candidate)
+        self._passage = self._passage_of(candidate, found)
+        return self._unexplained(found)
+
+    def _of_starts(self, left: Array) -> Array:
+        """Return the squares (windows,) of errors (windows, coefficients), summed over all windows that share a start."""
+        squares, shared = np.sum(left**2, axis=1), np.cumsum(self.layout.begun) - 1
+        return np.asarray(np.bincount(shared, squares)[shared])
+
+    def memory(self, candidate: Candidate) -> int:
+        """Return the samples in which the readings forget a start where tests are simulated through: the slowest state.
+
+        Forgotten is what has fallen to 1/e of the most that it made of the readings, for good; the median of the tests.
+        """
+        layout, base, found = self.layout, self.readings(candidate)[0], 0
+        of_test = np.repeat(layout.of_test, layout.width)
+        for k, size in enumerate(self.sizes):
+            moved = self.starts.copy()
+            moved[:, k] += STEP * size
+            with np.errstate(invalid="ignore", over="ignore"):
+                change = np.abs((self.readings(candidate, moved)[0] - base) / layout.measured.noise).max(axis=1)
+            if not np.isfinite(change).all():
+                return len(base)
+            left = [change[of_test == test] for test in np.unique(of_test)]
+            found = max(found, int(np.median([np.flatnonzero(one * np.e >= one.max())[-1] + 1 for one in left])))
+        return found
+
+    def renew(self, candidate: Candidate) -> None:
+        """Renew what a change of each window's start explains."""
+        self._passage = self._passage_of(candidate, self._predicted(candidate))
+
+    def _passage_of(self, candidate: Candidate, base: Predicted) -> Passage | Through:
+        """Return what a change of each start, by its usual size, changes of the readings and the ends that are predicted."""
+        readings, ends = [], []
+        for k, size in enumerate(self.sizes):
+            moved = self.starts.copy()
+            moved[:, k] += STEP * size
+            changed = self._predicted(candidate, moved)
+            with np.errstate(over="ignore", invalid="ignore"):
+                change = self.layout.coefficients((changed.readings - base.readings) / STEP)
+                ends.append((changed.ends - base.ends) / (STEP * self.sizes))
+            readings.append(change.reshape(len(self.starts), -1))
+        if self.layout.memory:
+            return Through.of(np.stack(readings, axis=2), self.layout.of_test)
+        return Passage.of(np.stack(readings, axis=2), np.stack(ends, axis=2), self.unseen, self.layout.goes_on)
+
+    def passed(self, candidate: Candidate) -> tuple[Array, Array]:
+        """Return each window's end (windows, states) and what unseen starts change of it (windows, states, states), in sizes."""
+        base = self._predicted(candidate).ends
+        found = np.zeros((*base.shape, len(self.sizes)))
+        for k in np.flatnonzero(self.unseen):
+            moved = self.starts.copy()
+            moved[:, k] += STEP * self.sizes[k]
+            found[:, :, k] = (self._predicted(candidate, moved).ends - base) / (STEP * self.sizes)
+        return base / self.sizes, np.where(np.isfinite(found), found, 0.0)
+
+    def growth(self, candidate: Candidate) -> float:
+        """Return how often as large a small change of the start is at a window's end as in its first half: most of the states,
+        the median window.
+        """
+        layout, base, found = self.layout, self.readings(candidate)[0], 0.0
+        for k, size in enumerate(self.sizes):
+            moved = self.starts.copy()
+            moved[:, k] += STEP * size
+            change = (self.readings(candidate, moved)[0] - base) / layout.measured.noise
+            shaped = np.abs(change.reshape(len(moved), layout.width, -1)).max(axis=2)
+            half = shaped[:, : layout.width // 2].max(axis=1)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ratio = shaped[:, -1] / half
+            seen = ratio[np.isfinite(ratio)]
+            found = max(found, float(np.median(seen))) if len(seen) else found
+        return found
+
+    def features(self, candidate: Candidate, friction: float = 1.0) -> Array:
+        """Return what no start explains (windows, features), in units of the sensors' noise; NaN where the model diverges.
+
+        What nothing measures begins where the window before ended.
+        """
+        return self._unexplained(self._predicted(candidate, friction=friction))
+
+    def _unexplained(self, found: Predicted) -> Array:
+        """Return what no start explains of the errors of a prediction."""
+        return self._passage.unexplained(self._left(found), self.starts / self.sizes, found.ends / self.sizes)

@@ -1,0 +1,352 @@
+"""An analysis of measured tests of any plant: its windows, its calibrated base, and what it may miss."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.algebra import take_one_thread
+from hjcamp.errors import UsageError
+from hjcamp.model.base_values import DELAY
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.effect import Effect
+from hjcamp.prediction.fitting.chapters import FEWEST, chapters_of
+from hjcamp.prediction.fitting.gauss_newton import SETTLED, TURNS_OF_BASE, Fitted, Free, settled
+from hjcamp.prediction.laws.unknowns import Unknown, ranges_of, unknowns_of
+from hjcamp.prediction.levels import LEVEL
+from hjcamp.prediction.measured.floor import Floor, floor_of
+from hjcamp.prediction.measured.layout import SHORTEST, SHORTEST_OF_ALL, WINDOWS, Layout
+from hjcamp.prediction.measured.tests import MOST_DELAY, Measured
+from hjcamp.prediction.residuals.kernels import Kernels
+from hjcamp.prediction.residuals.starts import estimated
+from hjcamp.prediction.residuals.windows import FARTHEST_MOVED, ZERO, Windows
+from hjcamp.prediction.selection.contact_form import with_contact_forms
+from hjcamp.prediction.selection.forward import Search
+from hjcamp.prediction.selection.scored import Scored
+
+Array = NDArray[np.float64]
+Report = Callable[[str, float], None]
+# Four windows in the time after which a reading has little in common with itself.
+OF_CORRELATION = 0.25
+# In samples: how much earlier and later than its log an input may act. One that runs linearly acts half a sample earlier than held; the
+# channels of a record are read within a sample.
+EARLY = 1.0
+# Of what a start brings, at the end of a window over that in its first half: a constant jerk makes it 8; more grows by itself.
+MOST_GROWTH = 10.0
+# Of a plant with few states a start brings no more than a power of the time; what it grows by itself beyond that is less than this.
+OWN_GROWTH = math.e
+# Of short tests, and where errors are more than noise, the base begins with each parameter so many times smaller and larger, too.
+BEGUN_APART = 4.0
+# Samples that are looked at: time and memory do not grow with the length of the logs.
+MOST_SAMPLES = {"quick": 12_000, "standard": 32_000, "thorough": 10_000_000}
+
+
+def width_of(measured: Measured) -> int:
+    """Return the samples of a window: a quarter of the readings' correlation time, fewer where tests are short."""
+    lengths = [test.samples for test in measured.tests]
+    times = [_correlation(test.readings[:, k]) for test in measured.tests for k in range(len(measured.sensors))]
+    # each test ends with a rest that belongs to no window
+    enough = (width for width in range(SHORTEST, SHORTEST_OF_ALL, -1) if sum(length // width for length in lengths) >= 3 * FEWEST)
+    least = next(enough, SHORTEST_OF_ALL)
+    most = max(least, min(sum(lengths) // WINDOWS, min(lengths)))
+    return int(np.clip(OF_CORRELATION * np.median(times), least, most))
+
+
+def _correlation(values: Array) -> int:
+    """Return the samples after which the autocorrelation of values (n,) falls to 1/e."""
+    centred = values - values.mean()
+    size = 2 ** int(np.ceil(np.log2(2 * len(values))))
+    power = np.abs(np.fft.rfft(centred, size)) ** 2
+    found = np.fft.irfft(power)[: len(values)]
+    below = np.flatnonzero(found < found[0] / np.e)
+    return int(below[0]) if len(below) and found[0] > 0.0 else len(values)
+
+
+@dataclass
+class Known:
+    """What windows of one width told, with which those of another begin: base parameters, and the forms of contacts.
+
+    ``shown`` are the forms that one width has shown: a contact has its form in windows of every length.
+    """
+
+    base: dict[str, float] = field(default_factory=dict)
+    forms: dict[str, dict[str, float]] = field(default_factory=dict)
+    shown: set[str] = field(default_factory=set)
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Windows of the tests with a model to start from, calibrated; ``begun`` (windows, states) is where these began before any fit."""
+
+    windows: Windows
+    search: Search
+    start: Candidate
+    base: Scored
+    floor: Floor
+    begun: Array
+
+    @property
+    def measured(self) -> Measured:
+        """The tests."""
+        return self.windows.layout.measured
+
+
+def what_lacks(measured: Measured, layout: Layout) -> list[str]:
+    """Return in words what these tests lack for a verdict; empty where nothing does."""
+    found = []
+    chapters = len(np.unique(chapters_of(layout)))
+    if chapters < FEWEST or len(layout.of_test) < 3 * FEWEST:
+        found.append(
+            f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s in {chapters} chapters; "
+            f"{3 * FEWEST} windows in {FEWEST} chapters are needed: longer or more tests (at least {3 * FEWEST * SHORTEST_OF_ALL} "
+            f"samples, these have {sum(test.samples for test in measured.tests)})"
+        )
+    moving = [k for k in range(len(measured.sensors)) if any(np.ptp(t.readings[:, k]) > 0.0 for t in measured.tests)]
+    if not moving:
+        found.append("nothing that is measured changes in these tests")
+    return found
+
+
+def calibrated(
+    measured: Measured,
+    library: Mapping[str, type[Effect]],
+    start: Candidate | None = None,
+    report: Report = lambda text, share: None,
+    seed: int = 1,
+    width: int | None = None,
+    unknowns: bool = True,
+    effort: str = "standard",
+    workers: int = 1,
+    known: Known | None = None,
+    forms: Mapping[str, type[Effect]] | None = None,
+    wanted: Iterable[str] = (),
+) -> Analysis:
+    """Return the analysis of tests with a model's base parameters, and its effects', calibrated on them.
+
+    ``known`` is what windows of another width told; it is brought up to date. Contacts may have the forms among the ``library`` and
+    ``forms``; those of ``forms`` alone are not looked for beyond that. ``wanted`` effects are looked at whatever they promise.
+    Of logs longer than the ``effort`` allows, runs of windows are looked at that are evenly spread over them.
+    """
+    take_one_thread()
+    plant, known = measured.plant, known or Known()
+    both = {**library, **(forms or {})}
+    unnamed = frozenset(name for name, effect in both.items() if name not in library or not effect.claimed)
+    given = {name for test in measured.tests for name, _ in test.given}
+    base = {name: plant.parameters[name].default for name in plant.base_parameters if name not in given}
+    free = [_free(plant.parameters[name], (start.base if start else {}).get(name)) for name in base]
+    for name, item in plant.given_inputs().items():
+        if (
+            any(np.ptp(test.inputs[:, list(plant.inputs).index(name)]) > 0.0 for test in measured.tests)
+            and item.hold == "previous"
+        ):
+            free.append(Free("", DELAY + name, measured.period, -EARLY * measured.period, MOST_DELAY * measured.period))
+            base[DELAY + name] = 0.0
+    for sensor, step in zip(measured.sensors, measured.steps, strict=True):
+        if step > 0.0:  # where a counter begins to count is known to a step
+            free.append(Free("", ZERO + sensor.field, step, -step, step))
+            base[ZERO + sensor.field] = 0.0
+    candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
+    begun = candidate.with_base(known.base)
+    kernels = Kernels(plant, both)
+    windows, begun = predictable(measured, kernels, begun, free, width or width_of(measured), effort)
+    windows = windows if width else simulated_through(windows, Candidate(base, {}), free)
+    layout = windows.layout
+    report("calibrating", 0.1)
+    search = Search(
+        windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed, wanted=frozenset(wanted),
+        declared=dict(candidate.base),
+    )  # fmt: skip
+    first = windows.starts.copy()
+    windows.move_starts(begun)
+    fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
+    if layout.short or above_noise(layout, fitted.features):
+        fitted = begun_anew(windows, best_begun(windows, begun, fitted, plant.base_parameters))
+    if not np.isfinite(fitted.loss):
+        raise UsageError(
+            f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "
+            "check their values and the units of the logs"
+        )
+    states = _filled(windows, fitted.candidate)
+    search.ranges = ranges_of(plant, fitted.candidate.base, states, layout.inputs, layout.time)
+    found: dict[str, Unknown] = unknowns_of(plant, search.ranges) if unknowns else {}
+    search.unknowns = found
+    windows.spare(fitted.candidate)
+    kernels.add({name: one.effect for name, one in found.items()})
+    scored = search.scored(fitted)
+    scored = with_contact_forms(search, scored, known.shown)
+    known.shown |= set(scored.names) & windows.forms
+    known.base = dict(scored.fitted.candidate.base)
+    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features), first)
+
+
+def predictable(
+    measured: Measured, kernels: Kernels, candidate: Candidate, free: Sequence[Free], width: int, effort: str
+) -> tuple[Windows, Candidate]:
+    """Return windows of ``width`` samples, or of a half, a quarter, ... where a start grows beyond any prediction in them.
+
+    The model is fitted to the shortest first, and goes on from there: about a path that has left the measured one nothing is
+    told, neither of growth nor of parameters.
+    """
+    widths = [width]
+    while widths[0] >= 2 * SHORTEST_OF_ALL:
+        widths.insert(0, widths[0] // 2)
+    found = _begun(measured, kernels, candidate, widths[0], effort)
+    if len(widths) > 1:
+        found.move_starts(candidate)
+        fitted = settled(found, candidate, free)
+        candidate = fitted.candidate if np.isfinite(fitted.loss) else candidate
+    order = len(measured.plant.states) - 1
+    own = found.growth(candidate) / power_of(widths[0], order) if len(widths) > 1 else 0.0
+    for one in widths[1:]:
+        longer = _begun(measured, kernels, candidate, one, effort)
+        # what grows by itself squares in twice the time, though the path may have left the plant by then and grow no more
+        own = max(longer.growth(candidate) / power_of(one, order), own**2)
+        if own > min(MOST_GROWTH / power_of(one, order), OWN_GROWTH):
+            break
+        found = longer
+    return found, candidate
+
+
+def simulated_through(windows: Windows, base: Candidate, free: Sequence[Free]) -> Windows:
+    """Return windows of tests that are simulated through, where tests are too short for windows as long as the plant's memory.
+
+    In shorter windows the starts take most of what the plant does. It has to forget a start within a chapter, and no loop outside
+    its equations may hold it. The memory is that of the ``base`` fitted to these windows: one set of logs is looked at in one way,
+    whatever model is asked about.
+    """
+    layout, plant = windows.layout, windows.layout.measured.plant
+    if not layout.short or plant.loop == "foreign":
+        return windows
+    own = replace(windows)
+    own.move_starts(base)
+    fitted = settled(own, base, free, turns=TURNS_OF_BASE)
+    known = best_begun(own, base, fitted, plant.base_parameters).candidate if np.isfinite(fitted.loss) else base
+    memory = replace(windows, layout=replace(layout, memory=1)).memory(known)
+    if memory <= layout.width or len(layout.of_test) * layout.width < FEWEST * memory:
+        return windows
+    return replace(windows, layout=replace(layout, memory=memory))
+
+
+def above_noise(layout: Layout, features: Array) -> bool:
+    """Whether features (windows, d) are larger than the noise of a sensor (rms): what leaves no more cannot be fitted better."""
+    each = features.reshape(len(features), len(layout.measured.sensors), -1)
+    return bool(np.any(np.mean(each**2, axis=(0, 2)) > 1.0))
+
+
+def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterable[str]) -> Fitted:
+    """Return the best of a fit and those that begin with one of the named base parameters well below or above where that began.
+
+    One fit may be far from the best, as with a resonance that is declared elsewhere; one that the tests do not tell from the first
+    (likelihood ratio at the level of all claims) is no better. ``windows`` are left begun where the best has them.
+    """
+    from scipy.special import chdtri
+
+    best, place, least = fitted, windows.place, fitted.loss - 0.5 * float(chdtri(1, LEVEL))
+    for one in fitted.free:
+        for factor in (1.0 / BEGUN_APART, BEGUN_APART) if not one.effect and one.name in names else ():
+            start = one.put(begun, factor * one.value_in(begun))
+            own = replace(windows)
+            own.place = place
+            own.move_starts(start)
+            found = settled(own, start, fitted.free, turns=TURNS_OF_BASE)
+            if found.loss < min(best.loss, least):
+                best, windows.place = found, own.place
+    return best
+
+
+def begun_anew(windows: Windows, fitted: Fitted) -> Fitted:
+    """Return the better of a fit and one whose unseen states begin where the fitted model leads them, from each test's start on.
+
+    Readings may tell such a state in more than one place, as a speed of which nothing but the size is measured: then it stays about
+    where the declared parameters have led it. ``windows`` are left begun where the better has them.
+    """
+    if not windows.unseen.any() or windows.layout.memory or not np.isfinite(fitted.loss):
+        return fitted
+    for _ in range(TURNS_OF_BASE):
+        own = replace(windows)
+        own.place = windows.place
+        begin_hidden(own, fitted.candidate)
+        own.move_starts(fitted.candidate)
+        found = settled(own, fitted.candidate, fitted.free, turns=TURNS_OF_BASE)
+        if not found.loss < fitted.loss - SETTLED:
+            break
+        fitted, windows.place = found, own.place
+    return fitted
+
+
+def power_of(width: int, order: int) -> float:
+    """Return how often as large a power of time is at the end of a window as at the end of its first half."""
+    return ((width - 1) / (width // 2 - 1)) ** order
+
+
+def _begun(measured: Measured, kernels: Kernels, candidate: Candidate, width: int, effort: str) -> Windows:
+    """Return the windows, each begun as measured, a state that nothing measures where the window before left it."""
+    full = Layout(measured, width)
+    if not len(full.of_test):
+        raise UsageError(f"the tests are shorter than one window of {width} samples")
+    layout = Layout(measured, width, min(MOST_SAMPLES[effort] / (len(full.of_test) * width), 1.0))
+    states, _ = estimated(measured)
+    joined = layout.joined(states)
+    declared = list(measured.plant.states.values())
+    sizes = np.array([_usual(joined[:, k], item.typical) for k, item in enumerate(declared)])
+    lowest = np.array([item.low for item in declared])
+    unseen = np.all(~np.isfinite(joined), axis=0)
+    before = Windows(full, kernels, first_starts(full, full.joined(states)), sizes, lowest, unseen)
+    begin_hidden(before, candidate)
+    return Windows(layout, kernels, before.starts[layout.looked_at], sizes, lowest, unseen)
+
+
+def _free(item: object, value: float | None) -> Free:
+    from hjcamp.model.parameter import Parameter
+
+    assert isinstance(item, Parameter)
+    low, high = item.bounds
+    now = item.default if value is None else value
+    log = item.prior != "uniform" and low > 0.0
+    scale = abs(now) or abs(item.default) or 1.0
+    return Free("", item.name, scale, low, high, log)
+
+
+def _usual(values: Array, typical: float) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) or abs(typical) if len(known) else abs(typical)
+
+
+def first_starts(layout: Layout, joined: Array) -> Array:
+    """Return the starts (windows, states): what is measured, else a state's usual size where it has a lowest value, else 0."""
+    starts = joined[:: layout.width].copy()
+    for k, item in enumerate(layout.measured.plant.states.values()):
+        guess = item.typical if np.isfinite(item.low) else 0.0
+        starts[:, k] = np.where(np.isfinite(starts[:, k]), starts[:, k], guess)
+    return starts
+
+
+def begin_hidden(windows: Windows, candidate: Candidate) -> None:
+    """Let a state that nothing measures begin each window where the window before left it, from the first of its test on.
+
+    To first order in the starts (condensing), twice: copied from window to window, each turn, it would be known two windows long.
+    """
+    unseen = windows.unseen
+    if not unseen.any():
+        return
+    following = np.flatnonzero(windows.layout.goes_on)
+    for _ in range(2):
+        ends, passed = windows.passed(candidate)
+        starts, moved = windows.starts / windows.sizes, np.zeros_like(ends)
+        for w in following:
+            jump = (ends[w - 1] + passed[w - 1] @ moved[w - 1] - starts[w])[unseen]
+            moved[w, unseen] = np.clip(np.where(np.isfinite(jump), jump, 0.0), -FARTHEST_MOVED, FARTHEST_MOVED)
+        windows.starts = np.maximum(windows.starts + moved * windows.sizes, windows.lowest)
+
+
+def _filled(windows: Windows, candidate: Candidate) -> Array:
+    """Return the states (n, states) with what nothing measures as the model has it."""
+    joined = windows.layout.joined(estimated(windows.layout.measured)[0])
+    if np.all(np.isfinite(joined)):
+        return joined
+    passed = windows.readings(candidate)[1]
+    return np.where(np.isfinite(joined), joined, passed)

@@ -1,0 +1,114 @@
+"""What may be claimed of a model: whether it is better than another one, by what matters, and by more than scatter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.prediction.fitting.chapters import advantages, critical, ratio_t, told_apart
+from hjcamp.prediction.fitting.likelihood import size
+from hjcamp.prediction.levels import LEVEL, MATTERS, SCATTER
+from hjcamp.prediction.selection.fits import Fits
+from hjcamp.prediction.selection.regression import regression_of
+from hjcamp.prediction.selection.scored import Follows, Scored
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Claims(Fits):
+    """Models that are held against each other; ``claims`` is the level of all that is claimed together."""
+
+    claims: float = LEVEL
+
+    def matters(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
+        """Whether a model takes a share of the error that matters, and does so chapter by chapter."""
+        if not self.beats(model, before, level) or self.error_ratio(model, before) > 1.0 - MATTERS:
+            return False
+        return not self.only_scatter(model, before)
+
+    def only_scatter(self, model: Scored, before: Scored) -> bool:
+        """Whether friction differs with place or time by no more than every contact's does: that is how friction is, no effect."""
+        laws = [self.unknowns.get(name) or self.library[name] for name in model.beyond(before)]
+        if not laws or not all(one.scatters for one in laws):
+            return False
+        kept, self.windows.place = self.windows.place, before.place
+        usual = self.windows.features(before.fitted.candidate)
+        found = self.windows.features(model.fitted.candidate)
+        self.windows.place = kept
+        return bool(np.linalg.norm(found - usual) <= np.linalg.norm(self.scatter(before)))
+
+    def scatter(self, model: Scored) -> Array:
+        """Return what friction that differs as much as every contact's does changes (windows, d)."""
+        kept, self.windows.place = self.windows.place, model.place
+        usual = self.windows.features(model.fitted.candidate)
+        most = self.windows.features(model.fitted.candidate, friction=1.0 + SCATTER)
+        self.windows.place = kept
+        return np.asarray(most - usual)
+
+    def error_ratio(self, model: Scored, before: Scored) -> float:
+        """Return what a model leaves of another's rms on chapters left out, in the sensor in which it takes most."""
+        return self.rms_ratio(model.features, before.features)
+
+    def rms_ratio(self, one: Array, other: Array) -> float:
+        """Return the rms of features (windows, d) over that of others, in the sensor in which it is least."""
+        sensors = len(self.windows.layout.measured.sensors)
+        left, whole = (np.mean(f**2, axis=0).reshape(sensors, -1).mean(axis=1) + 1.0 for f in (one, other))
+        return math.sqrt(float(np.min(left / whole)))
+
+    def ruled_out(self, rival: Scored, model: Scored) -> bool:
+        """Whether a model beats a rival, and the rival errs more (rms, on chapters left out) in some sensor.
+
+        A rival that errs less in each loses by the scores alone: by windows whose starts it knows less well, such as those of a lag
+        behind a sensor, which on a linear plant does the same as one of its drive.
+        """
+        sensors = len(self.windows.layout.measured.sensors)
+        one, other = (np.mean(each.features**2, axis=0).reshape(sensors, -1).mean(axis=1) for each in (rival, model))
+        return self.beats(model, rival) and bool(np.any(one > other))
+
+    def follows_motion(self, model: Scored) -> Follows:
+        """Return how much of what a model leaves follows from the motion, by whatever law; nothing where none is shown to.
+
+        It is shown where a regression predicts chapters left out better at the level of all claims, by a share that matters,
+        and by more than friction that differs as every contact's does: on the motion as it was measured and as it is predicted.
+        Readings have the noise that is left of a model, predictions that of their starts; what both tell is no noise.
+        """
+        measured = self._follows(model, self.windows.layout.readings)
+        if not measured.share:
+            return measured
+        return min(measured, self._follows(model, self.predicted(model)), key=lambda one: one.share)
+
+    def _follows(self, model: Scored, readings: Array) -> Follows:
+        """Return how much of what a model leaves follows from the motion that readings (n, sensors) describe."""
+        found = regression_of(self.windows.layout, model.features, self.chapters, readings)
+        before, chapters = model.features[found.rows], self.chapters[found.rows]
+        apart = told_apart(found.features, before, chapters)
+        t, count = ratio_t(advantages(found.features, before, chapters), apart)
+        left, nothing = self.rms_ratio(found.features, before), Follows(0.0, 0.0)
+        if t <= critical(count, self.claims) or left > 1.0 - MATTERS:
+            return nothing
+        if np.linalg.norm(before - found.features) <= np.linalg.norm(self.scatter(model)[found.rows]):
+            return nothing
+        return Follows(1.0 - left, max(math.log(size(before) / size(found.features)), 0.0))
+
+    def predicted(self, model: Scored) -> Array:
+        """Return what a model predicts of all readings (n, sensors), from its own starts."""
+        kept, self.windows.place = self.windows.place, model.place
+        found = self.windows.readings(model.fitted.candidate)[0]
+        self.windows.place = kept
+        return np.where(np.isfinite(found), found, self.windows.layout.readings)
+
+    def beats(self, model: Scored, other: Scored, level: float = LEVEL) -> bool:
+        """Whether a model is better on chapters that it does not know, at a level."""
+        if not math.isfinite(model.left_out) or not math.isfinite(other.left_out):
+            return math.isfinite(model.left_out)
+        t, chapters = self.t(model, other)
+        return t > critical(chapters, level)
+
+    def t(self, model: Scored, other: Scored) -> tuple[float, float]:
+        """Return Student's t of a model's advantage over another, and the number of chapters that it stands on."""
+        found = advantages(model.features, other.features, self.chapters)
+        return ratio_t(found, told_apart(model.fitted.features, other.fitted.features, self.chapters))

@@ -1,0 +1,185 @@
+"""Models of a search as they are fitted: from where each begins, and what it leaves of chapters that it does not know."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.model.base_values import DELAY
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.effect import Effect
+from hjcamp.prediction.fitting.chapters import left_out
+from hjcamp.prediction.fitting.gauss_newton import TURNS, TURNS_OF_BASE, Fitted, Free, fit, settled
+from hjcamp.prediction.fitting.likelihood import loss, size
+from hjcamp.prediction.laws.unknowns import Unknown
+from hjcamp.prediction.laws.visited import Range, visited_shapes
+from hjcamp.prediction.levels import FITTED_STARTS, TRIED_ROUNDS, TRIED_STARTS
+from hjcamp.prediction.residuals.windows import Windows
+from hjcamp.prediction.screening.screening import (
+    Beside,
+    Probe,
+    Projection,
+    Promise,
+    free_of_effect,
+    free_of_unknown,
+    probes_of,
+    probes_of_unknown,
+    refined,
+)
+from hjcamp.prediction.selection.scored import Scored
+
+Report = Callable[[str, float], None]
+Given = TypeVar("Given")
+Found = TypeVar("Found")
+
+
+@dataclass
+class Fits:
+    """What fitting needs: the windows, the effects that may be missing, the unknowns, the chapters, the base's parameters.
+
+    ``declared`` are the base's parameters before they were fitted; ``begins`` say where effects begin as well.
+    """
+
+    windows: Windows
+    library: Mapping[str, type[Effect]]
+    unknowns: Mapping[str, Unknown]
+    chapters: NDArray[np.int64]
+    base_free: Sequence[Free]
+    ranges: Mapping[str, Range]
+    seed: int = 1
+    report: Report = lambda text, share: None
+    workers: int = 1
+    begins: dict[str, dict[str, float]] = field(default_factory=dict)
+    declared: Mapping[str, float] = field(default_factory=dict)
+    _beside: tuple[Fitted, Beside] | None = None
+
+    def scored(self, fitted: Fitted, windows: Windows | None = None) -> Scored:
+        """Return a fit with what it leaves of chapters that it does not know, over windows that begin where it has them."""
+        names, windows = tuple(fitted.candidate.effects), windows or self.windows
+        if not np.isfinite(fitted.loss):
+            return Scored(names, fitted, fitted.features, math.inf, windows.place)
+        features = left_out(windows, fitted, self.chapters)
+        return Scored(names, fitted, features, size(features), windows.place)
+
+    def each(
+        self, work: Callable[[Given], Found], given: Sequence[Given], words: Callable[[Given], str]
+    ) -> list[Found]:
+        """Return what ``work`` makes of each of ``given``, in order, by ``workers`` threads: a kernel leaves the interpreter free."""
+        found: list[Found] = []
+        with ThreadPoolExecutor(self.workers) as pool:
+            try:
+                for one, made in zip(given, pool.map(work, given), strict=True):
+                    found.append(made)
+                    self.report(words(one), len(found) / len(given))
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+        return found
+
+    def free_of(self, candidate: Candidate) -> list[Free]:
+        """Return all free parameters of a candidate: of the form of a contact that could be an effect how far it gives way, no more."""
+        found = list(self.base_free)
+        for name in candidate.effects:
+            if name in self.unknowns:
+                found += free_of_unknown(self.unknowns[name])
+                continue
+            effect = self.library[name]
+            whole = name not in self.windows.forms or not effect.claimed
+            found += [one for one in free_of_effect(effect) if whole or one.name == effect.granted]
+        return found
+
+    def fitted(self, start: Candidate, near: Fitted | None = None) -> Scored:
+        """Return the fit of a model from ``start``; ``near`` lends it slopes to begin with.
+
+        Each model has starts of its own: those of another one favour that.
+        """
+        own = copy.copy(self.windows)
+        return self.scored(self.settled(start, near, own), own)
+
+    def settled(self, start: Candidate, near: Fitted | None = None, windows: Windows | None = None) -> Fitted:
+        """Return the fit of a model from ``start`` with the starts of ``windows``, or those of a copy, moved along."""
+        return settled(windows or copy.copy(self.windows), start, self.free_of(start), near, self.turns)
+
+    @property
+    def turns(self) -> int:
+        """How often a fit and the windows' starts follow one another: of short tests until they agree."""
+        return TURNS_OF_BASE if self.windows.layout.short else TURNS
+
+    def beside(self, fitted: Fitted) -> Beside:
+        """Return the model beside which effects are probed, made once for each fit."""
+        if self._beside is None or self._beside[0] is not fitted:
+            self._beside = (fitted, Beside.of(self.windows, fitted))
+        return self._beside[1]
+
+    def probes(self, fitted: Fitted, name: str) -> list[Probe]:
+        """Return the probes of a named effect or an unknown beside a fitted model."""
+        beside = self.beside(fitted)
+        if name in self.unknowns:
+            return list(probes_of_unknown(self.windows, beside, self.unknowns[name]))
+        return list(probes_of(self.windows, beside, self.library[name], self.visited(name)))
+
+    def visited(self, name: str) -> dict[str, Range]:
+        """Return what the tests visit of the shapes of an effect."""
+        return visited_shapes(self.library[name], self.windows.layout.measured.plant, self.ranges)
+
+    def begun(self, projection: Projection, name: str, promises: Sequence[Promise]) -> Fitted:
+        """Return the best fit after few rounds: from where a named effect promises most, and from its usual values.
+
+        What is promised is linear: the best start of a curved law need not be the one that promises most.
+        """
+        before, effect = projection.fitted, self.library[name]
+        most = sorted((one for one in promises if one.gain > 0.0), key=lambda one: -one.gain)[:TRIED_STARTS]
+        own = [dict(effect.defaults()), *([self.begins[name]] if name in self.begins else [])]
+        if most:
+            most.append(refined(self.windows, self.beside(before), projection, effect, most[0], self.visited(name)))
+            own.append(dict(most[0].candidate.effects[name]))
+        starts = [one.candidate for one in most] + [before.candidate.with_effect(name, one) for one in own]
+        if self.windows.layout.short:
+            # the base may have taken the place of the effect
+            starts += [before.candidate.with_base(self.declared).with_effect(name, one) for one in own]
+        return self.best_of(starts, before)
+
+    def begun_unknown(self, before: Fitted, promise: Promise) -> Fitted:
+        """Return the better of two starts of an unknown: what is promised, and nothing."""
+        name, knots = promise.effect, self.unknowns[promise.effect].amplitudes
+        zero = {**promise.candidate.effects[name], **dict.fromkeys(knots, 0.0)}
+        return self.best_of([promise.candidate, before.candidate.with_effect(name, zero)], before)
+
+    def best_of(self, starts: Sequence[Candidate], before: Fitted) -> Fitted:
+        """Return the best fit after few rounds from those starts that are best as they are, and from the plain one of the best.
+
+        Of short tests all are fitted to the end: what is best as it is often leads nowhere, and it takes little.
+        """
+        distinct = {one.key: one for one in starts}
+        if self.windows.layout.short:
+            best = min((self.settled(one) for one in distinct.values()), key=lambda one: one.loss)
+            return min(best, self.settled(self.plain(best.candidate, before.candidate)), key=lambda one: one.loss)
+        left = {key: loss(self.windows.features(one)) for key, one in distinct.items()}
+        starts = sorted(starts, key=lambda one: left[one.key])[:FITTED_STARTS]
+        starts.append(self.plain(starts[0], before.candidate))
+        distinct = {one.key: one for one in starts}
+        tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in distinct.values()]
+        return min(tried, key=lambda one: one.loss)
+
+    def plain(self, candidate: Candidate, before: Candidate) -> Candidate:
+        """Return a candidate without the forms of contacts that were there before, and without delays of inputs.
+
+        A base takes them in place of what is missing, and a fit that begins with them may never get rid of them.
+        """
+        delays = [one.name for one in self.base_free if one.name.startswith(DELAY)]
+        return candidate.without(self.windows.forms & set(before.effects)).with_base(dict.fromkeys(delays, 0.0))
+
+    def resettled(self, model: Scored) -> Scored:
+        """Return a model with the windows' starts moved to where it fits best, if that is better, and leave them there."""
+        self.windows.place = model.place
+        found = self.scored(self.settled(model.fitted.candidate, model.fitted, self.windows))
+        best = min(found, model, key=lambda one: one.left_out)
+        self.windows.place = best.place
+        return best

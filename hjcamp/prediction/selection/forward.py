@@ -1,0 +1,200 @@
+"""Forward selection of what a model misses: named effects and unknowns compete, step by step, until nothing matters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hjcamp.model.base_values import DELAY
+from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.laws.alike import alike_laws, kind_of, law_of
+from hjcamp.prediction.levels import FITTED, FITTED_BY_CHANCE, FITTED_UNKNOWNS, LEVEL, MATTERS, MOST_OF_IT, STEPS
+from hjcamp.prediction.measured.floor import motion_of
+from hjcamp.prediction.screening.chance import chance_gains, moved_orders, p_value
+from hjcamp.prediction.screening.screening import Projection, best_promises
+from hjcamp.prediction.selection.claims import Claims
+from hjcamp.prediction.selection.scored import Scored, Step
+
+
+@dataclass
+class Search(Claims):
+    """A search for what is missing; ``steps`` tells each look.
+
+    ``unnamed`` are effects of the library that a base may have (the forms of contacts), but that are not looked for; ``needed`` are
+    effects that were found beside a free law, ``with_law`` the last of these with that law, ``wanted`` those that are looked at
+    closely whatever they promise.
+    """
+
+    unnamed: frozenset[str] = frozenset()
+    needed: frozenset[str] = frozenset()
+    with_law: Scored | None = None
+    wanted: frozenset[str] = frozenset()
+    steps: list[Step] = field(default_factory=list)
+
+    def look(self, before: Scored) -> Step:
+        """Return what a model may miss: screen everything, then fit what promises most."""
+        fitted, self.windows.place = before.fitted, before.place
+        self.windows.kernels.hold(fitted.candidate.effects)
+        projection, _ = Projection(fitted), self.beside(fitted)
+        names = [name for name in (*self.library, *self.unknowns) if self.may_be_added(name, fitted.candidate.effects)]
+        found = self.each(
+            lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}"
+        )
+        probes = [probe for one in found for probe in one]
+        layout = self.windows.layout
+        orders = moved_orders(layout.of_test, motion_of(layout, layout.readings), self.seed + len(self.steps))
+        promised = chance_gains(projection, probes, orders, self.seed + len(self.steps))
+        gain, chance = promised.gain, promised.shifted
+        effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
+        promises = [projection.promise(probe, effects[probe.effect]) for probe in probes]
+        best = best_promises(promises)
+        usual = float(np.median(chance)) if len(chance) else 0.0
+        chosen = FITTED if p_value(gain, chance) <= LEVEL else FITTED_BY_CHANCE
+        sure = [name for name in names if name in {*self.begins, *self.wanted} or self.hidden_by_base(name, fitted.candidate)]
+        able = [name for name, one in best.items() if name in self.library and one.gain > 0.0 and name not in sure]
+        able = [name for k, name in enumerate(able[: 2 * chosen]) if k < chosen // 2 or best[name].gain > usual]
+        begun = self.each(
+            lambda name: self.begun(projection, name, [one for one in promises if one.effect == name]), [*sure, *able],
+            lambda name: f"looking closer at {name}",
+        )  # fmt: skip
+        begun.sort(key=lambda one: one.loss)
+        # what is promised is linear; what a curved law gains is seen when it is fitted
+        gain = max([gain, *(fitted.loss - one.loss for one in begun[:1] if np.isfinite(one.loss))])
+        chosen, unnamed = (FITTED, FITTED_UNKNOWNS) if p_value(gain, chance) <= LEVEL else (FITTED_BY_CHANCE, 0)
+        others = [one for name, one in best.items() if name in self.unknowns][:unnamed]
+        starts = [*begun[:chosen], *(self.begun_unknown(fitted, one) for one in others)]
+        # what gains no more than chance promises cannot be claimed; two are fitted to be shown
+        starts = [one for one in starts if fitted.loss - one.loss > usual or one in begun[:FITTED_BY_CHANCE]]
+        models = self.each(
+            lambda start: self.fitted(start.candidate, start), starts,
+            lambda start: f"fitting {_added(start.candidate, fitted.candidate)}",
+        )  # fmt: skip
+        models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.left_out)
+        added = [_added(one.fitted.candidate, fitted.candidate) for one in models]
+        named = tuple(one for one, name in zip(models, added, strict=True) if name in self.library)
+        others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
+        different = len({order.tobytes() for order in orders})
+        step = Step(
+            before, p_value(gain, chance), chance, gain, named, others_fitted, self.claims, different, promised.decoys, promised.twins
+        )
+        self.steps.append(step)
+        return step
+
+    def may_be_added(self, name: str, present: Iterable[str]) -> bool:
+        """Whether an effect is looked for and not there yet, and no other one that says the same of the same driver.
+
+        Two laws of one driver in one place are one law of another form: the second would only mend the first.
+        """
+        law = law_of(self.library[name]) if name in self.library else None
+        return name not in (*present, *self.unnamed) and not any(
+            law and law == law_of(self.library[one]) for one in present if one in self.library
+        )
+
+    def hidden_by_base(self, name: str, candidate: Candidate) -> bool:
+        """Whether the base has something in the place of an effect, beside which little of it is promised.
+
+        Of a lag that is the delay of an input; of what depends on a state that nothing measures the starts of that state.
+        """
+        effect = self.library.get(name)
+        if effect is None:
+            return False
+        states = [*self.windows.layout.measured.plant.states]
+        unseen = {one for one, hidden in zip(states, self.windows.unseen, strict=True) if hidden}
+        if any(unseen & set(term.arguments) for term in effect.terms.values()):
+            return True
+        late = any(value > 0.0 for key, value in candidate.base.items() if key.startswith(DELAY))
+        return late and bool(effect.states) and kind_of(effect) in ("actuator", "sensor")
+
+    def run(self, base: Scored) -> Scored:
+        """Return the model with all named effects that matter, one added at a time; ``steps`` tells each look."""
+        model = base
+        for _ in range(STEPS):
+            step = self.look(model)
+            if step.p_value > self.claims or not step.named:
+                break
+            # the one that leaves least need not be one that is shown chapter by chapter
+            shown = (one for one in step.named if self.matters(one, model, step.level))
+            best = next(shown, None) or self.better_than_free_laws(model, step)
+            alone = best is not None
+            best = best or self.beside_free_law(model, step)
+            if best is None or self.mends(best, model, step):
+                self.windows.place = model.place
+                break
+            if not alone:
+                self.needed |= set(best.beyond(model))
+            model = self.thinned(self.resettled(best))
+        return model
+
+    def mends(self, further: Scored, model: Scored, step: Step) -> bool:
+        """Whether a further name takes no more than a free law over what drives a name that is there.
+
+        Then the law of that one is off in form, which the answer says, and is no second thing that is missing.
+        """
+        there = [self.library[name] for name in model.names if name in self.library and name not in self.windows.forms]
+        for one in step.unknown:
+            free = self.unknowns[_added(one.fitted.candidate, model.fitted.candidate)]
+            other_form = one.left_out <= further.left_out and any(alike_laws(free, name) for name in there)
+            if other_form and self.matters(one, model, step.level_of_unknown):
+                return True
+        return False
+
+    def better_than_free_laws(self, before: Scored, step: Step) -> Scored | None:
+        """Return the effect that leaves less than every free law of the step, where one of these is shown to take what matters.
+
+        That something is missing the free law shows; it is no better news than a name that leaves less, or than one that takes most
+        of what the free law takes where that is another form of it.
+        """
+        shown = [one for one in step.unknown if self.matters(one, before, step.level_of_unknown)]
+        best = min(shown, key=lambda one: one.left_out, default=None)
+        if best is None:
+            return None
+        free = self.unknowns[_added(best.fitted.candidate, before.fitted.candidate)]
+        most = (before.left_out / best.left_out) ** MOST_OF_IT
+        for one in step.named:
+            form = alike_laws(free, self.library[_added(one.fitted.candidate, before.fitted.candidate)])
+            takes = one.left_out <= best.left_out or (form and before.left_out / one.left_out >= most)
+            if takes and self.error_ratio(one, before) <= 1.0 - MATTERS and not self.only_scatter(one, before):
+                return one
+        return None
+
+    def beside_free_law(self, before: Scored, step: Step) -> Scored | None:
+        """Return a model of the step with an effect that matters beside a free law, which matters beside it, and both more than none.
+
+        Where two things are missing, each alone leaves so much that it hardly stands out chapter by chapter.
+        """
+        found = [one for one in step.named if self.error_ratio(one, before) <= 1.0 - MATTERS]
+        level = self.claims / max(FITTED_UNKNOWNS * len(found), 1)
+        for one in found:
+            self.windows.place = one.place
+            self.windows.kernels.hold(one.fitted.candidate.effects)
+            projection = Projection(one.fitted)
+            probes = [probe for name in self.unknowns for probe in self.probes(one.fitted, name)]
+            promises = best_promises([projection.promise(probe, self.unknowns[probe.effect].effect) for probe in probes])
+            for promise in list(promises.values())[:FITTED_UNKNOWNS]:
+                begun = self.begun_unknown(one.fitted, promise)
+                both = self.fitted(begun.candidate, begun)
+                if not self.matters(both, one, level) or not self.matters(both, before, level):
+                    continue
+                alone = self.fitted(both.fitted.candidate.without(one.beyond(before)), both.fitted)
+                if self.matters(both, alone, level):
+                    self.with_law = both
+                    return one
+        self.windows.place = before.place
+        return None
+
+    def thinned(self, model: Scored) -> Scored:
+        """Return the model without effects that it can do without (backward elimination)."""
+        while len(names := [name for name in model.names if name not in self.windows.forms | self.needed]) > 1:
+            less = [self.fitted(model.fitted.candidate.without([name])) for name in names]
+            best = min(less, key=lambda one: one.left_out)
+            if self.matters(model, best):
+                break
+            model, self.windows.place = best, best.place
+        return model
+
+
+def _added(candidate: Candidate, before: Candidate) -> str:
+    [name] = set(candidate.effects) - set(before.effects)
+    return name

@@ -1,0 +1,1 @@
+"""What may be said of a search, and what speaks against it."""

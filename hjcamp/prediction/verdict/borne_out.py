@@ -1,0 +1,69 @@
+"""What short tests say where they are simulated from their first sample on: windows may be too short for what acts slowly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hjcamp.prediction.levels import MATTERS, MOST_OF_IT
+from hjcamp.prediction.selection.analysis import Analysis
+from hjcamp.prediction.selection.scored import Scored, Step
+
+TOO_SHORT = ": these windows are too short for what acts slowly; longer tests, or repeated ones"
+
+
+def not_borne_out(analysis: Analysis, first: Step, free: Scored) -> str:
+    """Return in words that whole short tests contradict a free law that windows show; empty where they do not.
+
+    So it is where the law leaves more than the base does there, and a name that takes what matters in windows leaves less.
+    """
+    named = [one for one in first.named if analysis.search.error_ratio(one, analysis.base) <= 1.0 - MATTERS]
+    before, law, *left = _left(analysis, [analysis.base, free, *named])
+    if not law > before > min(left, default=before):
+        return ""
+    [law_name] = free.beyond(analysis.base)
+    least = int(np.argmin(left))
+    return (
+        f"in windows of {_window(analysis)} {law_name.replace('_', ' ')} predicts best, but of the error of whole tests, simulated "
+        f"from their first sample on, it leaves {100.0 * law / before:.0f} %, {named[least].beyond(analysis.base)[0]} "
+        f"{100.0 * left[least] / before:.0f} %{TOO_SHORT}"
+    )
+
+
+def not_in_windows(analysis: Analysis, first: Step) -> str:
+    """Return in words that an effect takes most of the error of whole short tests, where windows show nothing; else nothing."""
+    named = list(first.named)
+    before, *left = _left(analysis, [analysis.base, *named])
+    if not min(left, default=before) < (1.0 - MOST_OF_IT) * before:
+        return ""
+    least = int(np.argmin(left))
+    return (
+        f"windows of {_window(analysis)} show no effect, but {named[least].beyond(analysis.base)[0]} takes "
+        f"{100.0 * (1.0 - left[least] / before):.0f} % of the error of whole tests, simulated from their first sample on{TOO_SHORT}"
+    )
+
+
+def _left(analysis: Analysis, models: Sequence[Scored]) -> list[float]:
+    """Return the error (rms, in units of the sensors' noise) of each model over whole short tests; 0 where these are not looked at.
+
+    A foreign loop hides in whole tests what acts slowly.
+    """
+    windows, layout = analysis.windows, analysis.windows.layout
+    if layout.memory or not layout.short or layout.measured.plant.loop == "foreign":
+        return [0.0] * len(models)
+    own = replace(windows, layout=replace(layout, memory=len(layout.readings)))
+    kept, found = windows.place, []
+    for model in models:
+        windows.place = model.place
+        own.starts = windows.starts.copy()
+        own.move_starts(model.fitted.candidate)
+        errors = own.errors(model.fitted.candidate) / layout.measured.noise
+        found.append(float(np.sqrt(np.mean(np.nan_to_num(errors, nan=np.inf) ** 2))))
+    windows.place = kept
+    return found
+
+
+def _window(analysis: Analysis) -> str:
+    return f"{analysis.windows.layout.width * analysis.measured.period:.2g} s"

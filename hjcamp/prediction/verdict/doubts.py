@@ -1,0 +1,113 @@
+"""What speaks against a verdict: bounds that hold the base, errors that no floor explains, an input that would act before its log."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from hjcamp.model.base_values import DELAY
+from hjcamp.prediction.fitting.chapters import critical
+from hjcamp.prediction.fitting.intervals import held_away, intervals
+from hjcamp.prediction.laws.alike import kind_of
+from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
+from hjcamp.prediction.selection.analysis import Analysis
+from hjcamp.prediction.selection.scored import Scored
+from hjcamp.prediction.verdict.borne_out import not_in_windows
+
+
+def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
+    """Return in words why "nothing is missing" cannot be said; empty where it can.
+
+    So it is where the base left what it may be; and where no floor is known, all of the error is more than chance, and either most of
+    what a sensor errs by is more than its noise, a delay of the base stands at its most, or whole short tests show an effect.
+    """
+    if held := _held(analysis):
+        return held
+    if analysis.floor.source != "sensor" or p_value > LEVEL:
+        return ""
+    nearest = _nearest(analysis)
+    if doubt := _late(analysis, p_value) or ("" if nearest else not_in_windows(analysis, analysis.search.steps[0])):
+        return doubt
+    sensors = analysis.measured.sensors
+    over = np.sqrt(np.mean(analysis.base.features.reshape(-1, len(sensors), analysis.windows.layout.basis.shape[1]) ** 2, axis=(0, 2)))
+    worst = int(np.argmax(over))
+    if over[worst] * (1.0 - MOST_OF_IT) <= 1.0:
+        return ""
+    return (
+        f"{sensors[worst].quantity.replace('_', ' ')} errs by {over[worst]:.2g} times its noise, which is more than chance "
+        f"(p = {p_value:.2g}), but no effect and no unknown is shown to take it{nearest}; "
+        f"{len(analysis.windows.starts)} windows do not tell what is scatter: repeat a test, or make longer ones"
+    )
+
+
+def doubt_of_names(analysis: Analysis, model: Scored, names: Iterable[str]) -> str:
+    """Return in words that a drive which is named late acts, with the delay of the base, no later than its log, or what else
+    speaks against a name; else nothing.
+
+    So looks an input that runs on between samples where it was declared to be held: its mean over a sample is early and smooth.
+    Nor is an effect named that stands at a bound, and of which the tests tell nothing.
+    """
+    rows = intervals(model.fitted, analysis.search.chapters)
+    for name in names:
+        own = [one for one in rows if one.effect == name]
+        if any(one.at_bound for one in own) and not any(one.told for one in own):
+            return (
+                f"what is left is taken by {name} at a value that its bounds tell, not these tests: columns of the logs may be "
+                "exchanged, or a unit or a sign be wrong"
+            )
+        effect = analysis.search.library[name]
+        times = [one for one, item in effect.parameters.items() if item.unit == "s"]
+        if not times or not effect.states or kind_of(effect) != "actuator" or name not in model.fitted.candidate.effects:
+            continue
+        late = model.fitted.candidate.effects[name][times[0]]
+        for one in rows:
+            if not one.effect and one.name.startswith(DELAY) and one.told and one.high < 0.0 and one.value + late <= 0.0:
+                given = one.name.removeprefix(DELAY).replace("_", " ")
+                return (
+                    f"the base takes {given} to act {-one.value:.2g} s before its log, and {name} makes it late by {late:.2g} s: "
+                    'together it is not late. It may run on between samples (hold="linear" in the plant\'s file), or be logged late'
+                )
+    return ""
+
+
+def _held(analysis: Analysis) -> str:
+    """Return in words which base parameter its bounds keep from going on, far from what is declared; empty where none does."""
+    plant, chapters = analysis.measured.plant, analysis.search.chapters
+    for one in intervals(analysis.base.fitted, chapters):
+        if one.effect or one.name not in plant.base_parameters:
+            continue
+        if held_away({"value": one.value, "at_bound": one.at_bound, **one.row}, plant.parameters[one.name].default):
+            return (
+                f"{one.name.replace('_', ' ')} stands at its bound, far from what is declared: these tests do not tell it, its bounds "
+                "are wrong, or it takes the place of what is missing"
+            )
+    return ""
+
+
+def _late(analysis: Analysis, p_value: float) -> str:
+    """Return in words which input's delay stands at the most that the base may have; empty where none does."""
+    for one in intervals(analysis.base.fitted, analysis.search.chapters):
+        if not one.effect and one.name.startswith(DELAY) and one.at_bound and one.value > 0.0:
+            name = one.name.removeprefix(DELAY).replace("_", " ")
+            return (
+                f"the delay of {name} stands at the most that the base may have, and what is left is more than chance "
+                f"(p = {p_value:.2g}): something later is missing, but not shown chapter by chapter"
+            )
+    return ""
+
+
+def _nearest(analysis: Analysis) -> str:
+    """Return in words which effect takes most of what matters, where one does: in too few chapters to be shown."""
+    search = analysis.search
+    found = [(search.error_ratio(one, step.before), one, step) for step in search.steps for one in step.named]
+    left, model, step = min(found, key=lambda one: one[0], default=(1.0, analysis.base, None))
+    if step is None or left > 1.0 - MATTERS:
+        return ""
+    [name] = model.beyond(step.before)
+    t, count = search.t(model, step.before)
+    needed = critical(count, step.level)
+    return f" ({name} would leave {100.0 * left:.0f} % of it, but not chapter by chapter: t = {t:.1f}" + (
+        f", {needed:.1f} needed)" if math.isfinite(needed) else ")"
+    )

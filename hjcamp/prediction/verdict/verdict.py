@@ -1,0 +1,335 @@
+"""What may be said of the tests: nothing is missing, this effect, one of these, something outside the library, or cannot tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hjcamp.prediction.laws.alike import alike_laws
+from hjcamp.prediction.levels import LEVEL, LONGER, MATTERS, MOST_OF_IT
+from hjcamp.prediction.measured.floor import in_units, usual_size
+from hjcamp.prediction.measured.layout import SHORTEST
+from hjcamp.prediction.selection.analysis import Analysis, what_lacks
+from hjcamp.prediction.selection.scored import Scored, Step
+from hjcamp.prediction.verdict.borne_out import not_borne_out
+from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing
+
+NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict with the model behind it.
+
+    ``effects`` are what to add, or the group that cannot be told apart, of which ``model`` has one set;
+    ``confidence_set`` every set of names that the tests do not rule out; ``law_left`` the share that the named laws leave of
+    what the freest law takes; ``unknown`` the unknown that takes it; ``follows`` the share of the error
+    that follows from the motion though no law takes it; ``refused`` are names that take less than half of what it takes.
+    """
+
+    word: str
+    effects: tuple[str, ...]
+    model: Scored
+    p_value: float
+    confidence_set: tuple[tuple[str, ...], ...]
+    law_left: float
+    unknown: Scored | None
+    lacking: tuple[str, ...]
+    follows: float = 0.0
+    refused: tuple[str, ...] = ()
+
+    @property
+    def shown(self) -> Scored:
+        """The model whose error is shown: of what is outside the library its free law tells how much could be gained."""
+        return self.unknown if self.unknown and not self.effects else self.model
+
+
+def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
+    """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width."""
+    analysis, verdict = _looked_at(analysis, at)
+    return analysis, _doubted(analysis, verdict)
+
+
+def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
+    """Return the verdict over windows of several widths.
+
+    Where no law is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones. Tests that are
+    simulated through are looked at in windows, of which there are more chapters, also where a free law alone is shown that leaves
+    more than a name. All of these looks together may claim something by chance half as often as the first.
+    Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
+    set, both are what the tests leave.
+    """
+    verdict, width, through = judged(analysis), analysis.windows.layout.width, analysis.windows.layout.memory > 0
+    looks = (1,) if through else LONGER
+    open_still = verdict.word == NOTHING or bool(verdict.follows) or (through and _left_less_by_a_name(analysis, verdict))
+    for times in looks if open_still else ():
+        seen = _over(analysis, at, times * width)
+        if seen is None:
+            break
+        seen.search.claims = LEVEL / (2.0 * len(looks))
+        other = judged(seen)
+        if other.word == CANNOT_TELL:
+            break
+        # what takes too little in short windows is no better news in long ones
+        refused = set(other.effects) & set(verdict.refused) or (verdict.follows and _takes_too_little(analysis, other))
+        if other.word != NOTHING and not other.follows and not refused:
+            return seen, other
+        if verdict.word == NOTHING and other.follows:
+            analysis, verdict = seen, other
+    if verdict.follows:
+        return analysis, verdict
+    if verdict.word == EFFECT and not through and (more := _more_in_longer(analysis, verdict, at)):
+        return more
+    half = width if through else min(max(width // 2, SHORTEST), width)
+    if verdict.word != EFFECT or analysis.measured.repeated or (half == width and not through):
+        return analysis, verdict
+    other = judged(at(half))
+    known = {frozenset(names) for names in other.confidence_set}
+    if other.word not in (EFFECT, ONE_OF) or frozenset(verdict.effects) in known:
+        return analysis, verdict
+    sets = (verdict.effects, *other.confidence_set)
+    group = tuple(dict.fromkeys(name for names in sets for name in names))
+    return analysis, replace(verdict, word=ONE_OF, effects=group, confidence_set=sets)
+
+
+def _over(analysis: Analysis, at: Callable[[int], Analysis], width: int) -> Analysis | None:
+    """Return the analysis over windows of a width; none where a test is shorter, or the plant cannot be predicted so far."""
+    if width > min(test.samples for test in analysis.measured.tests):
+        return None
+    seen = at(width)
+    return seen if seen.windows.layout.width >= width else None
+
+
+def _more_in_longer(
+    analysis: Analysis, verdict: Verdict, at: Callable[[int], Analysis]
+) -> tuple[Analysis, Verdict] | None:
+    """Return the verdict over windows that are longer where it has the same names and more: what acts slowly beside what was found."""
+    seen = _over(analysis, at, LONGER[0] * analysis.windows.layout.width)
+    if seen is None:
+        return None
+    seen.search.claims = LEVEL / 2.0
+    other = judged(seen)
+    return (seen, other) if other.word == EFFECT and set(other.effects) > set(verdict.effects) else None
+
+
+def _takes_too_little(analysis: Analysis, other: Verdict) -> bool:
+    """Whether what longer windows name takes, in these, less than most of what follows from the motion."""
+    if not other.effects:
+        return False
+    candidate = analysis.base.fitted.candidate
+    for name in other.model.beyond(analysis.base):
+        candidate = candidate.with_effect(name, other.model.fitted.candidate.effects[name])
+    return _left_by_motion(analysis, analysis.search.fitted(candidate)) > 1.0 - MOST_OF_IT
+
+
+def _left_by_motion(analysis: Analysis, model: Scored) -> float:
+    """Return which share of all that a model and a regression on the motion beside it take is the regression's."""
+    more = analysis.search.follows_motion(model).taken
+    return more / (max(_taken(analysis.base, model), 0.0) + more) if more else 0.0
+
+
+def _left_less_by_a_name(analysis: Analysis, verdict: Verdict) -> bool:
+    """Whether a named effect leaves less than the free law for which something outside the library is said to be missing."""
+    if verdict.word != OUTSIDE or verdict.unknown is None:
+        return False
+    return any(one.left_out <= verdict.unknown.left_out for one in analysis.search.steps[0].named)
+
+
+def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
+    """Return that these tests cannot tell, where something speaks against what would be said."""
+    if verdict.word == NOTHING:
+        doubt = doubt_of_nothing(analysis, verdict.p_value)
+    else:
+        doubt = doubt_of_names(analysis, verdict.model, verdict.effects)
+    if not doubt:
+        return verdict
+    return Verdict(CANNOT_TELL, (), analysis.base, verdict.p_value, ((),), 0.0, None, (doubt,))
+
+
+def judged(analysis: Analysis) -> Verdict:
+    """Search for what is missing, and return what may be said."""
+    search, base = analysis.search, analysis.base
+    lacking = tuple(what_lacks(analysis.measured, analysis.windows.layout))
+    if lacking:
+        return Verdict(CANNOT_TELL, (), base, 1.0, ((),), 0.0, None, lacking)
+    model = search.run(base)
+    added = model.beyond(base)
+    last = next((step for step in reversed(search.steps) if step.before is model), None) or search.look(model)
+    first = search.steps[0]
+    unknown = _left(analysis, model, last) or _beside(analysis, model)
+    p_value = first.told
+    if not added:
+        follows = search.follows_motion(base).share if unknown is None else 0.0
+        if unknown is None and not follows and not _far_above_floor(analysis, base):
+            return Verdict(NOTHING, (), base, p_value, ((),), 0.0, None, ())
+        if unknown is not None and (wrong := not_borne_out(analysis, first, unknown)):
+            return Verdict(CANNOT_TELL, (), base, p_value, ((),), 0.0, None, (wrong,))
+        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, (), follows)
+    # what repetitions share is hardly touched: whatever was found is not what is missing
+    removable = math.log(base.left_out / _least(analysis))
+    if _far_above_floor(analysis, model) and _taken(base, model) < MOST_OF_IT * removable:
+        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
+    if _hardly_touched(analysis, model):
+        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
+    # a regression on the motion is the freest law of all; what a free law takes beside the names is not laid at their door
+    freest = unknown or model
+    law_left, taken = _left_by_motion(analysis, freest), _taken(base, model)
+    if law_left > 1.0 - MOST_OF_IT:
+        share = search.follows_motion(base).share if unknown is None else 0.0
+        return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, (), share, added)
+    if unknown is not None and set(added) <= search.needed:
+        # a name that shows beside a free law alone, and takes less than most of what that takes by itself, is not the news
+        shown = [one for one in first.unknown if search.matters(one, base, first.level_of_unknown)]
+        law = min([_alone(analysis, unknown, added), *shown], key=lambda one: one.left_out)
+        if taken < MOST_OF_IT * _taken(base, law):
+            return Verdict(OUTSIDE, (), base, p_value, (), 1.0 - taken / _taken(base, law), law, (), 0.0, added)
+    if unknown is not None:
+        left = tuple(name for name in added if not _covered(analysis, model, unknown, name))
+        if not left:
+            law_left = max(law_left, 1.0 - taken / max(_taken(base, unknown), 1e-12))
+            return Verdict(OUTSIDE, (), base, p_value, (), law_left, _alone(analysis, unknown, added), ())
+        if left != added:
+            covered = set(added) - set(left)
+            model, unknown = (search.fitted(one.fitted.candidate.without(covered)) for one in (model, unknown))
+            added, taken = left, _taken(base, model)
+        law_left = max(law_left, 1.0 - taken / max(_taken(base, unknown), 1e-12))
+    alone = next((one for one in first.unknown if _simpler(analysis, one, model, added)), None)
+    if alone is not None:
+        return Verdict(OUTSIDE, (), base, p_value, (), 1.0, alone, ())
+    models = _confidence_set(analysis, model, added, unknown)
+    sets = tuple(tuple(name for name in one.beyond(base) if name in search.library) for one in models)
+    if len(sets) > 1:
+        group = tuple(dict.fromkeys(name for one in sets for name in one))
+        return Verdict(ONE_OF, group, model, p_value, sets, max(law_left, 0.0), unknown, ())
+    return Verdict(EFFECT, added, model, p_value, sets, max(law_left, 0.0), unknown, ())
+
+
+def _simpler(analysis: Analysis, free: Scored, model: Scored, names: tuple[str, ...]) -> bool:
+    """Whether one free law is the simpler explanation: as good as the names with no more parameters, or than several as one thing.
+
+    One that is another form of a name is that same thing.
+    """
+    search = analysis.search
+    if search.beats(model, free):
+        return False
+    if len(free.fitted.free) <= len(model.fitted.free):
+        return True
+    law = next(search.unknowns[name] for name in free.names if name in search.unknowns)
+    return len(names) > 1 and free.left_out <= model.left_out and not any(alike_laws(law, search.library[name]) for name in names)
+
+
+def _far_above_floor(analysis: Analysis, model: Scored) -> bool:
+    """Whether repetitions share most of what a model leaves, in most windows: a thing is missing, whatever it depends on.
+
+    What a model misses in few windows alone, about reversals for one, is no such thing.
+    """
+    floor = analysis.floor
+    return floor.usual < (1.0 - MOST_OF_IT) * usual_size(model.features, floor.moments)
+
+
+def _hardly_touched(analysis: Analysis, model: Scored) -> bool:
+    """Whether a model leaves most of what lies above the difference of alike moments, in every sensor that errs twice as much (rms)."""
+    layout, floor = analysis.windows.layout, analysis.floor
+    if floor.source != "near_replicates":
+        return False
+    least = floor.of_sensors(layout)
+    before, after = (in_units(np.mean(one.features**2, axis=0), layout) for one in (analysis.base, model))
+    share = 1.0 - MOST_OF_IT
+    far = least < share * before
+    left = (least < share * after) & (after - least > share * (before - least))
+    return bool(far.any() and left[far].all())
+
+
+def _least(analysis: Analysis) -> float:
+    """Return the size of the floor."""
+    moments = analysis.floor.moments
+    return math.exp(0.5 * float(np.linalg.slogdet(moments)[1]) / len(moments))
+
+
+def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:
+    """Return the best unknown that still takes a share that matters beside the model."""
+    if last.p_value > last.claims:
+        return None
+    found = [one for one in last.unknown if analysis.search.matters(one, model, last.level_of_unknown)]
+    return min(found, key=lambda one: one.left_out) if found else None
+
+
+def _beside(analysis: Analysis, model: Scored) -> Scored | None:
+    """Return the model with the free law beside which a name of it was found; none where no name needed one."""
+    search = analysis.search
+    if search.with_law is None or not search.needed & set(model.names):
+        return None
+    if set(model.names) <= set(search.with_law.names) and len(search.with_law.names) == len(model.names) + 1:
+        return search.with_law
+    candidate = model.fitted.candidate
+    for name, own in search.with_law.fitted.candidate.effects.items():
+        candidate = candidate if name in model.names or name in search.library else candidate.with_effect(name, own)
+    both = search.fitted(candidate)
+    return both if search.matters(both, model) else None
+
+
+def _taken(base: Scored, model: Scored) -> float:
+    """Return the logarithm of the factor by which a model makes the error of left-out chapters smaller."""
+    return math.log(base.left_out / model.left_out)
+
+
+def _covered(analysis: Analysis, model: Scored, unknown: Scored, name: str) -> bool:
+    """Whether a free law makes a named effect needless that takes less than most of what it takes: then it is not that effect.
+
+    A law that is no other form of the effect says where it is missing: beside one that predicts better it need not take that little.
+    """
+    search = analysis.search
+    rest = search.fitted(unknown.fitted.candidate.without([name]))
+    if search.matters(unknown, rest):
+        return False
+    laws = [search.unknowns[one] for one in rest.names if one in search.unknowns]
+    if not any(alike_laws(law, search.library[name]) for law in laws) and search.beats(rest, model):
+        return True
+    less = search.fitted(model.fitted.candidate.without([name]))
+    return _taken(less, model) < MOST_OF_IT * _taken(less, rest)
+
+
+def _alone(analysis: Analysis, unknown: Scored, names: tuple[str, ...]) -> Scored:
+    """Return a free law without names that it makes needless, as it was fitted in the first step or fitted anew."""
+    law = set(unknown.names) - set(names)
+    fitted = (one for one in analysis.search.steps[0].unknown if set(one.names) == law)
+    return next(fitted, None) or analysis.search.fitted(unknown.fitted.candidate.without(names))
+
+
+def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], unknown: Scored | None) -> list[Scored]:
+    """Return the model and every model with one name exchanged that is not worse at the level of all claims.
+
+    Where a free law takes a share that matters beside the model, rivals are compared beside it: what it takes is no scatter.
+    """
+    search, found = analysis.search, [model]
+    best = unknown or model
+    beside = {name: own for name, own in best.fitted.candidate.effects.items() if name not in model.names}
+    for step in search.steps:
+        here = [
+            name for name in added if any(name in one.names for one in step.named) and name not in step.before.names
+        ]
+        for one in step.named:
+            [other] = one.beyond(step.before)
+            for name in here:
+                # what takes less than matters is no rival
+                if other in model.names or one.left_out >= step.before.left_out or search.error_ratio(one, step.before) > 1.0 - MATTERS:
+                    continue
+                if search.ruled_out(one, _of(step, name)):
+                    continue
+                exchanged = model.fitted.candidate.without([name]).with_effect(
+                    other, one.fitted.candidate.effects[other]
+                )
+                for free, own in beside.items():
+                    exchanged = exchanged.with_effect(free, own)
+                rival = search.fitted(exchanged)
+                known = {frozenset(each.names) for each in found}
+                if frozenset(rival.names) not in known and not search.ruled_out(rival, best):
+                    found.append(rival)
+    return found
+
+
+def _of(step: Step, name: str) -> Scored:
+    return next(one for one in step.named if name in one.names)
