@@ -32,14 +32,14 @@ def plain_residuals(views: Views, candidate: Candidate) -> Array:
     """The residuals from readings and balance, one formula after the other, each over all samples."""
     evidence = views.evidence
     arm, pressure1, pressure2 = (evidence.joined(name) for name in ("arm", "pressure1", "pressure2"))
-    groups = range(len(views._groups))
+    groups = range(len(views.courses.groups))
     joint = views.joint_readings(candidate)
     lines = np.concatenate([views._line_readings(candidate, index) for index in groups])
     balance = np.concatenate([views._balance(candidate, index) for index in groups])
     scale = np.concatenate(
         [
             np.full(part.stop - part.start, views._sensor_scale(candidate, k))
-            for k, (part, _) in enumerate(views._groups)
+            for k, (part, _) in enumerate(views.courses.groups)
         ]
     )
 

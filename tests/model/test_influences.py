@@ -7,7 +7,7 @@ from hjcamp.model.compose import Composition
 from hjcamp.model.source_text import live
 from hjcamp.model.structure import influences
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint.diagnosis.residuals.views import _idle
+from hjcamp.plants.pump_joint.diagnosis.residuals.reach import idle
 
 PRESSURES = ("pressure1_reading", "pressure2_reading")
 
@@ -39,6 +39,6 @@ def test_live_statements_are_those_that_reach_the_end() -> None:
 def test_friction_is_idle_where_the_slider_is_driven_and_a_leak_where_the_pressures_are() -> None:
     library = load_effects()
     leak, bristles, offset = library["leakage"], library["presliding"], library["pressure_offset"]
-    assert _idle((leak, bristles, offset), "lines", PRESSURES) == {"presliding"}
-    assert _idle((leak, bristles, offset), "inverse", PumpJoint.balance) == {"leakage", "pressure_offset"}
-    assert _idle((leak,), "lines", PRESSURES) == frozenset()
+    assert idle((leak, bristles, offset), "lines", PRESSURES) == {"presliding"}
+    assert idle((leak, bristles, offset), "inverse", PumpJoint.balance) == {"leakage", "pressure_offset"}
+    assert idle((leak,), "lines", PRESSURES) == frozenset()

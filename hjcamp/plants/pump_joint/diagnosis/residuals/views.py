@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-import re
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -12,17 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.model.candidate import Candidate
-from hjcamp.model.course import Course, inputs_along
 from hjcamp.model.simulator import Simulator
-from hjcamp.model.structure import influences, reaching
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
-from hjcamp.plants.pump_joint.diagnosis.measured.hardware import composition, simulator
-from hjcamp.plants.pump_joint.diagnosis.measured.signals import PERIOD
+from hjcamp.plants.pump_joint.diagnosis.measured.hardware import simulator
 from hjcamp.plants.pump_joint.diagnosis.models.per_test_states import OwnStarts
+from hjcamp.plants.pump_joint.diagnosis.residuals.courses import Courses
 from hjcamp.plants.pump_joint.diagnosis.residuals.kernel_choice import chosen_for
 from hjcamp.plants.pump_joint.diagnosis.residuals.memo import Recent
 from hjcamp.plants.pump_joint.diagnosis.residuals.passes import force_errors, joint_errors, line_errors
+from hjcamp.plants.pump_joint.diagnosis.residuals.reach import (
+    balances_itself,
+    gates_of,
+    idle,
+    reaching_places,
+    shows_otherwise,
+)
 from hjcamp.plants.pump_joint.diagnosis.residuals.replay_parallel import follow
 from hjcamp.workers.pool import Crew
 
@@ -36,48 +39,6 @@ SEEN = tuple(channel.signal for channel in PumpJoint.channels)
 PRESSURES = tuple(channel.signal for channel in PumpJoint.channels if channel.field.startswith("pressure"))
 LINES = slice(CHANNELS.index("line_sum"), CHANNELS.index("line_difference") + 1)
 FORCES = CHANNELS.index("sliding")
-
-
-@functools.lru_cache(maxsize=512)
-def _reaching(effects: tuple[Any, ...], cut: str, present: frozenset[str], outputs: tuple[str, ...]) -> Any:
-    """Return the positions of the parameters that reach the outputs when only some effects are present."""
-    whole = composition(effects, cut)
-    some = composition(tuple(effect for effect in effects if effect.name in present), cut, gated=False)
-    names = influences(some, outputs)
-    return np.array([position for position, name in enumerate(whole.parameters) if name in names], dtype=np.int64)
-
-
-@functools.lru_cache(maxsize=64)
-def _gates(effects: tuple[Any, ...]) -> dict[str, int]:
-    """Return the position of every effect's gate among the parameters."""
-    order = list(composition(effects, "pump").parameters)
-    return {effect.name: order.index(f"gate.{effect.name}") for effect in effects}
-
-
-@functools.lru_cache(maxsize=512)
-def _idle(effects: tuple[Any, ...], cut: str, outputs: tuple[str, ...]) -> frozenset[str]:
-    """Return the names of those effects without which the outputs are computed in the same way."""
-    left = effects
-    for effect in effects:
-        fewer = tuple(other for other in left if other is not effect)
-        if _computed(fewer, cut, outputs) == _computed(left, cut, outputs):
-            left = fewer
-    return frozenset(effect.name for effect in effects if effect not in left)
-
-
-def _computed(effects: tuple[Any, ...], cut: str, outputs: tuple[str, ...]) -> str:
-    # The places of states and parameters in their vectors depend on what else there is; their names tell.
-    return re.sub(r"\[\d+\]", "", reaching(composition(effects, cut, gated=False), outputs))
-
-
-def _shows_otherwise(effect: Any) -> bool:
-    return any(slot == "arm_angle" or slot.endswith("_reading") for slot in effect.terms)
-
-
-def _balances_itself(effect: Any) -> bool:
-    """Whether an effect takes its force from the acceleration, which the force balance is there to explain."""
-    terms = (*effect.terms.values(), *effect.rates.values(), *effect.updates.values())
-    return any("slider_acceleration" in term.arguments for term in terms)
 
 
 def _weighs(hardware: Any) -> bool:
@@ -98,6 +59,7 @@ class Views:
 
     def __init__(self, evidence: Evidence, effects: tuple[Any, ...], crew: Crew | None = None) -> None:
         self.evidence = evidence
+        self.courses = Courses(evidence)
         self.effects = effects
         self.crew = crew or Crew()
         self.names = tuple(effect.name for effect in effects)
@@ -124,23 +86,6 @@ class Views:
         weight = {"gravity_load"} if _weighs(hardware) and "gravity_load" in self.names else set()
         return chosen_for(self.effects, frozenset(candidate.effects) | weight)
 
-    @cached_property
-    def _groups(self) -> list[tuple[slice, Any]]:
-        """Runs of neighbouring tests with the same hardware, as sample ranges."""
-        edges, tests = self.evidence.edges, self.evidence.tests
-        groups: list[tuple[slice, Any]] = []
-        begin = 0
-        for index in range(1, len(tests) + 1):
-            if index == len(tests) or tests[index].hardware != tests[begin].hardware:
-                groups.append((slice(int(edges[begin]), int(edges[index])), tests[begin].hardware))
-                begin = index
-        return groups
-
-    @cached_property
-    def _columns(self) -> dict[str, Array]:
-        names = ("time", "arm", "pressure1", "pressure2", "pump", "dither", "velocity", "track", "acceleration")
-        return {name: self.evidence.joined(name) for name in names}
-
     def vector(self, model: Simulator, candidate: Candidate, hardware: Any) -> Array:
         """Return the parameter vector of ``candidate`` on ``hardware``: gates open, the setup's own load added."""
         values: dict[str, float] = {**hardware.values, **candidate.base}
@@ -162,54 +107,15 @@ class Views:
             )
         return model.vector(values)
 
-    @cached_property
-    def _measured(self) -> Array:
-        return np.column_stack([self._columns["arm"], self._columns["pressure1"], self._columns["pressure2"]])
-
-    @cached_property
-    def _marks(self) -> dict[str, Any]:
-        """Restarts of a course with windows and of one without, and what a course has where nothing differs (n,)."""
-        whole = self.evidence.restart
-        tests, n = np.where(whole == 2, 2, 0), len(whole)
-        return {
-            "windows": whole,
-            "tests": tests,
-            "samples": np.maximum(whole, 1),
-            "zeros": np.zeros((n, 1)),
-        }
-
-    def _course(
-        self, part: slice, driven: Array, observed: Array, restarts: str, scatter: Array | None = None
-    ) -> Course:
-        """Return a part of all tests as a course that restarts in each of its "windows", "samples" or "tests" alone."""
-        columns, marks = self._columns, self._marks
-        return Course(
-            period=PERIOD,
-            restart=marks[restarts][part],
-            time=columns["time"][part],
-            driven=np.ascontiguousarray(driven),
-            observed=np.ascontiguousarray(observed),
-            velocity=marks["zeros"][part] if restarts == "tests" else columns["velocity"][part, None],
-            given=self._given[part] if scatter is None else self._scattered(scatter)[part],
-        )
-
-    @cached_property
-    def _given(self) -> Array:
-        """The plant's inputs (n, inputs) as they were recorded."""
-        return inputs_along(PumpJoint, len(self._columns["time"]), dither=self._columns["dither"])
-
-    def _scattered(self, scatter: Array) -> Array:
-        return inputs_along(PumpJoint, len(scatter), dither=self._columns["dither"], friction_scatter=scatter)
-
     def _key(self, model: Simulator, p: Array, outputs: Sequence[str]) -> tuple[frozenset[str], bytes]:
         """Return what the outputs of a model depend on: the effects present, and the parameters that can reach them."""
         effects, cut = model.composition.effects, model.composition.cut.name
-        present = frozenset(effect.name for effect in effects if p[_gates(effects)[effect.name]] != 0.0)
-        return present, p[_reaching(effects, cut, present, tuple(outputs))].tobytes()
+        present = frozenset(effect.name for effect in effects if p[gates_of(effects)[effect.name]] != 0.0)
+        return present, p[reaching_places(effects, cut, present, tuple(outputs))].tobytes()
 
     def _line_key(self, candidate: Candidate, index: int) -> tuple[Any, Simulator, Array]:
         """Return of one group of tests what its lines depend on, their model without what cannot change them, its parameters."""
-        hardware = self._groups[index][1]
+        hardware = self.courses.groups[index][1]
         present = self._that_reach(candidate, "lines", SEEN)
         model = self.lines(present, hardware)
         p = self.vector(model, present, hardware)
@@ -222,13 +128,13 @@ class Views:
         """Return of one group of tests the observed states (n, 4) and the sliders' smooth travel (n, 1) with the sensors'
         errors taken out."""
         if not self._shown_otherwise(candidate):
-            return self._plain_states[index]
+            return self.courses.plain_states[index]
         key, model, p = self._line_key(candidate, index)
         return self._recent_states.get(key, lambda: self._true_states(model, p, candidate, index))
 
     def _line_readings(self, candidate: Candidate, index: int) -> Array:
         """Return of one group of tests the readings (n, 4) of the lines driven by pump and arm, of which the pressures count."""
-        hardware = self._groups[index][1]
+        hardware = self.courses.groups[index][1]
         present = self._that_reach(candidate, "lines", PRESSURES)
         model = self.lines(present, hardware)
         p = self.vector(model, present, hardware)
@@ -237,7 +143,7 @@ class Views:
 
         def compute() -> Array:
             observed, _ = self._states(candidate, index)
-            course = self._course(self._groups[index][0], observed[:, [0, 3]], observed, "tests")
+            course = self.courses.course(self.courses.groups[index][0], observed[:, [0, 3]], observed, "tests")
             return follow(model, p, course, self.crew, TOLERANCE).readings
 
         return self._recent_lines.get(key, compute)
@@ -245,29 +151,18 @@ class Views:
     def _that_reach(self, candidate: Candidate, cut: str, outputs: Sequence[str]) -> Candidate:
         """Return the candidate without the effects that cannot change the outputs: a kernel without any is far faster."""
         present = tuple(effect for effect in self.effects if effect.name in candidate.effects)
-        return candidate.without(_idle(present, cut, tuple(outputs)))
-
-    @cached_property
-    def _plain_states(self) -> list[tuple[Array, Array]]:
-        """Observed states (n, 4) and travel (n, 1) of each group of tests as they were read."""
-        columns, found = self._columns, []
-        for part, hardware in self._groups:
-            lead, radius = hardware.values["pump_lead"], hardware.values["pulley_radius"]
-            pump, arm = columns["pump"][part] * lead, columns["arm"][part] * radius
-            observed = np.column_stack([pump, columns["pressure1"][part], columns["pressure2"][part], arm])
-            found.append((observed, columns["track"][part, None]))
-        return found
+        return candidate.without(idle(present, cut, tuple(outputs)))
 
     def _true_states(self, model: Simulator, p: Array, candidate: Candidate, index: int) -> tuple[Array, Array]:
-        (part, hardware), (observed, track) = self._groups[index], self._plain_states[index]
+        (part, hardware), (observed, track) = self.courses.groups[index], self.courses.plain_states[index]
         radius = hardware.values["pulley_radius"]
         if self._hung(candidate):
             # What hangs between sliders and arm moves while the arm stands: only the joint's own motion tells.
-            course = self._course(part, observed[:, :1], observed, "windows")
+            course = self.courses.course(part, observed[:, :1], observed, "windows")
             joint = self.joint(candidate, hardware)
             seen = follow(joint, self.vector(joint, candidate, hardware), course, self.crew, TOLERANCE)
         else:
-            seen = follow(model, p, self._course(part, observed[:, [0, 3]], observed, "tests"), self.crew, TOLERANCE)
+            seen = follow(model, p, self.courses.course(part, observed[:, [0, 3]], observed, "tests"), self.crew, TOLERANCE)
         shown = np.column_stack([seen.readings[:, 1], seen.readings[:, 2], seen.readings[:, 0] * radius])
         ideal = seen.ideal[:, 1:]
         # A sensor with a scale is inverted where it was read, not where the model would have it.
@@ -288,11 +183,11 @@ class Views:
 
     @cached_property
     def _misleading(self) -> frozenset[str]:
-        return frozenset(effect.name for effect in self.effects if _shows_otherwise(effect))
+        return frozenset(effect.name for effect in self.effects if shows_otherwise(effect))
 
     @cached_property
     def _circular(self) -> frozenset[str]:
-        return frozenset(effect.name for effect in self.effects if _balances_itself(effect))
+        return frozenset(effect.name for effect in self.effects if balances_itself(effect))
 
     def joint_readings(self, candidate: Candidate, *, windows: bool = True, scatter: Array | None = None) -> Array:
         """Return predicted readings (n, 4) of the joint view, SI: arm, pressure 1 and 2, pump.
@@ -300,9 +195,9 @@ class Views:
         With ``windows`` off it runs through every test from its first sample.
         """
         found = []
-        for index, (part, hardware) in enumerate(self._groups):
+        for index, (part, hardware) in enumerate(self.courses.groups):
             observed, _ = self._states(candidate, index)
-            course = self._course(part, observed[:, :1], observed, "windows" if windows else "tests", scatter)
+            course = self.courses.course(part, observed[:, :1], observed, "windows" if windows else "tests", scatter)
             model = self.joint(candidate, hardware)
             p = self.vector(model, candidate, hardware)
             found.append(follow(model, p, course, self.crew, TOLERANCE).readings)
@@ -310,7 +205,7 @@ class Views:
 
     def _balance(self, candidate: Candidate, index: int) -> Array:
         """Return push, friction, static friction (N) and mass (kg) of one group of tests (n, 4)."""
-        part, hardware = self._groups[index]
+        part, hardware = self.courses.groups[index]
         balanced = self._that_reach(candidate.without(self._circular), "inverse", PumpJoint.balance)
         model = self.inverse(balanced, hardware)
         p = self.vector(model, balanced, hardware)
@@ -321,7 +216,7 @@ class Views:
         def compute() -> Array:
             observed, track = self._states(candidate, index)
             driven = np.hstack([observed[:, :3], track])
-            course = self._course(part, driven, driven, "samples")
+            course = self.courses.course(part, driven, driven, "samples")
             return follow(model, p, course, self.crew, TOLERANCE).forces
 
         return self._recent_balance.get(key, compute)
@@ -330,7 +225,7 @@ class Views:
         """Return the slope of the pressure difference that the sensors of a candidate show over the true one."""
         if not self._shown_otherwise(candidate):
             return 1.0
-        observed, shown = self._states(candidate, index)[0], self._plain_states[index][0]
+        observed, shown = self._states(candidate, index)[0], self.courses.plain_states[index][0]
         return _slope(shown[:, 1] - shown[:, 2], observed[:, 1] - observed[:, 2])
 
     def residuals(self, candidate: Candidate, windows: bool = True) -> Array:
@@ -347,28 +242,19 @@ class Views:
         fresh. Forces are read in the sensors' own units: a scale of both sensors, with all forces scaled alike, must
         explain nothing.
         """
-        out = np.zeros((len(self._measured), len(CHANNELS)))
+        out = np.zeros((len(self.courses.measured), len(CHANNELS)))
         if windows:
-            joint_errors(self.joint_readings(candidate), self._measured, out)
-        acceleration, slides = self._columns["acceleration"], self.evidence.sliding
-        for index, (part, _) in enumerate(self._groups):
-            events, edges = self._places[index]
-            line_errors(self._line_readings(candidate, index), self._measured[part], edges, out[part], LINES.start)
+            joint_errors(self.joint_readings(candidate), self.courses.measured, out)
+        acceleration, slides = self.courses.columns["acceleration"], self.evidence.sliding
+        for index, (part, _) in enumerate(self.courses.groups):
+            events, edges = self.courses.places[index]
+            line_errors(self._line_readings(candidate, index), self.courses.measured[part], edges, out[part], LINES.start)
             balance, scale = self._balance(candidate, index), self._sensor_scale(candidate, index)
             force_errors(balance, scale, slides[part], acceleration[part], events, out[part], FORCES)
         homes = self.evidence.homes
         out[self.evidence.edges[:-1], HOME] = np.where(np.isfinite(homes), self.shown_at_zero(candidate) - homes, 0.0)
         out[:, LINES] += self._own_starts.corrections(candidate, out[:, LINES])
         return out
-
-    @cached_property
-    def _places(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Breakaways, and edges of the tests, of each group, counted from where it begins."""
-        events, edges, found = np.asarray(self.evidence.breakaways, dtype=np.int64), self.evidence.edges, []
-        for part, _ in self._groups:
-            own = events[(events >= part.start) & (events < part.stop)] - part.start
-            found.append((own, edges[(edges >= part.start) & (edges <= part.stop)] - part.start))
-        return found
 
     def centred(self, candidate: Candidate) -> Candidate:
         """Return the candidate with the mean of the tests for what each test begins with."""
@@ -380,18 +266,18 @@ class Views:
 
     def _line_errors(self, candidate: Candidate) -> Array:
         """Return the residuals (n, 2) of the line view alone, Pa: sum and difference."""
-        out = np.empty((len(self._measured), 2))
-        for index, (part, _) in enumerate(self._groups):
-            lines, edges = self._line_readings(candidate, index), self._places[index][1]
-            line_errors(lines, self._measured[part], edges, out[part], 0)
+        out = np.empty((len(self.courses.measured), 2))
+        for index, (part, _) in enumerate(self.courses.groups):
+            lines, edges = self._line_readings(candidate, index), self.courses.places[index][1]
+            line_errors(lines, self.courses.measured[part], edges, out[part], 0)
         return out
 
     def shown_at_zero(self, candidate: Candidate) -> float:
         """Return the reading (rad) of an arm at rest at its true zero."""
         if not self._shown_otherwise(candidate):
             return 0.0
-        part, hardware = slice(int(self.evidence.edges[0]), int(self.evidence.edges[0]) + 2), self._groups[0][1]
-        course = self._course(part, np.zeros((2, 2)), np.zeros((2, 4)), "tests")
+        part, hardware = slice(int(self.evidence.edges[0]), int(self.evidence.edges[0]) + 2), self.courses.groups[0][1]
+        course = self.courses.course(part, np.zeros((2, 2)), np.zeros((2, 4)), "tests")
         model = self.lines(candidate, hardware)
         p = self.vector(model, candidate, hardware)
         return float(follow(model, p, course, self.crew, TOLERANCE).readings[0, 0])
