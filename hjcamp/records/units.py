@@ -28,6 +28,12 @@ RELATIVES: dict[str, dict[str, float]] = {
     "N*m": {"kN m": 1e3, "N mm": 1e-3},
     "Pa": {"psi": 6894.757293168361, "mbar": 100.0, "hPa": 100.0, "GPa": 1e9},
     "kg": {"mg": 1e-6, "t": 1e3},
+    "kg/s": {
+        "mg/s": 1e-6, "mg/min": 1e-6 / 60.0, "mg/h": 1e-6 / 3600.0, "g/min": 1e-3 / 60.0, "g/h": 1e-3 / 3600.0,
+        "kg/min": 1.0 / 60.0, "kg/h": 1.0 / 3600.0, "t/h": 1e3 / 3600.0,
+    },
+    "kg/m^3": {"mg/L": 1e-3, "ug/L": 1e-6, "mg/mL": 1.0, "ug/mL": 1e-3, "g/mL": 1e3, "g/cm^3": 1e3, "kg/L": 1e3},
+    "mol/m^3": {"mmol/L": 1.0, "umol/L": 1e-3},
     "m^3": {"mL": 1e-6, "cm^3": 1e-6, "mm^3": 1e-9},
     "m^3/s": {
         "L/s": 1e-3, "L/h": 1e-3 / 3600.0, "mL/min": 1e-6 / 60.0, "mL/s": 1e-6, "m^3/h": 1.0 / 3600.0,
@@ -52,6 +58,7 @@ QUANTITIES = {
     "m": "a length", "m/s": "a speed", "m/s^2": "an acceleration", "N": "a force", "N*m": "a torque", "kg": "a mass",
     "A": "a current", "K": "a temperature", "rad/s": "a speed of turning", "m^3/s": "a flow", "Pa": "a pressure",
     "s": "a time", "V": "a voltage", "W": "a power", "m^3": "a volume", "1": "a number",
+    "kg/s": "a flow of mass", "kg/m^3": "a concentration",
 }  # fmt: skip
 
 

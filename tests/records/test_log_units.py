@@ -43,6 +43,9 @@ def test_every_conversion_agrees_with_pint(registry: pint.UnitRegistry, shown: s
         ("m/s^2", "m/s²"),
         ("%", "percent"),
         ("m^3", "l"),
+        ("g/L", "mg/L"),
+        ("kg/s", "mg/h"),
+        ("mol/L", "mmol/L"),
     ],
 )
 def test_a_unit_may_be_written_in_more_than_one_way(shown: str, written: str) -> None:
