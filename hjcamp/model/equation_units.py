@@ -57,20 +57,23 @@ class Units:
         self.scope: dict[str, Any] = names()
         self._known = len(self.scope)
         self._done = 0
-        self._written: dict[Any, str] = {}
         groups: tuple[tuple[str, Mapping[str, Any]], ...]
         groups = (("s_", plant.states), ("p_", plant.parameters), ("u_", plant.inputs))
         item: Any
+        own: dict[Any, set[str]] = {}
         for prefix, group in groups:
             for position, (name, item) in enumerate(group.items()):
                 try:
                     dims = dimension(item.unit)
                 except UsageError as problem:
                     raise UsageError(f"plant {plant.name or plant.__name__}, {name}: {problem}") from None
-                self._written.setdefault(dims, item.unit)
+                own.setdefault(dims, set()).add(item.unit)
                 self.scope[prefix + name] = Amount(0.5 + 0.01 * position, dims)
-        for unit in USUAL:
-            self._written[dimension(unit)] = unit
+        self._written = {dimension(unit): unit for unit in USUAL}
+        for dims, units in own.items():
+            # Its own word for a quantity is the plant's, where it has one; a turn has no dimension, and stands for no ratio.
+            if dims not in self._written or (len(units) == 1 and "rad" not in next(iter(units))):
+                self._written[dims] = min(units, key=len)
         for velocity in plant.inputs:
             self.scope.setdefault(f"u_{velocity}", Amount(1.0, dimension("1")))
 

@@ -136,6 +136,14 @@ def test_elements_stand_for_marked_lines(folder: Path) -> None:
     assert vocabulary.ports["velocity"].names["force"] == "load"
 
 
+def test_what_a_plant_calls_a_unit_is_its_word_for_it(folder: Path) -> None:
+    path = folder / "plants" / "axis.py"
+    path.write_text(path.read_text().replace('"N*s/m"', '"kg/s"').replace('"m/s"', '"rad*m/s"'))
+    signals = read_vocabulary(find_plant("axis")).signals
+    assert signals["friction_viscous"].unit == "kg/s"
+    assert signals["friction_speed"].unit == "m/s" and signals["encoder_true"].unit == "m"
+
+
 def test_rates_are_those_of_the_equations(folder: Path) -> None:
     plant = find_plant("axis")
     composition = Composition(plant)
