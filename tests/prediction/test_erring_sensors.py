@@ -90,9 +90,10 @@ def test_windows_begin_where_the_sensor_reads_with_its_errors(measured: Measured
     windows, base = analysis.windows, analysis.base.fitted.candidate
     first = slice(None, None, windows.layout.width)
     plain = windows.readings(base)
-    wrong = windows.readings(base.with_effect("sensor_gain", {"gain_error": 0.02}))
-    assert np.allclose(wrong[0][first], plain[0][first], rtol=1e-3)
-    assert np.allclose(wrong[1][first, 0], plain[1][first, 0] * 0.98, rtol=1e-6)
+    for gain in (0.02, 1.4):  # 1 - 1.4 is below any gap
+        wrong = windows.readings(base.with_effect("sensor_gain", {"gain_error": gain}))
+        assert np.allclose(wrong[0][first], plain[0][first], rtol=1e-9)
+        assert np.allclose(wrong[1][first, 0], plain[1][first, 0] / (1.0 + gain), rtol=1e-9)
     # what has a memory begins as the plant does
     assert set(erring_sensors(measured.plant, library)["gap_mm"]) >= {"sensor_gain", "sensor_offset", "sensor_drift"}
     assert "sensor_lag" not in erring_sensors(measured.plant, library)["gap_mm"]

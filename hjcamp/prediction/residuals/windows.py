@@ -113,13 +113,21 @@ class Windows:
             return starts
         without = candidate.without(set().union(*erring.values()))
         wrong, right = (self._run(one, starts, inputs, 1).readings for one in (candidate, without))
+        places = {
+            k: list(plant.states).index(plant.measured[one.field].of)
+            for k, one in enumerate(self.layout.measured.sensors)
+            if one.field in erring
+        }
         moved = starts.copy()
-        for k, one in enumerate(self.layout.measured.sensors):
-            if one.field in erring:
-                place = list(plant.states).index(plant.measured[one.field].of)
-                with np.errstate(over="ignore", invalid="ignore"):
-                    change = wrong[:, k] - right[:, k]
-                moved[:, place] -= np.where(np.isfinite(change), change, 0.0)
+        with np.errstate(all="ignore"):
+            for k, place in places.items():
+                moved[:, place] -= _or_nothing(wrong[:, k] - right[:, k])
+            # Once more along the chord: a gain of 1 + g takes a start over 1 + g, not times 1 - g.
+            begun = np.maximum(moved, self.lowest)
+            again, moved = self._run(candidate, begun, inputs, 1).readings, begun.copy()
+            for k, place in places.items():
+                chord = (begun[:, place] - starts[:, place]) / (again[:, k] - wrong[:, k])
+                moved[:, place] -= _or_nothing((again[:, k] - right[:, k]) * chord)
         return np.maximum(moved, self.lowest)
 
     def _run(self, candidate: Candidate, begin: Array, inputs: Array, samples: int) -> Predicted:
@@ -281,3 +289,8 @@ class Windows:
     def _unexplained(self, found: Predicted) -> Array:
         """Return what no start explains of the errors of a prediction."""
         return self._passage.unexplained(self._left(found), self.starts / self.sizes, found.ends / self.sizes)
+
+
+def _or_nothing(change: Array) -> Array:
+    """Return changes with 0 where there is no number."""
+    return np.where(np.isfinite(change), change, 0.0)
