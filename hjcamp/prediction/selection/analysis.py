@@ -70,12 +70,19 @@ def _correlation(values: Array) -> int:
 class Known:
     """What windows of one width told, with which those of another begin: base parameters, and the forms of contacts.
 
-    ``shown`` are the forms that one width has shown: a contact has its form in windows of every length.
+    ``shown`` are the forms that one width has shown: a contact has its form in windows of every length. ``apart`` says whether the
+    base was begun from other places than declared.
     """
 
     base: dict[str, float] = field(default_factory=dict)
     forms: dict[str, dict[str, float]] = field(default_factory=dict)
     shown: set[str] = field(default_factory=set)
+    apart: bool = False
+
+    def keeps(self, candidate: Candidate) -> bool:
+        """Whether a base that was begun from several places is where they have led it, not half as far off as these were."""
+        ratios = [candidate.base[name] / value for name, value in self.base.items() if value and not name.startswith((DELAY, ZERO))]
+        return self.apart and all(BEGUN_APART**-0.5 < ratio < BEGUN_APART**0.5 for ratio in ratios)
 
 
 @dataclass(frozen=True)
@@ -164,7 +171,9 @@ def calibrated(
     windows.move_starts(begun)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if layout.short or above_noise(layout, fitted.features):
-        fitted = begun_anew(windows, best_begun(windows, begun, fitted, plant.base_parameters))
+        if layout.short or not known.keeps(fitted.candidate):
+            fitted, known.apart = best_begun(windows, begun, fitted, plant.base_parameters), True
+        fitted = begun_anew(windows, fitted)
     if not np.isfinite(fitted.loss):
         raise UsageError(
             f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "
