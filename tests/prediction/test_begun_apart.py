@@ -6,10 +6,10 @@ import pytest
 from test_erring_sensors import measured  # noqa: F401 - a fixture
 
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.analysis import Known, calibrated
-from hjcamp.prediction.fitting import Fitted
-from hjcamp.prediction.measured import Measured
-from hjcamp.prediction.windows import Windows
+from hjcamp.prediction.fitting.gauss_newton import Fitted
+from hjcamp.prediction.measured.tests import Measured
+from hjcamp.prediction.residuals.windows import Windows
+from hjcamp.prediction.selection.analysis import Known, calibrated
 
 
 def test_windows_of_another_length_begin_a_base_apart_only_where_it_leads_elsewhere(
@@ -22,8 +22,8 @@ def test_windows_of_another_length_begin_a_base_apart_only_where_it_leads_elsewh
         begun.append(start.base["magnet"])
         return fitted
 
-    monkeypatch.setattr("hjcamp.prediction.analysis.best_begun", counted)
-    monkeypatch.setattr("hjcamp.prediction.analysis.above_noise", lambda *given: True)
+    monkeypatch.setattr("hjcamp.prediction.selection.analysis.best_begun", counted)
+    monkeypatch.setattr("hjcamp.prediction.selection.analysis.above_noise", lambda *given: True)
     known = Known()
     for width in (46, 23):
         calibrated(measured, {}, unknowns=False, width=width, known=known)
