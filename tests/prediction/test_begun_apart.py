@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
 import pytest
 from test_erring_sensors import measured  # noqa: F401 - a fixture
 
@@ -9,7 +13,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.fitting.gauss_newton import Fitted
 from hjcamp.prediction.measured.tests import Measured
 from hjcamp.prediction.residuals.windows import Windows
-from hjcamp.prediction.selection.analysis import Known, calibrated
+from hjcamp.prediction.selection.analysis import Known, above_noise, calibrated
 
 
 def test_windows_of_another_length_begin_a_base_apart_only_where_it_leads_elsewhere(
@@ -31,3 +35,11 @@ def test_windows_of_another_length_begin_a_base_apart_only_where_it_leads_elsewh
     known.base["magnet"] *= 2.5  # as if the first had led elsewhere
     calibrated(measured, {}, unknowns=False, width=23, known=known)
     assert len(begun) == 2
+
+
+def test_noise_alone_is_seldom_above_noise() -> None:
+    random = np.random.default_rng(5)
+    layout: Any = SimpleNamespace(measured=SimpleNamespace(sensors=[0]))
+    noise = random.standard_normal((400, 96, 8))
+    assert 8 <= sum(above_noise(layout, one) for one in noise) <= 34  # one in twenty, and its chance
+    assert all(above_noise(layout, 1.2 * one) for one in noise)

@@ -241,9 +241,13 @@ def simulated_through(windows: Windows, base: Candidate, free: Sequence[Free]) -
 
 
 def above_noise(layout: Layout, features: Array) -> bool:
-    """Whether features (windows, d) are larger than the noise of a sensor (rms): what leaves no more cannot be fitted better."""
+    """Whether features (windows, d) are more than the noise of a sensor by chance: what leaves no more cannot be fitted better."""
+    from scipy.special import gammaincinv
+
     each = features.reshape(len(features), len(layout.measured.sensors), -1)
-    return bool(np.any(np.mean(each**2, axis=(0, 2)) > 1.0))
+    # the sum of n squares of noise is chi-squared
+    half = 0.5 * each[:, 0].size
+    return bool(np.any(np.mean(each**2, axis=(0, 2)) > gammaincinv(half, 1.0 - LEVEL) / half))
 
 
 def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterable[str]) -> Fitted:
