@@ -8,7 +8,8 @@ from hjcamp.model.kernel import shared_source
 from hjcamp.model.kernel_cache import kernel_name
 from hjcamp.model.simulator import Simulator
 
-MARKS = "entry = hot = inlined = once = lambda function: function\n"
+MARKS = "entry = hot = inlined = loop = once = lambda function: function\n"
+MARKS += "from hjcamp.model.vectors import ahead_in_python as ahead, strided_in_python as strided\n"
 
 
 def uncompiled(simulator: Simulator) -> Simulator:

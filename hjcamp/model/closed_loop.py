@@ -70,7 +70,7 @@ class LoopSimulator(Simulator):
         text = "\n".join(lines) + "\n\n\n" + law_source(self.law, "control")
         if self.actuation is not None:
             text += law_source(self.actuation, "actuate")
-        text += self._command() + f"@inlined\n{inspect.getsource(loop.late_input)}\n\n@entry\n{inspect.getsource(loop.run_loop)}"
+        text += self._command() + f"@inlined\n{inspect.getsource(loop.late_input)}\n\n@loop\n{inspect.getsource(loop.run_loop)}"
         return kernel_source(self.composition, text)
 
     def _command(self) -> str:

@@ -57,7 +57,9 @@ PLACES = (
     "SPARE",
 )
 # Which of the compiled functions is called by Python and cached, is put into its caller's text, or is made part of its callers.
-ENTRIES = ("propagators", "closed_loop", "follow", "run_free")
+ENTRIES = ("propagators",)
+# Loops over samples: none of their arrays shares memory with another.
+LOOPS = ("closed_loop", "follow", "run_free")
 ONCE = (
     "linearise",
     "regime_row",
@@ -122,7 +124,8 @@ def copied(module: types.ModuleType, names: tuple[str, ...]) -> str:
     """Return the text of a module's functions, each marked with how it is compiled."""
     parts = []
     for name in names:
-        mark = "entry" if name in ENTRIES else "once" if name in ONCE else "inlined" if name in INLINED else "hot"
+        marks = {"loop": LOOPS, "entry": ENTRIES, "once": ONCE, "inlined": INLINED}
+        mark = next((mark for mark, marked in marks.items() if name in marked), "hot")
         parts.append(f"@{mark}\n{inspect.getsource(getattr(module, name))}\n\n")
     return "".join(parts)
 

@@ -30,7 +30,10 @@ inner = {{"error_model": "numpy", "nogil": True, "_nrt": False, "no_cpython_wrap
 hot = njit(**inner)
 inlined = njit(**inner, forceinline=True)
 once = njit(error_model="numpy", nogil=True, _nrt=False, inline="always")
+from hjcamp.model.vectors import Apart, ahead, strided
+loop = njit(cache={cache}, error_model="numpy", nogil=True, _nrt=False, no_cfunc_wrapper=True, pipeline_class=Apart)
 """
+VECTORS = Path(__file__).with_name("vectors.py")
 LEFT_OVER_S = 3600.0
 _loading = threading.Lock()
 
@@ -68,7 +71,12 @@ def say_once(problem: str) -> None:
 
 def kernel_name(source: str) -> str:
     """Return the name of the kernel's module: the hash of its text and of how it is compiled."""
-    return f"hjcamp_kernel_{hashlib.sha256((NUMBA + source).encode()).hexdigest()[:16]}"
+    return f"hjcamp_kernel_{hashlib.sha256(_compiling() + source.encode()).hexdigest()[:16]}"
+
+
+@functools.cache
+def _compiling() -> bytes:
+    return NUMBA.encode() + VECTORS.read_bytes()
 
 
 def is_compiled(source: str, last: str = "follow") -> bool:

@@ -11,6 +11,8 @@ of ``steps`` holds what belongs to one regime and level: the Jacobian L row by r
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 MADE = 0
@@ -27,6 +29,7 @@ P2 = 8
 POWER = 9
 SPARE = 10
 SPACE = 11
+strided: Any = None
 
 
 def width(count: int) -> int:
@@ -37,13 +40,13 @@ def width(count: int) -> int:
 def product(space, left, right, into, w):  # type: ignore[no-untyped-def]
     """Fill the row ``into`` of ``space`` with the product of two of its matrices (w, w)."""
     for i in range(w):
-        for j in range(w):
-            space[into, i * w + j] = 0.0
-        for k in range(w):
-            factor = space[left, i * w + k]
-            if factor != 0.0:
-                for j in range(w):
-                    space[into, i * w + j] += factor * space[right, k * w + j]
+        for j in range(0, w, 4):
+            a, b, c, d = strided(space, left, i * w, right, j, w)
+            at = i * w + j
+            space[into, at] = a
+            space[into, at + 1] = b
+            space[into, at + 2] = c
+            space[into, at + 3] = d
 
 
 def propagators(h, levels, w, space, steps, first):  # type: ignore[no-untyped-def]

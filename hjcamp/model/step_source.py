@@ -35,9 +35,8 @@ def predict_source(composition: Composition, pattern: Pattern, curved: Pattern) 
     for i, name in enumerate(names):
         lines += [f"f{i} = {composition.rate(name)}", f"before[{i}] = f{i}"]
         lines += [f"b{i} = before[{n + i}] * span"] if curved[i] else []
-    for i in range(len(names)):
-        terms = [*_terms(P1, i, "f", pattern), *_terms(P2, i, "b", pattern & curved)]
-        lines.append(f"a[{i}] = z[{i}] + ({' + '.join(terms)})")
+    for first in range(0, len(names), 4):
+        lines += _four(pattern, curved, first)
     signature = "predict(time, span, direction, z, u, p, steps, row, a, before)"
     return function_source(signature, composition.body(lines))
 
@@ -69,6 +68,19 @@ def correct_source(composition: Composition, direct: Pattern, pattern: Pattern, 
     lines = [*(f"m{j} = a[{j}] - z[{j}]" for j in moved), *lines]
     signature = "correct(time, span, direction, z, a, u, p, steps, row, before, weight)"
     return function_source(signature, lines)
+
+
+def _four(pattern: Pattern, curved: Pattern, first: int) -> list[str]:
+    """Return the lines that move four states on from the ``first``: their sums at once, over what any of them depends on."""
+    n = len(pattern)
+    w, count = width(n), min(4, n - first)
+    rows = pattern[first : first + 4].any(axis=0)
+    found = [(w + j, f"f{j}") for j in np.flatnonzero(rows)] + [(2 * w + j, f"b{j}") for j in np.flatnonzero(rows & curved)]
+    if not found:
+        return [f"a[{i}] = z[{i}]" for i in range(first, first + count)]
+    places = "".join(f"{column * w + first}, " for column, _ in found)
+    values = "".join(f"{value}, " for _, value in found)
+    return [f"ahead(a, z, {first}, {count}, steps, row, ({places}), ({values}))"]
 
 
 def _terms(matrix: int, i: int, vector: str, pattern: Pattern) -> list[str]:
