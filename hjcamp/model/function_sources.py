@@ -67,6 +67,9 @@ def limiting_source(composition: Composition) -> str:
     It is the sum over the limiters of 3^k, twice that where a limiter holds its high end.
     """
     lines = [f"return {' + '.join(_limiters(composition)) or '0'}"]
+    if composition.vocabulary.limits:
+        # Hardly ever does any of them act; what is no number goes on to the sum, and is 0 there.
+        lines = [f"if {' and '.join(map(_within, composition.vocabulary.limits))}:", "    return 0", *lines]
     return function_source("limiting(time, direction, z, u, p)", composition.body(lines))
 
 
@@ -75,6 +78,11 @@ def _limiters(composition: Composition) -> list[str]:
         f"(({3**k} if {value} < {low} else 0) + ({2 * 3**k} if {value} > {high} else 0))"
         for k, (value, low, high) in enumerate(composition.vocabulary.limits)
     ]
+
+
+def _within(limit: tuple[str, str, str]) -> str:
+    value, low, high = limit
+    return f"abs({value}) <= {high}" if low == f"-{high}" else f"{low} <= {value} <= {high}"
 
 
 def limits_vary(composition: Composition) -> bool:
@@ -87,6 +95,11 @@ def readings_source(composition: Composition) -> str:
     """Return the source of ``readings(time, direction, z, u, p, out)``: what the sensors see, in channel order."""
     lines = [f"out[{index}] = {signal}" for index, signal in enumerate(composition.measured)]
     return function_source("readings(time, direction, z, u, p, out)", composition.body(lines))
+
+
+def limits_kept(composition: Composition) -> bool:
+    """Whether no state changes but in steps, so that what the limiters did at the end of one they do at the next one's start."""
+    return not composition.cut.driven and not any(composition.update(name) for name in composition.states)
 
 
 def balance_source(composition: Composition) -> str:

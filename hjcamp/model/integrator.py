@@ -24,7 +24,7 @@ Source: Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286, sections 2.4, 2
 
 Whole numbers that are constants are passed as ``np.int64``: numba compiles a function anew for each literal.
 
-The names in capitals, ``rates``, ``contact``, ``locking``, ``facing``, ``faced``, ``limiting``, ``predict`` and ``correct``
+The names in capitals, ``rates``, ``contact``, ``locking``, ``facing``, ``faced``, ``limiting``, ``predict``, ``glide`` and ``correct``
 are supplied by the generated file, ``propagators`` and ``mend`` by the file that all kernels share (`hjcamp.model.shared`).
 """
 
@@ -42,6 +42,7 @@ SLOPES: Any = ()
 DRAGGED = False
 LEVELS = 0
 AFFINE = True
+GLIDES = False
 CONTACT = True
 LIMITS_VARY = True
 WRITTEN = 0
@@ -61,6 +62,7 @@ facing: Any = None
 faced: Any = None
 limiting: Any = None
 predict: Any = None
+glide: Any = None
 correct: Any = None
 begin: Any = None
 lead: Any = None
@@ -248,6 +250,19 @@ def shifted(time, direction, z, u, p, counter):  # type: ignore[no-untyped-def]
     return False
 
 
+def glided(time, direction, z, u, p, steps, h, a, before, counter):  # type: ignore[no-untyped-def]
+    """Move ``z`` on by a whole sample on which only the linear part acts, and return True; else return False and move nothing."""
+    glide(time, h, direction, z, u, p, steps, int(counter[8]), a, before)
+    if limiting(time + h, direction, a, u, p) != 0:
+        return False
+    if CONTACT and ending(time, time + h, h, direction, z, a, u, p, before, counter) != 0:
+        return False
+    for i in range(N):
+        z[i] = a[i]
+    counter[1] += 1.0
+    return True
+
+
 def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  # type: ignore[no-untyped-def]
     """Move ``z`` on by one sample in as many steps as accuracy and the ends of regimes ask for; return the direction.
 
@@ -272,6 +287,10 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
     accuracy = int(counter[0])
     level = accuracy
     searching = False
+    if GLIDES and accuracy == 0 and counter[4] == 0.0 and glided(time, direction, z, u, p, steps, h, a, before, counter):
+        if CONTACT and direction != 0.0 and shifted(time + h, direction, z, u, p, counter):
+            direction = arrive(time + h, direction, z, u, p, plan, space, steps, h, before, counter)
+        return direction
     bent = not AFFINE and plan[CURVED] > 0
     # The rows of the states that are always there are written out; where others are present, too, sums in loops serve.
     sparse = WRITTEN < N and plan[PRESENT] > WRITTEN

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from hjcamp.model.part import whole_definition
 
 GATES = "gates"
-INLINED = ("predict", "correct", "contact", "locking", "facing", "faced", "limiting", "readings")
+INLINED = ("predict", "glide", "correct", "contact", "locking", "facing", "faced", "limiting", "readings")
 ENTRIES = ("rates", "begin", "signals")
 
 

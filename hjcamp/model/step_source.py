@@ -41,6 +41,12 @@ def predict_source(composition: Composition, pattern: Pattern, curved: Pattern) 
     return function_source(signature, composition.body(lines))
 
 
+def glide_source(composition: Composition, pattern: Pattern) -> str:
+    """Return the source of ``glide``: what ``predict`` does where no rate is curved and no limiter acts."""
+    text = predict_source(composition, pattern, np.zeros(len(pattern), dtype=bool)).replace("def predict(", "def glide(")
+    return re.sub(r"\blimited\(", "unlimited(", text)
+
+
 def correct_source(composition: Composition, direct: Pattern, pattern: Pattern, curved: Pattern) -> str:
     """Return the source of ``correct``: add the correction to ``a`` and return its size.
 

@@ -113,8 +113,8 @@ def closed_loop(  # type: ignore[no-untyped-def]
     ``record`` (samples, 6 + READINGS): phase, reference, command, pid, feedforward, dither, readings; ``work`` (4, columns):
     scratch. -1: the record was too short.
     """
-    seen = work[3]
     for k in range(record.shape[0]):
+        seen = record[k, 6:]
         sense(k, z, u, p, h, counts, phases, noise, scatter, memory, seen)
         decide(seen[PRESSURE1], seen[PRESSURE2], seen[ARM], 1.0, h, c, m, pc, pm, reference, dither, state, out)
         if out[0] > 4.0:
@@ -122,7 +122,5 @@ def closed_loop(  # type: ignore[no-untyped-def]
         memory[3] = out[0]
         for i in range(6):
             record[k, i] = out[i]
-        for i in range(READINGS):
-            record[k, 6 + i] = seen[i]
         act(k, out[2], out[5], out[6], z, u, p, plan, space, steps, h, delay, preload_area, history, memory, work)
     return -1
