@@ -60,8 +60,8 @@ class Law:
     @classmethod
     def fresh_memory(cls) -> NDArray[np.float64]:
         """Return the memory vector at the start of a test."""
-        parts = [np.full(memory.size, memory.start) for memory in cls.memories.values()]
-        return np.concatenate(parts) if parts else np.zeros(1)
+        found = [memory.start for memory in cls.memories.values() for _ in range(memory.size)]
+        return np.array(found or [0.0])
 
 
 class _Flatten(ast.NodeTransformer):

@@ -106,7 +106,7 @@ class JointSimulator(Simulator):
         work = self.scratch()
         work[2, 3], work[2, 5] = BEFORE * tolerance, tolerance
         procedure_memory = self.procedure.fresh_memory()
-        whole, part = divmod(round(test.delay / PERIOD, 9), 1.0)
+        whole, part = divmod(round(float(test.delay) / PERIOD, 9), 1.0)
         count = self.kernel.closed_loop(
             z, self.inputs(), p, *propagators, PERIOD, test.control, self.controller.fresh_memory(), test.procedure,
             procedure_memory, test.reference, test.dither, np.array([whole, part]), test.preload_area,
