@@ -6,7 +6,7 @@ import functools
 import inspect
 import types
 
-from hjcamp.model import integrator, shared
+from hjcamp.model import integrator, regimes, shared
 from hjcamp.model.amount_formula import MATHEMATICS, plain_functions
 from hjcamp.model.compose import Composition
 from hjcamp.model.function_sources import (
@@ -26,8 +26,7 @@ from hjcamp.model.step_source import correct_source, glide_source, predict_sourc
 from hjcamp.model.structure import couplings, nonlinear_rates
 
 LEVELS = 10
-INTEGRATOR = (
-    "predict_present",
+REGIMES = (
     "linearise",
     "regime_row",
     "pace",
@@ -36,12 +35,10 @@ INTEGRATOR = (
     "turned",
     "ending",
     "shifted",
-    "glided",
     "side_after",
     "regime_after",
-    "correct_present",
-    "move",
 )
+STEPS = ("predict_present", "glided", "correct_present", "move")
 SHARED = ("product", "propagators", "summed", "lead", "mend")
 PLACES = (
     "MADE",
@@ -195,12 +192,12 @@ def kernel_source(composition: Composition, extra: str = "") -> str:
         limits_vary=limits_vary(composition),
         resolution=[state.resolution for state in states],
         typical=[state.typical for state in states],
-        creep=integrator.CREEP,
-        paces=integrator.PACES,
-        sides=integrator.SIDES,
-        all_sides=integrator.SIDES ** len(composition.contacts),
-        kinds=integrator.KINDS,
+        creep=regimes.CREEP,
+        paces=regimes.PACES,
+        sides=regimes.SIDES,
+        all_sides=regimes.SIDES ** len(composition.contacts),
+        kinds=regimes.KINDS,
     )
     rest = contact_source(composition) + limiting_source(composition) + readings_source(composition)
     rest += memory_source(composition) + signals_source(composition) + balance_source(composition)
-    return header + equations + rest + step + copied(integrator, INTEGRATOR) + extra
+    return header + equations + rest + step + copied(regimes, REGIMES) + copied(integrator, STEPS) + extra

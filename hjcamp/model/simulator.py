@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import unknown
-from hjcamp.model import driving, integrator, shared, term_checks
+from hjcamp.model import driving, regimes, shared, term_checks
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.compose import Composition
 from hjcamp.model.course import Course, Followed, Given
@@ -164,8 +164,8 @@ class Simulator:
         plan[shared.PRESENT], plan[shared.CURVED], plan[shared.WIDTH] = len(present), len(curved), w
         plan[shared.STATES : -2 * len(present)] = *present, *curved
         space = np.zeros((shared.SPACE, max(w * w, len(z), len(u))))
-        space[integrator.ABOUT, : len(z)] = z
-        space[integrator.INPUTS, : len(u)] = u
+        space[regimes.ABOUT, : len(z)] = z
+        space[regimes.INPUTS, : len(u)] = u
         return Propagators(plan, space, np.empty((shared.REGIMES * (LEVELS + 1), 3 * w * w)))
 
     @cached_property
@@ -239,7 +239,7 @@ class Simulator:
 
     def scratch(self) -> Array:
         """Return fresh working memory for the kernel's loops; the tolerance of a step is set to one resolution."""
-        columns = integrator.KINDS + len(self.composition.contacts)
+        columns = regimes.KINDS + len(self.composition.contacts)
         work = np.zeros((4, max(3 * len(self.states), len(self.composition.measured), columns)))
         work[2, 3], work[2, 5], work[2, 8] = BEFORE, 1.0, -1.0
         return work

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from quiet_loop import columns, cycloid, sine
 
-from hjcamp.model import integrator, shared
+from hjcamp.model import regimes, shared
 from hjcamp.model.kernel import LEVELS, shared_source
 from hjcamp.model.kernel_cache import load_kernel
 from hjcamp.model.simulator import Propagators, Simulator
@@ -50,7 +50,7 @@ def test_regimes_are_made_when_they_are_entered_and_kept(monkeypatch: pytest.Mon
     plan = made[0].plan
     codes = plan[shared.CODES : shared.CODES + plan[shared.MADE]]
     # held, positive and negative; held again while a line is emptied: the third limiter holds its low end, 3^2
-    assert sorted(codes) == [0, 1, 2, integrator.SIDES * 3**2]
+    assert sorted(codes) == [0, 1, 2, regimes.SIDES * 3**2]
     held = made[0].steps[list(codes).index(0) * (LEVELS + 1)]
     assert np.all(np.isfinite(held))
 
