@@ -21,7 +21,10 @@ FOUR = ir.VectorType(DOUBLE, 4)
 
 
 class Apart(Compiler):
-    """Compiles a function no two of whose arrays share memory: what one holds need not be read again after another is written."""
+    """Compiles a function no two of whose arrays share memory: what one holds need not be read again after another is written.
+
+    Who calls it gives fresh arrays for all that it writes; that arrays which are only read share memory does no harm.
+    """
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
