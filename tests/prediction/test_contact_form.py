@@ -86,6 +86,7 @@ def test_the_form_of_a_contact_is_the_bases_where_it_is_small(measured: Measured
     assert np.allclose(split[slides], windows.features(own.without(["presliding"]))[slides], atol=1e-6)
 
 
+@pytest.mark.study
 def test_a_contact_that_creeps_is_no_discrepancy_either(axis: Path) -> None:
     measured = measured_tests([creeping_log(1e-3)])
     library = load_effects(plant=measured.plant)

@@ -132,6 +132,7 @@ def test_next_plans_with_tests_that_are_simulated_through(tanks: Path, capsys: p
     assert "Predictions begin with each test, where each fits best" in Path("compare/index.html").read_text()
 
 
+@pytest.mark.study
 def test_what_takes_most_in_too_few_chapters_is_said(
     tanks: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
