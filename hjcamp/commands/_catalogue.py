@@ -108,14 +108,16 @@ def picture_of(effect: type[Effect], plant: type[Plant]) -> str:
         without, with_ = bench.absent, bench.along({})
     except HjcampError:
         return ""
-    differs = [slot for slot in effect.terms if np.any(with_[:, names.index(slot)] != without[:, names.index(slot)])]
+    changed = [name for k, name in enumerate(names) if np.any(with_[:, k] != without[:, k])]
+    # what acts on a parameter shows in the first line that reads it
+    differs = [slot for slot in effect.terms if slot in changed] or changed
     if not differs or not np.all(np.isfinite(with_)):
         return ""
     slot = differs[0]
     course = bench.course
     own = {*effect.parameters, *effect.states, slot}
     read: list[tuple[str, str, Any]] = []
-    for argument in effect.terms[slot].arguments:
+    for argument in effect.terms.get(slot, next(iter(effect.terms.values()))).arguments:
         if argument in own:
             continue
         if argument in names:

@@ -94,20 +94,22 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.model.vocabulary import read_vocabulary
     from hjcamp.prediction.laws.unknowns import SHARES, times_of
 
-    ports = read_vocabulary(find_plant(plant)).ports
-    if row["port"] not in ports:
+    found = find_plant(plant)
+    vocabulary, curve = read_vocabulary(found), row["curve"]
+    port = vocabulary.ports.get(row["port"])
+    if port is None and row["port"] not in vocabulary.changeable:
         raise UsageError(f"{file}: plant {plant} has no place '{row['port']}' any more; diagnose again")
-    port, curve = ports[row["port"]], row["curve"]
     values, first, last = even_steps(row["knots"]["x"], row["knots"]["y"], KNOTS)
     quantity, signal = str(row["quantity"]), str(row["signal"])
-    text = f"{quantity} at {row['port']}".replace("_", " ")
+    text = (f"{quantity} at {row['port']}" if port else f"change of {row['port']}, as a share of it").replace("_", " ")
     factor = ""
     if quantity in SHARES:
         # a gain is so many times what is asked; what a law reads of its own slot it must hand on
-        slot, times = times_of(port)
+        slot, times = times_of(port) if port else (row["port"], row["port"])
         factor = f"{slot} + {times} * " if slot == times else f"{times} * "
     table = Table("amplitude", tuple(row["slots"]), values, curve["y_unit"], text, factor)
+    subsystem = (port.subsystem or port.kind) if port else next(iter(found.subsystems), "parameter")
     return Begun(
-        plant, port.subsystem or port.kind, signal.replace("_", " "), signal, (signal,), curve["x_unit"], first, last,
+        plant, subsystem, signal.replace("_", " "), signal, (signal,), curve["x_unit"], first, last,
         (table,), f"the diagnosis {file}",
     )  # fmt: skip

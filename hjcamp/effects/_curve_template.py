@@ -21,8 +21,8 @@ from hjcamp.model.parameter import Parameter{imports}
 
 # Begun from {origin}.
 # The tables are what that diagnosis found, in SI units; the methods hold them as shares of the largest value. Put a law in
-# their place when you know it, a formula of the same arguments with parameters of its own; `hjcamp effects test {name}`
-# checks it.
+# their place when you know it, a formula of the same arguments with parameters of its own; it is checked by
+# `hjcamp effects test {name} --plant {plant}`.
 {tables}
 
 

@@ -68,6 +68,7 @@ def _names(plant: type[Plant]) -> str:
             "# A method is named after the slot on which it acts. One that takes the slot's own name changes the slot,",
             "# one that does not adds to it. Its other arguments are named after what it uses: the effect's parameters",
             "# and own states, and the names below; of slots and signals, those that stand before its slot. SI units.",
+            "# It may be named after a parameter of the plant that is no constant; then it uses states, inputs and parameters.",
             *_paragraph("Slots, in order", slots),
             *_paragraph("Signals, in order", signals),
             *_paragraph("States and inputs", given),

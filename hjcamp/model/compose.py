@@ -15,7 +15,7 @@ from hjcamp.model.parameter import Contact, Cut, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.reaction import with_reactions
 from hjcamp.model.source_text import GATES, behind_one_test, live
-from hjcamp.model.vocabulary import Statement, Vocabulary, read_vocabulary
+from hjcamp.model.vocabulary import Vocabulary, read_vocabulary
 
 MOST_GATED = 52
 
@@ -173,28 +173,31 @@ class Composition:
         if len(self.contacts) > 1:
             lines += [f"u_{one.direction} = {side}" for one, side in zip(self.contacts, self.sides, strict=True)]
         lines += [f"s_{state} = u_slope_{driven}" for state, driven in self.cut.slopes.items()]
+        for name in self.vocabulary.changeable:
+            lines += self._effects_on(name, f"p_{name}")
         equations = []
         for line in self.vocabulary.statements:
             target = f"d_{line.target}" if line.mark == "rate" else line.target
             equations.append(f"{target} = {line.expression}")
             if line.mark == "slot":
-                equations += self._effects_on(line)
+                equations += self._effects_on(target, target)
         if not self.vocabulary.pushed:
             equations = with_reactions(equations, self.contacts, self.vocabulary.unheld)
         return lines + equations
 
-    def _effects_on(self, line: Statement) -> list[str]:
+    def _effects_on(self, slot: str, local: str) -> list[str]:
+        """Return what the effects make of a slot, which is called ``local`` in the lines."""
         adding, changing = [], []
         for effect in self.effects:
-            if line.target not in effect.terms:
+            if slot not in effect.terms:
                 continue
-            term = effect.terms[line.target]
-            call = self._call(effect, line.target, term)
+            term = effect.terms[slot]
+            call = self._call(effect, slot, term)
             gate = f"if {self._gate(effect)}: " if self.gated else ""
-            if line.target in term.arguments:
-                changing.append(f"{gate}{line.target} = {call}")
+            if slot in term.arguments:
+                changing.append(f"{gate}{local} = {call}")
             else:
-                adding.append(f"{gate}{line.target} = {line.target} + {call}")
+                adding.append(f"{gate}{local} = {local} + {call}")
         return adding + changing
 
     def _gate(self, effect: type[Effect]) -> str:

@@ -33,15 +33,17 @@ def check_names(effect: type[Effect], plant: type[Plant]) -> None:
     everywhere = {*effect.states, *effect.parameters, *plant.states, *plant.parameters, *plant.inputs}
     everywhere |= {port.names["direction"] for port in vocabulary.ports.values() if "direction" in port.names}
     for slot, term in effect.terms.items():
-        if slot not in vocabulary.slots:
-            raise unknown("slot", slot, vocabulary.slots, where)
-        before = {*vocabulary.known_before(slot), slot}
+        if slot not in (*vocabulary.slots, *vocabulary.changeable):
+            raise unknown("slot", slot, [*vocabulary.slots, *vocabulary.changeable], where)
+        # a parameter is changed before the first line
+        before = {*vocabulary.known_before(slot), slot} if slot in vocabulary.slots else {slot}
         for argument in term.arguments:
             if argument in everywhere or argument in before:
                 continue
             if argument in vocabulary.signals:
+                what = "slot" if slot in vocabulary.slots else "parameter"
                 raise UsageError(
-                    f"{where}: term '{slot}' uses '{argument}', which is computed later than the slot '{slot}'. "
+                    f"{where}: term '{slot}' uses '{argument}', which is computed later than the {what} '{slot}'. "
                     f"Allowed there: {', '.join(sorted(before | everywhere))}"
                 )
             raise unknown("name", argument, before | everywhere, f"{where}, term '{slot}'")

@@ -31,7 +31,11 @@ def check_units(effect: type[Effect], plant: type[Plant]) -> None:
     where = f"effect {effect.name or effect.__name__}"
     units, theirs = _units(effect, plant, where), is_users(effect.__module__)
     slots = read_vocabulary(plant).slots
-    expected = [(name, function, slots[name].unit, "the slot is in") for name, function in effect.terms.items()]
+    expected = [
+        (name, function, slots[name].unit, "the slot is in") if name in slots
+        else (name, function, plant.parameters[name].unit, "the parameter is in")
+        for name, function in effect.terms.items()
+    ]  # fmt: skip
     groups = (("d_", effect.rates, "/s"), ("next_", effect.updates, ""), ("start_", effect.starts, ""))
     for prefix, group, suffix in groups:
         for state, function in group.items():

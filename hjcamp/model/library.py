@@ -74,7 +74,7 @@ def _of_file(
     name: str, effect: type[Effect], plant: type[Plant], others: Callable[[], Iterable[type[Plant]]]
 ) -> list[type[Effect]]:
     if effect.plant and effect.plant != plant.name:
-        raise Unfit(f"effect {name}: is written in the names of plant {effect.plant}")
+        raise Unfit(f"effect {name}: is written in the names of plant {effect.plant} (--plant {effect.plant})")
     instances = [instance for instance in plant.instances if instance.of == name]
     if instances:
         bound = [bind_instance(instance, effect, plant) for instance in instances]

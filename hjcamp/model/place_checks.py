@@ -85,7 +85,10 @@ class PlainModel:
         return dict(zip(names, out.tolist(), strict=True))
 
     def along(self, course: list[dict[str, float]]) -> Array:
-        """Return the signals (n, signals) along a course of the plant's own states; those of effects are integrated."""
+        """Return the signals and the rates of the plant's states (n, signals + states) along a course of these states.
+
+        Those of effects are integrated.
+        """
         states = list(self.composition.states)
         own = [index for index, name in enumerate(states) if "." in name]
         z = self.begin(course[0])
@@ -93,7 +96,7 @@ class PlainModel:
         for now, then in zip(course, [*course[1:], course[-1]], strict=True):
             for index, name in enumerate(states):
                 z[index] = now.get(name, z[index])
-            found.append(list(self.signals(now, z).values()))
+            found.append([*self.signals(now, z).values(), *list(self.rates(now, z).values())[: len(self.plant.states)]])
             self.functions["remember"](*self.at(now)[:2], z, self.at(now)[2], self.p)
             if own:
                 z[own] = self._moved(z, own, now, then)
@@ -158,7 +161,7 @@ class PlaceBench:
     plant: type[Plant]
 
     def along(self, values: Mapping[str, float]) -> Array:
-        """Return the signals along the course with the effect, its parameters by their own names."""
+        """Return signals and rates along the course with the effect, its parameters by their own names."""
         named = {f"{self.effect.name}.{name}": value for name, value in values.items()}
         try:
             with np.errstate(all="ignore"):
@@ -174,20 +177,29 @@ class PlaceBench:
 
     @cached_property
     def absent(self) -> Array:
-        """The signals without the effect."""
+        """Signals and rates without the effect."""
         return PlainModel(self.plant).along(self.course)
 
     def apart(self, values: Mapping[str, float], share: float = 1.0) -> tuple[float, str]:
         """Return what a share of the differences stay below that the effect makes, over the usual size, and to what."""
-        sizes = usual_sizes(self.plant)
-        names = list(read_vocabulary(self.plant).signals)
-        own = {**{slot: self._size_of(slot) for slot in self.effect.terms}}
-        largest = np.quantile(np.abs(self.along(values) - self.absent), share, axis=0)
-        over = [float(value) / own.get(name, sizes[name]) for name, value in zip(names, largest, strict=True)]
+        sizes, signals = usual_sizes(self.plant), read_vocabulary(self.plant).signals
+        # what changes a parameter need not show in any line but a rate
+        shown = () if set(self.effect.terms) <= set(signals) else self.plant.states
+        rates = {f"rate of {one}": self._rate_of(k) for k, one in enumerate(shown)}
+        names = [*signals, *rates]
+        own = {slot: self._size_of(slot) for slot in self.effect.terms} | rates
+        change = np.abs(self.along(values) - self.absent)[:, : len(names)]
+        largest = np.quantile(change, share, axis=0)
+        over = [float(value) / (own.get(name) or sizes[name]) for name, value in zip(names, largest, strict=True)]
         # a switch has no size: whether a contact locks shows in its friction
         switches = {port.names.get("locks") for port in read_vocabulary(self.plant).ports.values()}
         best = max((index for index, name in enumerate(names) if name not in switches), key=over.__getitem__)
         return over[best], names[best]
+
+    def _rate_of(self, k: int) -> float:
+        """Return the rms along the course of the rate of the k-th state; 1 where it stays."""
+        rates = self.absent[:, len(read_vocabulary(self.plant).signals) + k]
+        return float(np.sqrt(np.mean(rates**2))) or 1.0
 
     def _size_of(self, slot: str) -> float:
         sizes = usual_sizes(self.plant)

@@ -66,6 +66,11 @@ class Vocabulary:
         return {line.target: line for line in self.statements if line.mark in ("slot", "signal")}
 
     @cached_property
+    def changeable(self) -> tuple[str, ...]:
+        """The plant's parameters that an effect may act on like on a slot: those that share no name with a signal."""
+        return tuple(name for name in self.plant.parameters if name not in self.signals)
+
+    @cached_property
     def contacts(self) -> tuple[Contact, ...]:
         """Where dry friction holds, in order: of each place of that kind."""
         found = [port for port in self.ports.values() if port.kind == CONTACT.name]
@@ -112,12 +117,26 @@ def read_vocabulary(plant: type[Plant]) -> Vocabulary:
     first = inspect.getsourcelines(equations)[1]
     if equations.__name__ == "<lambda>":
         raise UsageError(f"{inspect.getfile(plant)}: line {first}: plant {plant.name}: 'equations' is no function")
-    function = whole_definition(equations)
+    function = _with_free_names(whole_definition(equations))
     reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
     reader.masses = _masses(function)
     for node in function.body:
         reader.read(node)
     return reader.vocabulary()
+
+
+def _with_free_names(function: ast.FunctionDef) -> ast.FunctionDef:
+    """Return the equations with plain lines that are called like something of the compiled model's own (p, out) called otherwise.
+
+    What effects may use keeps its name.
+    """
+    lines = [node for node in function.body if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)]
+    seen = {"slot", "signal", "outside", *ELEMENTS}
+    plain = {node.targets[0].id for node in lines if called(node.value) not in seen}  # type: ignore[attr-defined]
+    for node in ast.walk(function):
+        if isinstance(node, ast.Name) and node.id in plain & TAKEN - {"abs", "int"}:
+            node.id = f"{node.id}_"
+    return function
 
 
 def _find_next_stores(ports: dict[str, Port]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,20 +12,19 @@ from hjcamp.model.base_values import DELAY
 from hjcamp.model.field_unit import unit_of_field
 from hjcamp.prediction.fitting.chapters import advantages, chance_of_t, critical
 from hjcamp.prediction.fitting.intervals import Interval, intervals
-from hjcamp.prediction.laws.unknowns import Unknown
 from hjcamp.prediction.measured.floor import in_units, shared
 from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.measured.tests import Measured
 from hjcamp.prediction.residuals.windows import ZERO
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored, Step
+from hjcamp.prediction.verdict.free_curve import curve_of, knots_of
 from hjcamp.prediction.verdict.functional import functional
 from hjcamp.prediction.verdict.leading import leading
 from hjcamp.prediction.verdict.verdict import Verdict
 
 Array = NDArray[np.float64]
 SCHEMA = "hjcamp.diagnosis/2"
-CURVE = 41
 WORST = 8
 # Windows that are told as the places of an error.
 PLACES = 3
@@ -58,7 +57,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "minimum_detectable": {},
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
         "unknowns": unknown_rows(analysis, verdict),
-        "false_claims": next((one.false_claims for one in analysis.search.steps if not analysis.measured.repeated), {}),
+        "false_claims": {} if analysis.measured.repeated else _false_claims(analysis, verdict),
         "follows_motion": {"share": verdict.follows, "quantities": _leading(analysis, verdict)},
         "confidence_set": [list(names) for names in verdict.confidence_set],
         "floor": floor_rows(analysis),
@@ -72,6 +71,13 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "simulated_through": analysis.windows.layout.memory > 0,
         "seconds": round(seconds, 3),
     }  # fmt: skip
+
+
+def _false_claims(analysis: Analysis, verdict: Verdict) -> dict[str, float]:
+    """Return the published rates of the look that found a free law where one was found, else of the first look."""
+    steps = analysis.search.steps
+    found = (one for one in steps if verdict.unknown and not verdict.effects and verdict.unknown in one.unknown)
+    return next((one.false_claims for one in (*found, *steps)), {})
 
 
 def _leading(analysis: Analysis, verdict: Verdict) -> list[str]:
@@ -280,7 +286,7 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
         known = search.unknowns[name]
         reference = step.before if step else analysis.base
         row = {
-            "driver": known.driver if known.driver == "time" or known.quantity == "gain" else f"{known.place}_{known.driver}",
+            "driver": known.driven_by,
             "law": name,
             "quantity": known.quantity, "port": known.place, "signal": known.signal, "slots": list(known.effect.terms),
             "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
@@ -291,30 +297,6 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
             row["knots"] = knots_of(known, one.fitted.candidate.effects[name])
         rows.append(row)
     return rows
-
-
-def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
-    """Return an unknown's law over its driver with its 95 % band, SI."""
-    known = analysis.search.unknowns[name]
-    own = {one.name: one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name}
-    knots = np.linspace(known.low, known.high, len(known.amplitudes))
-    x = np.linspace(known.low, known.high, CURVE)
-    values, low, high = (
-        # a knot that was not visited has no band of its own
-        known.amount(np.interp(x, knots, [getattr(own[knot], key if own[knot].told else "value") for knot in known.amplitudes]))
-        for key in ("value", "low", "high")
-    )
-    parameters = known.effect.parameters
-    return {
-        "x": x.tolist(), "x_unit": parameters["low"].unit, "y": values.tolist(), "y_unit": parameters["a0"].unit,
-        "low": low.tolist(), "high": high.tolist(),
-    }  # fmt: skip
-
-
-def knots_of(known: Unknown, values: Mapping[str, float]) -> dict[str, list[float]]:
-    """Return the places over the driver (SI) at which an unknown's law has its values, and these."""
-    places = np.linspace(known.low, known.high, len(known.amplitudes))
-    return {"x": places.tolist(), "y": [float(known.amount(values[name])) for name in known.amplitudes]}
 
 
 def removed(analysis: Analysis, model: Scored) -> float:

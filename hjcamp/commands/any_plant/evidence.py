@@ -22,7 +22,7 @@ def evidence_pictures(words: Words) -> dict[str, str]:
 
     analysis, verdict = words.analysis, words.verdict
     found: dict[str, str] = {}
-    if analysis.search.steps and analysis.search.steps[0].unknown:
+    if (verdict.unknown and not verdict.effects) or (analysis.search.steps and analysis.search.steps[0].unknown):
         found |= {f"missing_{name}": svg for name, svg in draw_missing(missing_of(words)).items()}
     models = {"calibrated": analysis.base}
     if verdict.effects:
@@ -53,12 +53,12 @@ def _without_starts(words: Words, model: Scored) -> Any:
 
 def missing_of(words: Words) -> Missing:
     """Return what the calibrated model misses over the driver of the freest law, the named law there, and what is left."""
-    from hjcamp.prediction.answer import curve_of
+    from hjcamp.prediction.verdict.free_curve import curve_of
     from hjcamp.prediction.verdict.law_curve import law_curves
     from hjcamp.report.pictures.evidence import BOTH, Missing
 
     analysis, verdict = words.analysis, words.verdict
-    first = analysis.search.steps[0].unknown[0]
+    first = verdict.shown if verdict.unknown and not verdict.effects else analysis.search.steps[0].unknown[0]
     [name] = [one for one in first.names if one in analysis.search.unknowns]
     known = analysis.search.unknowns[name]
     curve = curve_of(analysis, first, name)
@@ -72,7 +72,7 @@ def missing_of(words: Words) -> Missing:
         after = (_branch(curve_of(analysis, rest, name)),) if rest is not None else ()
     against = ", against the motion" if known.quantity == "friction" else ""
     return Missing(
-        known.signal.replace("_", " "), curve["x_unit"], f"{known.quantity} at {known.place}{against}".replace("_", " "),
+        known.signal.replace("_", " "), curve["x_unit"], known.what + against,
         curve["y_unit"], (_branch(curve, BOTH),), law, after, " and ".join(added),
     )  # fmt: skip
 

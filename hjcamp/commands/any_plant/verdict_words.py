@@ -271,8 +271,8 @@ def _false_claims(shares: Mapping[str, float]) -> list[str]:
 
 def free_law(row: Mapping[str, Any]) -> str:
     """Return what a free law adds, where, and what it depends on."""
-    if row["quantity"] == "gain":
-        return f"gain of {row['port'].replace('_', ' ')} that depends on {row['driver'].replace('_', ' ')}"
+    if row["quantity"] in ("gain", "value"):
+        return f"{row['quantity']} of {row['port'].replace('_', ' ')} that depends on {row['driver'].replace('_', ' ')}"
     place, driver = row["port"], _local(row["driver"].rpartition("_")[2])
     where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
     return f"{row['quantity']} {where} {driver}"

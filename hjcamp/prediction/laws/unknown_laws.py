@@ -204,18 +204,21 @@ LAWS: tuple[type[Effect], ...] = (
 
 
 @lru_cache(maxsize=256)
-def gain_over(plant: str, slot: str, times: str, driver: str, unit: str, positive: bool = False) -> type[Effect]:
+def gain_over(
+    plant: str, slot: str, times: str, driver: str, unit: str, positive: bool = False, of: str = "gain", subsystem: str = "gain"
+) -> type[Effect]:
     r"""Return the law of a drive, a path or a store whose gain depends on a state of the plant, or changes during a test, in its names.
 
     .. math:: u \mathrel{+}= u_d\,h(x)
 
     ``times`` is what is asked of it (u_d), ``unit`` that of the ``driver``. What slips under pressure, a motor whose field
-    weakens, an amplifier that warms, a pipe that clogs; a store that takes more the less is in it, a coil that saturates.
+    weakens, an amplifier that warms, a pipe that clogs; a store that takes more the less is in it, a coil that saturates. Where
+    ``slot`` and ``times`` are a parameter of the plant, that is no constant: oil that thins as it warms, an inertia that differs.
     """
     about = {"on": slot, "over": driver, "knots": 6, "times": times, "unit": unit, "positive": positive}
-    own = {"subsystem": "gain", "name": f"unknown_gain_of_{slot}_over_{driver}"}
+    own = {"subsystem": subsystem, "name": f"unknown_{of}_of_{slot}_over_{driver}"}
     # the text of its method is kept by the class' name
-    made: type[Effect] = new_class(f"Gain_{plant}_{slot}_{driver}", (_Hats, Effect), about, lambda body: body.update(own))
+    made: type[Effect] = new_class(f"{of.capitalize()}_{plant}_{slot}_{driver}", (_Hats, Effect), about, lambda body: body.update(own))
     return made
 
 

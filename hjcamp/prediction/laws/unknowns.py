@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +17,7 @@ from hjcamp.model.binding import bind
 from hjcamp.model.effect import Effect
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
+from hjcamp.model.source_text import names_in
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.laws import unknown_laws
 from hjcamp.prediction.laws.unknown_laws import amplitudes_of_law, gain_over
@@ -25,8 +26,10 @@ Array = NDArray[np.float64]
 LOOKED_AT = 400
 # The slot whose gain may change at a place of a kind, and what it is so many times of.
 TIMES = {"actuator": ("command", "demand"), "path": ("flow", "flow"), "store": ("capacity", "capacity")}
+# The slots of a contact in which its dry friction is.
+RUBS = ("static", "coulomb")
 # What is a share of its slot's own value.
-SHARES = ("gain", "capacity", "stiffness")
+SHARES = ("gain", "capacity", "stiffness", "value")
 
 
 def times_of(port: Port) -> tuple[str, str]:
@@ -56,6 +59,17 @@ class Unknown:
     def amount(self, value: Any) -> Any:
         """Return what an amplitude stands for: itself, or the share by which a positive law changes its slot."""
         return value + np.hypot(1.0, value) - 1.0 if getattr(self.effect, "positive", False) else value
+
+    @property
+    def driven_by(self) -> str:
+        """What drives it, as answers call it: of its place, or of the whole plant."""
+        return self.driver if self.driver == "time" or self.quantity in ("gain", "value") else f"{self.place}_{self.driver}"
+
+    @property
+    def what(self) -> str:
+        """What it gives a law, in words."""
+        said = f"change of {self.place}" if self.quantity == "value" else f"{self.quantity} at {self.place}"
+        return said.replace("_", " ")
 
     @property
     def scatters(self) -> bool:
@@ -104,6 +118,33 @@ def _gains(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dic
                 of_store = ("capacity" if "capacity" in port.names else "stiffness", "level")
                 what, of = of_store if port.kind == "store" else ("gain", driver)
                 found[law.name] = Unknown(law, port.name, what, of, driver, low, high, 1.0)
+    return found
+
+
+def values_of(plant: type[Plant], parameters: Iterable[str], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:
+    """Return the unknowns of parameters that are no constants: each over every state and input, and over time, by name.
+
+    What a contact rubs with has laws of its own over where and how fast it is, and over time.
+    """
+    vocabulary, found = read_vocabulary(plant), {}
+    drivers = {name: item.unit for group in (plant.states, plant.inputs) for name, item in group.items()} | {"time": "s"}
+    lines = {one.target: one.expression for one in vocabulary.statements}
+    subsystem = next(iter(plant.subsystems), "parameter")
+    for name in parameters:
+        if name not in vocabulary.changeable:
+            continue
+        contacts = [
+            port for port in vocabulary.ports.values()
+            if port.kind == "contact" and f"p_{name}" in names_in(" ".join(lines.get(port.names.get(slot, ""), "") for slot in RUBS))
+        ]  # fmt: skip
+        known = {port.names.get(local, "") for port in contacts for local in ("velocity", "travel", "load")}
+        known |= {"time"} if contacts else set()
+        for driver, unit in drivers.items():
+            low, high = ranges.get(driver, (0.0, 0.0))
+            if driver not in known and high - low > 1e-9 * max(abs(low), abs(high)):
+                positive = plant.parameters[name].bounds[0] >= 0.0
+                law = gain_over(plant.name, name, name, driver, unit, positive=positive, of="value", subsystem=subsystem)
+                found[law.name] = Unknown(law, name, "value", driver, driver, low, high, 1.0)
     return found
 
 

@@ -80,6 +80,8 @@ def question_of(
     values = {
         row["effect"]: {key: one["value"] for key, one in row["parameters"].items()} for row in answer["candidates"]
     }
+    found = {name for one in sets for name in one}
+    analysis.search.admit({name: law for name, law in analysis.search.values().items() if name in found})
     models = [_model_with(analysis, known, one, values) for one in sets]
     rivals = [
         Rival(names_of, one, one.fitted.candidate, tuple(draws(analysis, one, DRAWS, seed)))

@@ -16,7 +16,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.fitting.chapters import FEWEST, chapters_of
 from hjcamp.prediction.fitting.gauss_newton import SETTLED, TURNS_OF_BASE, Fitted, Free, settled
-from hjcamp.prediction.laws.unknowns import Unknown, ranges_of, unknowns_of
+from hjcamp.prediction.laws.unknowns import ranges_of, unknowns_of
 from hjcamp.prediction.levels import LEVEL
 from hjcamp.prediction.measured.floor import Floor, floor_of
 from hjcamp.prediction.measured.layout import SHORTEST, SHORTEST_OF_ALL, WINDOWS, Layout
@@ -181,10 +181,8 @@ def calibrated(
         )
     states = _filled(windows, fitted.candidate)
     search.ranges = ranges_of(plant, fitted.candidate.base, states, layout.inputs, layout.time)
-    found: dict[str, Unknown] = unknowns_of(plant, search.ranges) if unknowns else {}
-    search.unknowns = found
     windows.spare(fitted.candidate)
-    kernels.add({name: one.effect for name, one in found.items()})
+    search.admit(unknowns_of(plant, search.ranges) if unknowns else {})
     scored = search.scored(fitted)
     scored = with_contact_forms(search, scored, known.shown)
     known.shown |= set(scored.names) & windows.forms

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.laws.alike import alike_laws, kind_of, law_of
+from hjcamp.prediction.laws.unknowns import Unknown, values_of
 from hjcamp.prediction.levels import FITTED, FITTED_BY_CHANCE, FITTED_UNKNOWNS, LEVEL, MATTERS, MOST_OF_IT, STEPS
 from hjcamp.prediction.measured.floor import motion_of
 from hjcamp.prediction.screening.chance import chance_gains, moved_orders, p_value
@@ -33,12 +34,13 @@ class Search(Claims):
     wanted: frozenset[str] = frozenset()
     steps: list[Step] = field(default_factory=list)
 
-    def look(self, before: Scored) -> Step:
-        """Return what a model may miss: screen everything, then fit what promises most."""
+    def look(self, before: Scored, among: Iterable[str] = ()) -> Step:
+        """Return what a model may miss: screen everything, or what is ``among`` these alone, then fit what promises most."""
         fitted, self.windows.place = before.fitted, before.place
         self.windows.kernels.hold(fitted.candidate.effects)
         projection, _ = Projection(fitted), self.beside(fitted)
-        names = [name for name in (*self.library, *self.unknowns) if self.may_be_added(name, fitted.candidate.effects)]
+        looked_for = tuple(among) or (*self.library, *self.unknowns)
+        names = [name for name in looked_for if self.may_be_added(name, fitted.candidate.effects)]
         found = self.each(
             lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}"
         )
@@ -81,6 +83,21 @@ class Search(Claims):
         )
         self.steps.append(step)
         return step
+
+    def look_at_values(self, before: Scored) -> Step:
+        """Return what a model may miss where some parameter is no constant: each over every state and input, and over time."""
+        laws = self.values()
+        self.admit(laws)
+        return self.look(before, laws)
+
+    def values(self) -> dict[str, Unknown]:
+        """Return the laws of the base's parameters that are no constants, by name; no model has them before they are admitted."""
+        return values_of(self.windows.layout.measured.plant, [one.name for one in self.base_free], self.ranges)
+
+    def admit(self, laws: Mapping[str, Unknown]) -> None:
+        """Let further unknowns be part of models."""
+        self.windows.kernels.add({name: one.effect for name, one in laws.items() if name not in self.unknowns})
+        self.unknowns = {**self.unknowns, **laws}
 
     def may_be_added(self, name: str, present: Iterable[str]) -> bool:
         """Whether an effect is looked for and not there yet, and no other one that says the same of the same driver.

@@ -12,7 +12,7 @@ from hjcamp.prediction.laws.alike import alike_laws
 from hjcamp.prediction.levels import LEVEL, LONGER, MATTERS, MOST_OF_IT
 from hjcamp.prediction.measured.floor import in_units, usual_size
 from hjcamp.prediction.measured.layout import SHORTEST
-from hjcamp.prediction.selection.analysis import Analysis, what_lacks
+from hjcamp.prediction.selection.analysis import Analysis, above_noise, what_lacks
 from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.borne_out import not_borne_out
 from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing
@@ -50,7 +50,28 @@ class Verdict:
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width."""
     analysis, verdict = _looked_at(analysis, at)
-    return analysis, _doubted(analysis, verdict)
+    return analysis, _doubted(analysis, _of_no_constant(analysis, verdict))
+
+
+def _of_no_constant(analysis: Analysis, verdict: Verdict) -> Verdict:
+    """Return that something outside the library is missing where a parameter that is no constant takes what no law of a place does.
+
+    It is looked for where no name takes it and a base leaves more than the noise by chance. Of what follows from the motion it has to
+    take most, and to predict better than the law of a place that takes some.
+    """
+    search, base = analysis.search, analysis.base
+    if verdict.word not in (NOTHING, OUTSIDE) or not above_noise(analysis.windows.layout, base.fitted.features):
+        return verdict
+    search.claims = LEVEL / (2.0 * (len(LONGER) + 1))
+    step = search.look_at_values(base)
+    model = _left(analysis, base, step)
+    if model is None or (verdict.follows and _left_by_motion(analysis, model) > 1.0 - MOST_OF_IT):
+        return verdict
+    if verdict.unknown is not None and not search.beats(model, verdict.unknown):
+        return verdict
+    if verdict.word == NOTHING and not_borne_out(analysis, step, model):
+        return verdict
+    return replace(verdict, word=OUTSIDE, p_value=step.told, confidence_set=(), unknown=model, law_left=1.0, follows=0.0)
 
 
 def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
@@ -58,7 +79,8 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
 
     Where no law is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones. Tests that are
     simulated through are looked at in windows, of which there are more chapters, also where a free law alone is shown that leaves
-    more than a name. All of these looks together may claim something by chance half as often as the first.
+    more than a name. All of these looks, and one at parameters that are no constants, may together claim something by chance half as
+    often as the first.
     Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
     set, both are what the tests leave.
     """
@@ -69,7 +91,7 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
         seen = _over(analysis, at, times * width)
         if seen is None:
             break
-        seen.search.claims = LEVEL / (2.0 * len(looks))
+        seen.search.claims = LEVEL / (2.0 * (len(looks) + 1))
         other = judged(seen)
         if other.word == CANNOT_TELL:
             break
