@@ -113,6 +113,7 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     assert compared["rms"] == pytest.approx(diagnosed["baseline"], rel=0.05)
 
 
+@pytest.mark.study
 def test_a_group_has_its_page_though_the_model_has_one_of_it(stage: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def group(analysis: Analysis, at: Any) -> tuple[Analysis, Verdict]:
         found = judged(analysis)
@@ -143,6 +144,7 @@ def test_calibrate_names_what_the_tests_cannot_tell_apart(stage: Path) -> None:
     assert "gain cannot be told from mass" in done.output
 
 
+@pytest.mark.study
 def test_next_takes_the_diagnosis_of_the_same_logs_and_sets_its_group_apart(stage: Path) -> None:
     data, asked = Data(["logs/train.mcap"]), Asked(only=ONLY)
     known = {"spring": {"stiffness": 140.0, "rest_position": 0.02}, "constant_force": {"strength": 4.0}}

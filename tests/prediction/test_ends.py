@@ -102,7 +102,8 @@ def test_the_spill_of_the_upper_tank_is_named_though_the_gauge_of_the_lower_one_
     assert "level reads no higher than 6 V: predictions are held there" in said
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(4, marks=pytest.mark.study)])
+@pytest.mark.study
+@pytest.mark.parametrize("seed", [1, 4])
 def test_an_end_is_nothing_that_a_model_lacks(tanks: Path, seed: int) -> None:
     # taken as it is read, the end passes for an overflow of the lower tank, or for something outside the library
     found, _ = asked(tanks, end=6.0, seed=seed)

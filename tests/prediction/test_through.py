@@ -74,6 +74,7 @@ def test_readings_of_a_test_that_is_simulated_through_leap_nowhere(tanks: Path) 
     assert leaps.max() < 0.5 * others.max()
 
 
+@pytest.mark.study
 def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     measured = logged(800, brim=7.0)
     library = load_effects(plant=measured.plant)

@@ -256,6 +256,7 @@ def diagnosed(brim: float, samples: int) -> tuple[dict, Words]:  # type: ignore[
     return content, Words(*found, content)
 
 
+@pytest.mark.study
 def test_an_error_far_above_noise_that_nothing_takes_is_not_called_nothing(tanks: Path) -> None:
     # too short to name the spill: no test is repeated, and no moments are alike
     found, words = diagnosed(7.0, 700)
