@@ -112,13 +112,13 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
     accuracy = int(counter[0])
     level = accuracy
     searching = False
-    if GLIDES and accuracy == 0 and counter[4] == 0.0 and glided(time, direction, z, u, p, steps, h, a, before, counter):
+    # The rows of the states that are always there are written out; where others are present, too, sums in loops serve.
+    sparse = WRITTEN < N and plan[PRESENT] > WRITTEN
+    if GLIDES and not sparse and accuracy == 0 and counter[4] == 0.0 and glided(time, direction, z, u, p, steps, h, a, before, counter):
         if CONTACT and direction != 0.0 and shifted(time + h, direction, z, u, p, counter):
             direction = arrive(time + h, direction, z, u, p, plan, space, steps, h, before, counter)
         return direction
     bent = not AFFINE and plan[CURVED] > 0
-    # The rows of the states that are always there are written out; where others are present, too, sums in loops serve.
-    sparse = WRITTEN < N and plan[PRESENT] > WRITTEN
     while done < ticks:
         length = ticks >> level
         while (done & (length - 1)) != 0:

@@ -1,9 +1,17 @@
 """The short way for a whole sample on which only the linear part acts: the same bits as the long one."""
 
+from pathlib import Path
+
 import numpy as np
+import pytest
 from quiet_loop import columns, simulator, sine
 
+from hjcamp.effects import load_effects
+from hjcamp.known_plants import find_plant
 from hjcamp.model import kernel
+from hjcamp.model.compose import Composition
+from hjcamp.model.course import Given
+from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint.loop import JointSimulator
 
 PRESSURES = (0.32e6, 0.14e6)
@@ -24,3 +32,46 @@ def test_whole_samples_are_moved_as_in_steps(monkeypatch) -> None:  # type: igno
         for name, value in short.items():
             assert np.array_equal(value, steps[name]), name
         assert short["events"] > 0
+
+
+PLANT = '''"""A block that is heated."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
+
+
+class Block(Plant):
+    """A block that cools to a room at 0."""
+
+    warmth = State("K", typical=20.0)
+    power = Input("W", typical=50.0)
+    capacity = Parameter("J/K", 200.0, (1.0, 1e4), "log-uniform", base=True)
+    loss = Parameter("W/K", 2.0, (0.01, 100.0), "log-uniform", base=True)
+    period = 1.0
+    warmth_k = Measured("probe", of="warmth")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        rate.warmth = (drive.power - parameter.loss * state.warmth) / parameter.capacity
+        probe = sensor(state.warmth)
+'''
+
+
+def test_the_state_of_an_effect_behind_a_gate_is_moved_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("plants").mkdir()
+    Path("plants/block.py").write_text(PLANT, encoding="utf-8")
+    plant, lag, count = find_plant("block"), 28.0, 200
+    library = load_effects(plant=plant)
+    model = Simulator(Composition(plant, tuple(library[name] for name in ("sensor_lag", "sensor_gain")), gated=True), free=True)
+    assert "GLIDES = True" in model.source
+    values = {"gate.sensor_lag": 1.0, "sensor_lag.lag": lag, "sensor_lag.dead_share": 0.0}
+    marks = np.zeros(count, dtype=np.int64)
+    marks[0] = 1
+    inputs = np.tile(model.inputs(), (count, 1))
+    inputs[:, list(model.composition.inputs).index("power")] = 60.0
+    time = np.arange(count) * 1.0
+    found = model.run_to_ends(model.vector(values), Given(1.0, marks, time, inputs, np.array([[0.0]]))).readings[:, 0]
+    # two lags, one behind the other, of 100 s and 28 s
+    slow = 200.0 / 2.0
+    true = 30.0 * (1.0 - (slow * np.exp(-time / slow) - lag * np.exp(-time / lag)) / (slow - lag))
+    assert np.allclose(found, true, atol=1e-9)
