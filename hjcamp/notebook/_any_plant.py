@@ -71,15 +71,15 @@ def diagnosis_sentences(words: Any) -> list[str]:
 
 def diagnosis_drawn(words: Any) -> tuple[Any, ...]:
     """Return what draws the first step of the search, and what it draws."""
-    from hjcamp.commands.any_plant.evidence import missing_of
+    from hjcamp.commands.any_plant.evidence import OWN, missing_of
     from hjcamp.report.pictures.evidence import draw_gains, draw_missing
 
     steps = words.analysis.search.steps
-    if steps and steps[0].unknown:
+    if words.shows_a_law:
         missing = replace(missing_of(words), after=())
         return (lambda: draw_missing(missing)["before"],)
     if steps:
-        return draw_gains, steps[0].chance, steps[0].gain, "residuals moved in time"
+        return draw_gains, steps[0].chance, steps[0].gain, "residuals moved in time", OWN
     raise UsageError(f"{words.title}: nothing was fitted, so there is nothing to draw")
 
 

@@ -40,7 +40,7 @@ def drawn(seed: int, hidden: float) -> tuple[Any, list[Probe], list[Any]]:
 def test_what_is_there_stands_out_of_all_that_chance_promises() -> None:
     found = chance_gains(*drawn(3, 0.5), seed=1)
     for gains in (found.shifted, found.decoys, found.twins):
-        assert len(gains) == ORDERS and gains.max() < 0.5 * found.gain
+        assert len(gains) == ORDERS and gains.max() < 0.7 * found.gain
     assert p_value(found.gain, found.shifted) == 0.01
     # moved responses are the same responses: each decoy's gain is one that a moved residual has with some effect
     assert np.median(found.decoys) == pytest.approx(np.median(found.shifted), rel=0.4)

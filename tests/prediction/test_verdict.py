@@ -34,6 +34,11 @@ HIDDEN = {
 }
 
 
+def both(x: float, v: float) -> float:
+    """A force that no law of one quantity has, nor one that is so many times another."""
+    return -2500.0 * x * abs(v)
+
+
 def asked(force) -> dict:  # type: ignore[no-untyped-def, type-arg]
     measured = measured_tests([measured_log(force, seconds=16.0)])
     library = load_effects(plant=measured.plant)
@@ -77,15 +82,24 @@ def test_a_force_that_repeats_many_times_along_the_travel_is_outside(axis: Path)
 
 
 def test_what_depends_on_two_quantities_is_outside_though_no_law_of_one_takes_it(axis: Path) -> None:
-    found = asked(lambda x, v: -2500.0 * x * v)
+    found = asked(both)
     assert (found["verdict"], found["effects"], found["drivers"]) == ("outside_library", [], [])
     follows = found["follows_motion"]
     assert follows["share"] > 0.5 and "position" in " ".join(follows["quantities"])
 
 
+def test_what_is_so_many_times_a_speed_depending_on_the_place_is_a_friction_that_is_no_constant(axis: Path) -> None:
+    found = asked(lambda x, v: -2500.0 * x * v)
+    row = found["unknowns"][0]
+    assert (found["verdict"], row["quantity"], row["port"], row["driver"]) == ("outside_library", "value", "viscous", "position")
+    x, y = np.array(row["curve"]["x"]), np.array(row["curve"]["y"])
+    # 260 + 2500 x in N s/m, told about its mean
+    assert np.polyfit(x, y, 1)[0] == pytest.approx(2500.0 / 260.0, rel=0.15)
+
+
 def test_a_name_that_takes_less_than_a_regression_still_finds_is_no_answer(axis: Path) -> None:
     # a spring is there, and beside it what no law of the library has: three times as much
-    found = asked(lambda x, v: -50.0 * (x - 0.03) - 2500.0 * x * v)
+    found = asked(lambda x, v: -50.0 * (x - 0.03) + both(x, v))
     assert (found["verdict"], found["effects"]) == ("outside_library", [])
     assert found["law_left"] > 0.5 and found["follows_motion"]["share"] > 0.5
 
@@ -145,11 +159,12 @@ def test_where_nothing_is_seen_longer_windows_are_looked_at(
 
     monkeypatch.setattr(verdict, "judged", judged)
     monkeypatch.setattr(verdict, "_doubted", lambda analysis, said: said)
+    monkeypatch.setattr(verdict, "_of_no_constant", lambda analysis, said: said)
     monkeypatch.setattr(verdict, "_takes_too_little", lambda analysis, other: other.effects == ("cubic_spring",))
     analysis, found = verdict.agreed(of(100), of)
     assert (analysis.windows.layout.width, found.word) == (width, word)
-    # the two further looks claim something by chance half as often as the first, together
-    assert levels == [0.05, 0.0125]
+    # these two and the look at parameters that are no constants claim something by chance half as often as the first, together
+    assert levels == [0.05, pytest.approx(0.05 / 6.0)]
 
 
 def test_nothing_is_missing_is_not_said_of_a_base_that_its_bounds_hold(axis: Path, monkeypatch: pytest.MonkeyPatch) -> None:

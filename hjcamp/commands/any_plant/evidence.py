@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from hjcamp.report.pictures.evidence import Branch, Missing
 
 POINTS = 1500
+# In what the gains of effects stand beside each other.
+OWN = "standard deviations of each effect's own by chance"
 
 
 def evidence_pictures(words: Words) -> dict[str, str]:
@@ -22,7 +24,7 @@ def evidence_pictures(words: Words) -> dict[str, str]:
 
     analysis, verdict = words.analysis, words.verdict
     found: dict[str, str] = {}
-    if (verdict.unknown and not verdict.effects) or (analysis.search.steps and analysis.search.steps[0].unknown):
+    if words.shows_a_law:
         found |= {f"missing_{name}": svg for name, svg in draw_missing(missing_of(words)).items()}
     models = {"calibrated": analysis.base}
     if verdict.effects:
@@ -33,7 +35,7 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     )
     if analysis.search.steps:
         first = analysis.search.steps[0]
-        found["gains"] = draw_gains(first.chance, first.gain, "residuals moved in time")
+        found["gains"] = draw_gains(first.chance, first.gain, "residuals moved in time", OWN)
     return found | draw_correlations(_correlations(words, errors))
 
 

@@ -86,6 +86,12 @@ class Words:
         return (worst, rows[worst]) if rows[worst]["high"] * (1.0 - MOST_OF_IT) > _least(rows[worst]) else None
 
     @property
+    def shows_a_law(self) -> bool:
+        """Whether a free law was fitted whose curve can be shown."""
+        steps = self.analysis.search.steps
+        return bool((self.verdict.unknown and not self.verdict.effects) or (steps and steps[0].unknown))
+
+    @property
     def beside(self) -> bool:
         """Whether the first free law is something beside the named effects, no other form of one of them."""
         from hjcamp.model.vocabulary import read_vocabulary

@@ -1,13 +1,13 @@
 """What chance promises: the library's responses beside residuals that were moved in time (circular shifts, tests exchanged).
 
-A residual that has nothing to do with an effect's response has, moved in time, as much in common with it: the largest gain of
-the whole library over such residuals is the null distribution, whatever the form of what is missing
+A residual that has nothing to do with an effect's response has, moved in time, as much in common with it: how far the best effect
+of the whole library stands out over such residuals is the null distribution, whatever the form of what is missing
 (Politis & Romano 1992; time-shift surrogates, Quian Quiroga et al. 2002, doi:10.1103/PhysRevE.65.041903).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +17,8 @@ from hjcamp.prediction.screening.screening import Probe, Projection
 
 Array = NDArray[np.float64]
 DRAWS = 199
+# The cube root of a chi-squared variable is nearly normal, whatever its degrees of freedom.
+ROOT = 1.0 / 3.0
 # A shift under which the motion is much the same again moves nothing.
 ALIKE = 0.5
 
@@ -49,21 +51,36 @@ def moved_orders(of_test: NDArray[np.int64], motion: Array, seed: int, draws: in
 
 
 class Chance(NamedTuple):
-    """The largest gain that the library promises, and what it promises where nothing is: see `chance_gains`."""
+    """How far the best effect stands out of what chance promises of it, and what chance promises: see `chance_gains`.
+
+    ``usual`` is the median of the largest gain of all by chance (log-likelihood); ``own`` the mean and the deviation of the cube root
+    of what each effect takes by chance.
+    """
 
     gain: float
     shifted: Array
     decoys: Array
     twins: Array
+    usual: float
+    own: Mapping[str, tuple[float, float]]
+
+    def stands_out(self, effect: str, taken: float) -> float:
+        """Return by how many standard deviations what an effect takes (log-likelihood) is more than it takes by chance."""
+        centre, spread = self.own.get(effect, (0.0, 0.0))
+        return (max(taken, 0.0) ** ROOT - centre) / spread if spread > 0.0 else 0.0
 
 
 def chance_gains(
     projection: Projection, probes: Sequence[Probe], orders: Sequence[NDArray[np.int64]], seed: int
 ) -> Chance:
-    """Return the largest linear gain of the probes, and that beside residuals in each of the orders (orders,).
+    r"""Return how far the best effect stands out beside the real residuals, and beside those in each of the orders (orders,).
 
-    Beside it, for as many each: that of decoys, a library of which each effect's response is moved in time by itself; and that of
-    twins, whose residuals are drawn from a normal law with the second moments of the real ones.
+    .. math:: \max_e \frac{S_e^{1/3} - m_e}{s_e}, \quad S_e = \max_{probes\ of\ e} \tfrac12 |B^T r|^2
+
+    with the mean and deviation of each effect's own root over all of these: laws of one knot and of 48, and residuals that hang
+    together, are so on one scale (Westfall & Young 1993; Wilson & Hilferty 1931, doi:10.1073/pnas.17.12.684). Beside it, for as many
+    each: that of decoys, a library of which each effect's response is moved in time by itself; and that of twins, whose residuals
+    are drawn from a normal law with the second moments of the real ones.
     """
     left, generator = projection.fitted.features, np.random.default_rng((seed, 271))
     drawn = generator.standard_normal((*left.shape, len(orders)))
@@ -74,21 +91,28 @@ def chance_gains(
     columns = np.concatenate([moved, twins], axis=1)
     columns = columns * (np.linalg.norm(columns[:, 0]) / np.maximum(np.linalg.norm(columns, axis=0), 1e-300))
     count = len(orders)
-    best, decoys = np.zeros(columns.shape[1]), np.zeros(count)
-    mixed: dict[str, NDArray[np.int64]] = {}
+    best = np.zeros(columns.shape[1])
+    taken: dict[str, Array] = {}
     for probe in probes:
         basis = projection.basis(probe)
         if not basis.shape[1]:
             continue
         found = basis.T @ columns
-        gains = 0.5 * np.sum(found**2, axis=0) - basis.shape[1] + 1.0
+        each = 0.5 * np.sum(found**2, axis=0)
         if probe.one_sided and basis.shape[1] == 1:
             direction = float(np.sign((projection.free_of_base(probe.responses)[:, 0] @ basis)[0]))
-            gains = np.where(-direction * found[0] > 0.0, gains, 0.0)
-        best = np.maximum(best, gains)
-        own = mixed.setdefault(probe.effect, generator.permutation(count))
-        decoys = np.maximum(decoys, gains[1 : count + 1][own])
-    return Chance(float(best[0]), best[1 : count + 1], decoys, best[count + 1 :])
+            each = np.where(-direction * found[0] > 0.0, each, 0.0)
+        best = np.maximum(best, each - basis.shape[1] + 1.0)
+        taken[probe.effect] = np.maximum(taken.get(probe.effect, 0.0), each)
+    roots = {name: each**ROOT for name, each in taken.items()}
+    own = {name: (float(one[: count + 1].mean()), float(one[: count + 1].std())) for name, one in roots.items()}
+    apart = {name: (one - own[name][0]) / own[name][1] for name, one in roots.items() if own[name][1] > 0.0}
+    # where chance promises nothing at all, nothing stands out
+    largest = np.max(list(apart.values()), axis=0) if apart else np.zeros(columns.shape[1])
+    mixed = [one[1 : count + 1][generator.permutation(count)] for one in apart.values()]
+    decoys = np.max(mixed, axis=0) if mixed else np.zeros(count)
+    usual = float(np.median(best[1 : count + 1])) if count else 0.0
+    return Chance(float(largest[0]), largest[1 : count + 1], decoys, largest[count + 1 :], usual, own)
 
 
 def p_value(gain: float, chance: Array) -> float:

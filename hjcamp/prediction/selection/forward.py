@@ -48,11 +48,10 @@ class Search(Claims):
         layout = self.windows.layout
         orders = moved_orders(layout.of_test, motion_of(layout, layout.readings), self.seed + len(self.steps))
         promised = chance_gains(projection, probes, orders, self.seed + len(self.steps))
-        gain, chance = promised.gain, promised.shifted
+        gain, chance, usual = promised.gain, promised.shifted, promised.usual
         effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
         promises = [projection.promise(probe, effects[probe.effect]) for probe in probes]
         best = best_promises(promises)
-        usual = float(np.median(chance)) if len(chance) else 0.0
         chosen = FITTED if p_value(gain, chance) <= LEVEL else FITTED_BY_CHANCE
         sure = [name for name in names if name in {*self.begins, *self.wanted} or self.hidden_by_base(name, fitted.candidate)]
         able = [name for name, one in best.items() if name in self.library and one.gain > 0.0 and name not in sure]
@@ -63,7 +62,8 @@ class Search(Claims):
         )  # fmt: skip
         begun.sort(key=lambda one: one.loss)
         # what is promised is linear; what a curved law gains is seen when it is fitted
-        gain = max([gain, *(fitted.loss - one.loss for one in begun[:1] if np.isfinite(one.loss))])
+        closer = [one for one in begun[:1] if np.isfinite(one.loss)]
+        gain = max([gain, *(promised.stands_out(_added(one.candidate, fitted.candidate), fitted.loss - one.loss) for one in closer)])
         chosen, unnamed = (FITTED, FITTED_UNKNOWNS) if p_value(gain, chance) <= LEVEL else (FITTED_BY_CHANCE, 0)
         others = [one for name, one in best.items() if name in self.unknowns][:unnamed]
         starts = [*begun[:chosen], *(self.begun_unknown(fitted, one) for one in others)]

@@ -23,7 +23,7 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
     So it is where the base left what it may be; and where no floor is known, all of the error is more than chance, and either most of
     what a sensor errs by is more than its noise, a delay of the base stands at its most, or whole short tests show an effect.
     """
-    if held := _held(analysis):
+    if held := held_by_bounds(analysis):
         return held
     if analysis.floor.source != "sensor" or p_value > LEVEL:
         return ""
@@ -72,7 +72,7 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Iterable[str]) -> s
     return ""
 
 
-def _held(analysis: Analysis) -> str:
+def held_by_bounds(analysis: Analysis) -> str:
     """Return in words which base parameter its bounds keep from going on, far from what is declared; empty where none does."""
     plant, chapters = analysis.measured.plant, analysis.search.chapters
     for one in intervals(analysis.base.fitted, chapters):

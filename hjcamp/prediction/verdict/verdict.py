@@ -15,7 +15,7 @@ from hjcamp.prediction.measured.layout import SHORTEST
 from hjcamp.prediction.selection.analysis import Analysis, above_noise, what_lacks
 from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.borne_out import not_borne_out
-from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing
+from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing, held_by_bounds
 
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
 
@@ -61,6 +61,8 @@ def _of_no_constant(analysis: Analysis, verdict: Verdict) -> Verdict:
     """
     search, base = analysis.search, analysis.base
     if verdict.word not in (NOTHING, OUTSIDE) or not above_noise(analysis.windows.layout, base.fitted.features):
+        return verdict
+    if held_by_bounds(analysis):  # a law would go on where the parameter may not
         return verdict
     search.claims = LEVEL / (2.0 * (len(LONGER) + 1))
     step = search.look_at_values(base)

@@ -154,7 +154,7 @@ def draw_worst_test(
     return draw(SIZE, title, paint)
 
 
-def draw_gains(chance: Array, gain: float | None, what: str) -> str:
+def draw_gains(chance: Array, gain: float | None, what: str, unit: str = "log-likelihood") -> str:
     """Return the gains (draws,) on surrogate data as a strip, and the real one marked."""
 
     def paint(figure: Any) -> None:
@@ -168,7 +168,7 @@ def draw_gains(chance: Array, gain: float | None, what: str) -> str:
         axis.set_ylim(-1.0, 1.6)
         dress(axis, "")
         axis.set_title("the best gain beside chance", color=INK, fontsize=9, loc="left")
-        axis.set_xlabel("largest gain of the library (log-likelihood)", color=INK, fontsize=8.5)
+        axis.set_xlabel(f"largest gain of the library ({unit})", color=INK, fontsize=8.5)
         axis.legend(fontsize=7.5, frameon=False, loc="upper center", ncols=2)
 
     return draw(STRIP, "gains", paint)
