@@ -37,13 +37,15 @@ BENT = 64.0
 
 class Predicted(NamedTuple):
     """Predicted readings (n, sensors) and states (n, states), each window's states one sample after its last (windows, states),
-    SI, and the integrator's steps a sample.
+    SI, and the integrator's steps a sample; ``kept`` (windows, k) are the effects' states with which each window begins, none where
+    parts of the windows have models of their own.
     """
 
     readings: Array
     states: Array
     ends: Array
     steps: float
+    kept: Array | None = None
 
 
 @dataclass
@@ -83,13 +85,17 @@ class Windows:
         found = self._predicted(candidate, starts, friction)
         return found.readings, found.states
 
-    def _predicted(self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0) -> Predicted:
+    def _predicted(
+        self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0, kept: Array | None = None
+    ) -> Predicted:
+        """Return what is predicted; where ``kept`` is given the effects' states begin each window so."""
         layout = self.layout
         inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
         begin = self._true(candidate, self.starts if starts is None else starts, inputs)
         if friction != 1.0:
             inputs = inputs.copy()
             inputs[:, layout.names.index("friction_scatter")] *= friction
+        begin = begin if kept is None else np.concatenate([begin, kept], axis=1)
         return self._read_at_once(candidate, self._run(candidate, begin, inputs, layout.width))
 
     def _read_at_once(self, candidate: Candidate, found: Predicted) -> Predicted:
@@ -133,18 +139,21 @@ class Windows:
     def _run(self, candidate: Candidate, begin: Array, inputs: Array, samples: int) -> Predicted:
         """Return what is predicted of the first ``samples`` of each window, (windows samples, ...).
 
-        They begin at true states (windows, states), under ``inputs`` (n, inputs) of the whole windows.
+        They begin at true states (windows, states), those of effects behind them where these are given, under ``inputs`` (n, inputs)
+        of the whole windows.
         """
         layout, measured = self.layout, self.layout.measured
         most = STIFF * self.usual_steps
         if most and not self._remembers(candidate):
             most = max(most, BENT)
         count = len(begin) * samples
-        out, states = np.empty((count, len(measured.sensors))), np.empty((count, begin.shape[1]))
-        ends = begin.copy()
+        plain = len(self.sizes)
+        out, states = np.empty((count, len(measured.sensors))), np.empty((count, plain))
+        ends, parts = begin[:, :plain].copy(), self._parts(candidate)
+        kept: Array | None = None
         of_all = np.arange(len(begin) * layout.width).reshape(-1, layout.width)[:, :samples].ravel()
         taken = 0
-        for simpler, part in self._parts(candidate):
+        for simpler, part in parts:
             model, values = self.kernels.model(simpler)
             marks, begun = layout.begins.copy(), layout.begun.copy()
             alone = part & ~np.concatenate([[False], part[:-1]])
@@ -161,11 +170,14 @@ class Windows:
                 given_inputs = np.ascontiguousarray(inputs[rows])  # a kernel is compiled anew for other orders
                 course = Given(measured.period, marks[rows], layout.time[rows], given_inputs, begin[own])
                 ran = model.run_to_ends(p, course, most=most * len(course.time))
-                out[samples_of], states[samples_of] = ran.readings[:, measured.columns], ran.states[:, : begin.shape[1]]
-                ends[own] = ran.ends
+                out[samples_of], states[samples_of] = ran.readings[:, measured.columns], ran.states[:, :plain]
+                ends[own] = ran.ends[:, :plain]
                 taken += ran.steps
+                if len(parts) == 1 and ran.states.shape[1] > plain:
+                    kept = np.zeros((len(begin), ran.states.shape[1] - plain)) if kept is None else kept
+                    kept[windows] = ran.states[::samples, plain:]
         zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
-        return Predicted(out + np.array(zeros), states, ends, taken / count)
+        return Predicted(out + np.array(zeros), states, ends, taken / count, kept)
 
     def spare(self, candidate: Candidate) -> None:
         """Let every later model take so many more steps than this one at most; a stiffer one counts as one that diverges."""
@@ -238,12 +250,15 @@ class Windows:
         self._passage = self._passage_of(candidate, self._predicted(candidate))
 
     def _passage_of(self, candidate: Candidate, base: Predicted) -> Passage | Through:
-        """Return what a change of each start, by its usual size, changes of the readings and the ends that are predicted."""
+        """Return what a change of each start, by its usual size, changes of the readings and the ends that are predicted.
+
+        It is the change of one start alone: the states of effects, which go on from window to window, begin as they did without it.
+        """
         readings, ends = [], []
         for k, size in enumerate(self.sizes):
             moved = self.starts.copy()
             moved[:, k] += STEP * size
-            changed = self._predicted(candidate, moved)
+            changed = self._predicted(candidate, moved, kept=base.kept)
             with np.errstate(over="ignore", invalid="ignore"):
                 change = self.layout.coefficients((changed.readings - base.readings) / STEP)
                 ends.append((changed.ends - base.ends) / (STEP * self.sizes))
@@ -254,12 +269,13 @@ class Windows:
 
     def passed(self, candidate: Candidate) -> tuple[Array, Array]:
         """Return each window's end (windows, states) and what unseen starts change of it (windows, states, states), in sizes."""
-        base = self._predicted(candidate).ends
+        before = self._predicted(candidate)
+        base = before.ends
         found = np.zeros((*base.shape, len(self.sizes)))
         for k in np.flatnonzero(self.unseen):
             moved = self.starts.copy()
             moved[:, k] += STEP * self.sizes[k]
-            found[:, :, k] = (self._predicted(candidate, moved).ends - base) / (STEP * self.sizes)
+            found[:, :, k] = (self._predicted(candidate, moved, kept=before.kept).ends - base) / (STEP * self.sizes)
         return base / self.sizes, np.where(np.isfinite(found), found, 0.0)
 
     def growth(self, candidate: Candidate) -> float:

@@ -18,6 +18,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.prediction.fitting.chapters import left_out
 from hjcamp.prediction.fitting.gauss_newton import TURNS, TURNS_OF_BASE, Fitted, Free, fit, settled
 from hjcamp.prediction.fitting.likelihood import loss, size
+from hjcamp.prediction.laws.alike import kind_of
 from hjcamp.prediction.laws.unknowns import Unknown
 from hjcamp.prediction.laws.visited import Range, visited_shapes
 from hjcamp.prediction.levels import FITTED_STARTS, TRIED_ROUNDS, TRIED_STARTS
@@ -107,6 +108,13 @@ class Fits:
         """Return the fit of a model from ``start`` with the starts of ``windows``, or those of a copy, moved along."""
         return settled(windows or copy.copy(self.windows), start, self.free_of(start), near, self.turns)
 
+    def to_the_end(self, model: Scored) -> Scored:
+        """Return a model fitted on until its windows' starts are where it fits best."""
+        own = copy.copy(self.windows)
+        own.place = model.place
+        found = settled(own, model.fitted.candidate, self.free_of(model.fitted.candidate), model.fitted, TURNS_OF_BASE)
+        return self.scored(found, own)
+
     @property
     def turns(self) -> int:
         """How often a fit and the windows' starts follow one another: of short tests until they agree."""
@@ -132,7 +140,8 @@ class Fits:
     def begun(self, projection: Projection, name: str, promises: Sequence[Promise]) -> Fitted:
         """Return the best fit after few rounds: from where a named effect promises most, and from its usual values.
 
-        What is promised is linear: the best start of a curved law need not be the one that promises most.
+        What is promised is linear: the best start of a curved law need not be the one that promises most. Where the base has a delay in
+        its place every start is fitted to the end, also without that: few rounds do not lead there.
         """
         before, effect = projection.fitted, self.library[name]
         most = sorted((one for one in promises if one.gain > 0.0), key=lambda one: -one.gain)[:TRIED_STARTS]
@@ -144,7 +153,16 @@ class Fits:
         if self.windows.layout.short:
             # the base may have taken the place of the effect
             starts += [before.candidate.with_base(self.declared).with_effect(name, one) for one in own]
-        return self.best_of(starts, before)
+        late = self.late_base(name, before.candidate)
+        if late:
+            starts += [self.plain(one, before.candidate) for one in starts]
+        return self.best_of(starts, before, late)
+
+    def late_base(self, name: str, candidate: Candidate) -> bool:
+        """Whether the base has the delay of an input in the place of a lag."""
+        effect = self.library[name]
+        late = any(value > 0.0 for key, value in candidate.base.items() if key.startswith(DELAY))
+        return late and bool(effect.states) and kind_of(effect) in ("actuator", "sensor")
 
     def begun_unknown(self, before: Fitted, promise: Promise) -> Fitted:
         """Return the better of two starts of an unknown: what is promised, and nothing."""
@@ -152,13 +170,13 @@ class Fits:
         zero = {**promise.candidate.effects[name], **dict.fromkeys(knots, 0.0)}
         return self.best_of([promise.candidate, before.candidate.with_effect(name, zero)], before)
 
-    def best_of(self, starts: Sequence[Candidate], before: Fitted) -> Fitted:
+    def best_of(self, starts: Sequence[Candidate], before: Fitted, to_the_end: bool = False) -> Fitted:
         """Return the best fit after few rounds from those starts that are best as they are, and from the plain one of the best.
 
         Of short tests all are fitted to the end: what is best as it is often leads nowhere, and it takes little.
         """
         distinct = {one.key: one for one in starts}
-        if self.windows.layout.short:
+        if self.windows.layout.short or to_the_end:
             best = min((self.settled(one) for one in distinct.values()), key=lambda one: one.loss)
             return min(best, self.settled(self.plain(best.candidate, before.candidate)), key=lambda one: one.loss)
         left = {key: loss(self.windows.features(one)) for key, one in distinct.items()}

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.laws.alike import alike_laws, kind_of, law_of
+from hjcamp.prediction.laws.alike import alike_laws, law_of
 from hjcamp.prediction.laws.unknowns import Unknown, values_of
 from hjcamp.prediction.levels import FITTED, FITTED_BY_CHANCE, FITTED_UNKNOWNS, LEVEL, MATTERS, MOST_OF_IT, STEPS
 from hjcamp.prediction.measured.floor import motion_of
@@ -121,8 +120,7 @@ class Search(Claims):
         unseen = {one for one, hidden in zip(states, self.windows.unseen, strict=True) if hidden}
         if any(unseen & set(term.arguments) for term in effect.terms.values()):
             return True
-        late = any(value > 0.0 for key, value in candidate.base.items() if key.startswith(DELAY))
-        return late and bool(effect.states) and kind_of(effect) in ("actuator", "sensor")
+        return self.late_base(name, candidate)
 
     def run(self, base: Scored) -> Scored:
         """Return the model with all named effects that matter, one added at a time; ``steps`` tells each look."""

@@ -341,7 +341,7 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], u
                 # what takes less than matters is no rival
                 if other in model.names or one.left_out >= step.before.left_out or search.error_ratio(one, step.before) > 1.0 - MATTERS:
                     continue
-                if search.ruled_out(one, _of(step, name)):
+                if _ruled_out(analysis, one, _of(step, name), step.before):
                     continue
                 exchanged = model.fitted.candidate.without([name]).with_effect(
                     other, one.fitted.candidate.effects[other]
@@ -350,9 +350,20 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], u
                     exchanged = exchanged.with_effect(free, own)
                 rival = search.fitted(exchanged)
                 known = {frozenset(each.names) for each in found}
-                if frozenset(rival.names) not in known and not search.ruled_out(rival, best):
+                if frozenset(rival.names) not in known and not _ruled_out(analysis, rival, best, step.before):
                     found.append(rival)
     return found
+
+
+def _ruled_out(analysis: Analysis, rival: Scored, model: Scored, before: Scored) -> bool:
+    """Whether a model rules a rival out; one that takes most of what the model takes is fitted to the end first.
+
+    What has a memory follows the starts of its windows slowly: after few turns it loses to what has none.
+    """
+    search = analysis.search
+    if not search.ruled_out(rival, model):
+        return False
+    return _taken(before, rival) < MOST_OF_IT * _taken(before, model) or search.ruled_out(search.to_the_end(rival), model)
 
 
 def _of(step: Step, name: str) -> Scored:
