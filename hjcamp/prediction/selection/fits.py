@@ -109,11 +109,15 @@ class Fits:
         return settled(windows or copy.copy(self.windows), start, self.free_of(start), near, self.turns)
 
     def to_the_end(self, model: Scored) -> Scored:
-        """Return a model fitted on until its windows' starts are where it fits best."""
-        own = copy.copy(self.windows)
-        own.place = model.place
-        found = settled(own, model.fitted.candidate, self.free_of(model.fitted.candidate), model.fitted, TURNS_OF_BASE)
-        return self.scored(found, own)
+        """Return a model fitted on, and its windows' starts moved along, for as long as it leaves less of chapters left out."""
+        for _ in range(TURNS_OF_BASE):
+            own = copy.copy(self.windows)
+            own.place = model.place
+            found = self.scored(settled(own, model.fitted.candidate, model.fitted.free, model.fitted, TURNS_OF_BASE), own)
+            if not found.left_out < model.left_out:
+                break
+            model = found
+        return model
 
     @property
     def turns(self) -> int:

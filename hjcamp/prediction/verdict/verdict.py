@@ -349,6 +349,8 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], u
                 for free, own in beside.items():
                     exchanged = exchanged.with_effect(free, own)
                 rival = search.fitted(exchanged)
+                if set(one.names) == set(rival.names):
+                    rival = min(one, rival, key=lambda each: each.left_out)
                 known = {frozenset(each.names) for each in found}
                 if frozenset(rival.names) not in known and not _ruled_out(analysis, rival, best, step.before):
                     found.append(rival)
