@@ -294,7 +294,7 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
         if place == 0:
             row["left"] = analysis.search.error_ratio(one, analysis.base)
             row["curve"] = curve_of(analysis, one, name)
-            row["knots"] = knots_of(known, one.fitted.candidate.effects[name])
+            row["knots"] = knots_of(analysis, one, name)
         rows.append(row)
     return rows
 

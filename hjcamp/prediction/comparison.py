@@ -69,7 +69,8 @@ def compared(
         floor = not_above(floor, features)
     analysis = replace(analysis, floor=floor)
     rows = tuple(shown_of(analysis, name, *found) for name, found in seen.items())
-    return Comparison(analysis, rows, shown_of(analysis, "calibrated here", *fitted))
+    which = f"{rows[-1].name}, calibrated here" if len(rows) > 1 else "calibrated here"
+    return Comparison(analysis, rows, shown_of(analysis, which, *fitted))
 
 
 def predicted_errors(analysis: Analysis, candidate: Candidate) -> tuple[Array, Array]:

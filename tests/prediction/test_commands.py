@@ -94,7 +94,7 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     assert added["error"]["position_m"]["rms"] < 0.2 * declared["error"]["position_m"]["rms"]
     page = (stage / "compare" / "index.html").read_text(encoding="utf-8")
     head = json.loads(page.partition('id="explorer-head">')[2].partition("</script>")[0])
-    assert head["models"] == ["published", "with_spring", "calibrated here", "with_spring without spring"]
+    assert head["models"] == ["published", "with_spring", "with_spring, calibrated here", "with_spring without spring"]
     assert head["hidden"] == ["with_spring without spring"] and head["observed"] == "measured"
     assert [one["name"] for one in head["channels"]] == ["position_m", "voltage_v"]
     [test] = head["tests"]

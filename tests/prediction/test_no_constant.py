@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,14 +17,17 @@ from hjcamp.effects import load_effects
 from hjcamp.effects._curve_template import curve_template
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
+from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
 from hjcamp.model.place_checks import PlaceBench, PlainModel
 from hjcamp.prediction.answer import answer
+from hjcamp.prediction.fitting.gauss_newton import Free
 from hjcamp.prediction.laws.unknowns import values_of
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.next.rivals import question_of
 from hjcamp.prediction.selection.analysis import Analysis, calibrated
+from hjcamp.prediction.verdict.free_curve import knots_of
 from hjcamp.prediction.verdict.verdict import Verdict, agreed
 from hjcamp.records.log import TestLog
 
@@ -174,3 +178,18 @@ def test_what_a_contact_rubs_with_has_laws_of_its_own_over_place_speed_and_time(
     assert {one.driver for name, one in found.items() if "_of_mass_" in name} == {"position", "velocity", "voltage", "time"}
     still = values_of(plant, plant.base_parameters, {**ranges, "position": (0.1, 0.1)})
     assert not any(one.driver == "position" for one in still.values())
+
+
+def test_what_no_reading_depends_on_is_as_beside_it(kettle: Path) -> None:
+    name = "unknown_value_of_outflow_over_warmth"
+    law = values_of(find_plant("kettle"), ["outflow"], {"warmth": (0.0, 10.0)})[name]
+    free = tuple(Free(name, knot, 1.0, -1e3, 1e3) for knot in law.amplitudes)
+    slopes = np.ones((5, 3, 6))
+    slopes[:, :, 4:] = 0.0
+    own = dict(zip(law.amplitudes, (0.1, 0.2, 0.3, 0.4, 0.0, 0.0), strict=True))
+    fitted = SimpleNamespace(free=free, slopes=slopes, candidate=Candidate({}, {name: {"low": 0.0, "high": 10.0, **own}}))
+    analysis: Any = SimpleNamespace(search=SimpleNamespace(unknowns={name: law}))
+    model: Any = SimpleNamespace(fitted=fitted)
+    found = knots_of(analysis, model, name)
+    assert found["x"] == [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]
+    assert found["y"] == pytest.approx([law.amount(one) for one in (0.1, 0.2, 0.3, 0.4, 0.4, 0.4)])

@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import gauge
 import numpy as np
@@ -294,6 +295,13 @@ def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
     assert "level still errs by 0.3 V, 3 times its floor, and more than chance (p = 0.005)" in said and "repeated test" in said
     words = Words(words.analysis, replace(verdict, p_value=0.5), {**words.content, "floor": {"level_v": {**row, "value": None}}})
     assert "6 times its noise, though the library takes no more of it than chance (p = 0.5)" in " ".join(words.sentences())
+
+
+def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Words, "beside", property(lambda self: True))
+    said: Any = SimpleNamespace(word="one_of", effects=("spring", "drag"), confidence_set=(("spring",), ("drag",)))
+    steps = Words(SimpleNamespace(), said, {}).next_commands("logs", "published")  # type: ignore[arg-type]
+    assert steps[0] == "hjcamp next logs" and steps[-1].startswith("hjcamp effects new MY_EFFECT --from diagnose")
 
 
 @pytest.mark.parametrize(("augmented", "floor", "said"), [(0.8, 0.1, True), (0.5, 0.1, False), (0.8, 0.7, False)])

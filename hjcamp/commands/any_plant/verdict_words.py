@@ -151,6 +151,8 @@ class Words:
         if verdict.word == "nothing_missing":
             found.append(
                 "No effect and no unknown takes a share of the error that matters (10 %) on chapters left out."
+                if verdict.p_value <= LEVEL
+                else f"No effect and no unknown promises more than chance does (p = {plain(verdict.p_value, 2)})."
             )
         if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
             first = self.content["unknowns"][0] if self.content["unknowns"] else None
@@ -251,15 +253,15 @@ class Words:
     def next_commands(self, paths: str, model: str, folder: str = "diagnose") -> list[str]:
         """The commands that go on from the answer."""
         own = "" if model == "published" else f" --model {model}"
+        beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if self.beside else []
         if self.verdict.word == "effect":
             added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)
-            beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if self.beside else []
             return [f"hjcamp add {added} {paths}{own} --as with_{named}", *beside]
         if self.verdict.word == "one_of":
             return [f"hjcamp next {paths}{own}"] + [
                 f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}"
                 for one in self.verdict.confidence_set[:2]
-            ]
+            ] + beside
         if self.verdict.word == "outside_library":
             begun = f" --from {folder}" if self.content["unknowns"] else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.fitting.intervals import covariance_of, intervals
+from hjcamp.prediction.fitting.intervals import APART, covariance_of, intervals
 from hjcamp.prediction.laws.unknowns import Unknown
 from hjcamp.prediction.levels import LEVEL
 from hjcamp.prediction.selection.analysis import Analysis
@@ -32,10 +31,12 @@ def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
 
 def _of_place(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tuple[Array, Array, Array]:
     own = {one.name: one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == known.effect.name}
-    knots = np.linspace(known.low, known.high, len(known.amplitudes))
+    # a knot that was not visited is as those beside it
+    seen = _seen(model, known)
+    knots = np.linspace(known.low, known.high, len(known.amplitudes))[seen]
+    rows = [own[knot] for knot, one in zip(known.amplitudes, seen, strict=True) if one]
     values, low, high = (
-        # a knot that was not visited has no band of its own
-        known.amount(np.interp(x, knots, [getattr(own[knot], key if own[knot].told else "value") for knot in known.amplitudes]))
+        known.amount(np.interp(x, knots, [getattr(one, key if one.told else "value") for one in rows]))
         for key in ("value", "low", "high")
     )
     return values, low, high
@@ -68,7 +69,22 @@ def _of_value(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tu
     return share, share - half, share + half
 
 
-def knots_of(known: Unknown, values: Mapping[str, float]) -> dict[str, list[float]]:
-    """Return the places over the driver (SI) at which an unknown's law has its values, and these."""
+def knots_of(analysis: Analysis, model: Scored, name: str) -> dict[str, list[float]]:
+    """Return the places over the driver (SI) at which an unknown's law has its values, and these.
+
+    What no reading depends on has the value of what is beside it.
+    """
+    known = analysis.search.unknowns[name]
+    own = model.fitted.candidate.effects[name]
     places = np.linspace(known.low, known.high, len(known.amplitudes))
-    return {"x": places.tolist(), "y": [float(known.amount(values[name])) for name in known.amplitudes]}
+    values = np.array([float(known.amount(own[knot])) for knot in known.amplitudes])
+    seen = _seen(model, known)
+    return {"x": places.tolist(), "y": np.interp(places, places[seen], values[seen]).tolist()}
+
+
+def _seen(model: Scored, known: Unknown) -> NDArray[np.bool_]:
+    """Return on which knots (knots,) any reading depends; all of them where none does."""
+    columns = [k for k, one in enumerate(model.fitted.free) if one.effect == known.effect.name]
+    sizes = np.linalg.norm(model.fitted.slopes[:, :, columns], axis=(0, 1))
+    found = sizes > APART * sizes.max(initial=0.0)
+    return found if found.any() else np.ones(len(found), dtype=bool)
