@@ -26,7 +26,9 @@ class Passage:
     ``shifts`` (windows, states, coefficients) are the starts' shifts by the readings' errors, ``told`` (windows, states, states) the
     part of a shift that readings tell, ``passed`` (windows, states, states) how a shift changes a window's end, ``jumps``
     (windows, coefficients, unseen states) what a jump changes, in units of what the noise of the window before makes of it, ``unseen``
-    (states,) and ``goes_on`` (windows,) where there is one.
+    (states,) and ``goes_on`` (windows,) where there is one. ``own`` (windows, coefficients, k) is an orthonormal basis of what the
+    states of sensors explain with which they begin: it tells nothing of where the plant begins, as a lag reads what it has caught up
+    with, and that goes on from the window before.
     """
 
     spans: Array
@@ -36,15 +38,22 @@ class Passage:
     jumps: Array
     unseen: NDArray[np.bool_]
     goes_on: NDArray[np.bool_]
+    own: Array | None = None
 
     @classmethod
-    def of(cls, readings: Array, ends: Array, unseen: NDArray[np.bool_], goes_on: NDArray[np.bool_]) -> Passage:
+    def of(
+        cls, readings: Array, ends: Array, unseen: NDArray[np.bool_], goes_on: NDArray[np.bool_], own: Array | None = None
+    ) -> Passage:
         """Return it for sensitivities of the readings (windows, coefficients, states) and of the ends (windows, states, states).
 
-        Where they are not finite nothing is explained.
+        ``own`` (windows, coefficients, k) are those of the readings to the states of sensors. Where any are not finite nothing is
+        explained.
         """
         finite = np.all(np.isfinite(readings), axis=(1, 2)) & np.all(np.isfinite(ends), axis=(1, 2))
         slopes, passed = (np.where(finite[:, None, None], one, 0.0) for one in (readings, ends))
+        if own is not None:
+            own = _basis(own)
+            slopes = slopes - own @ (own.transpose(0, 2, 1) @ slopes)
         u, s, v = np.linalg.svd(slopes, full_matrices=False)
         keep = _telling(s)
         spans, inverse = u * keep[:, None, :], keep / np.where(keep, s, 1.0)
@@ -55,7 +64,13 @@ class Passage:
         jumps = np.zeros((*slopes.shape[:2], int(unseen.sum())))
         if unseen.any() and known.any():
             jumps = _weighed(_beside(slopes, unseen), _spread(shifts, told, passed, known)[:, unseen][:, :, unseen])
-        return cls(spans, shifts, told, passed, jumps, unseen, known)
+        return cls(spans, shifts, told, passed, jumps, unseen, known, own)
+
+    def less(self, left: Array) -> Array:
+        """Return errors (windows, coefficients) without what the states of sensors explain."""
+        if self.own is None:
+            return left
+        return np.asarray(left - np.einsum("wfk,wk->wf", self.own, np.einsum("wfk,wf->wk", self.own, left)))
 
     def begun(self, left: Array, starts: Array, ends: Array) -> tuple[Array, Array]:
         """Return where windows begin and end best (windows, states) for errors (windows, coefficients) from ``starts``, with ``ends``.
@@ -114,6 +129,10 @@ class Through:
             shifts[rows] = whole.reshape(len(v), *slopes.shape[:2]).transpose(1, 0, 2)
         return cls(spans, shifts, of_test)
 
+    def less(self, left: Array) -> Array:
+        """Return errors (windows, coefficients) as they are: one start of a test settles what its sensors begin with, too."""
+        return left
+
     def begun(self, left: Array, starts: Array, ends: Array) -> tuple[Array, Array]:
         """Return where tests begin best for errors (windows, coefficients) from ``starts`` (windows, states); ``ends`` as given."""
         return starts + self._summed(np.einsum("wsf,wf->ws", self.shifts, left)), ends
@@ -136,6 +155,13 @@ class Through:
             whole = each[rows].sum(axis=0)
             found[rows] = np.where(np.isfinite(whole), whole, 0.0)
         return found
+
+
+def _basis(slopes: Array) -> Array:
+    """Return an orthonormal basis (windows, coefficients, k) of columns (windows, coefficients, k); 0 where they are not finite."""
+    finite: NDArray[np.bool_] = np.all(np.isfinite(slopes), axis=(1, 2))
+    u, s, _ = np.linalg.svd(np.where(finite[:, None, None], slopes, 0.0), full_matrices=False)
+    return np.asarray(u * _telling(s)[:, None, :])
 
 
 def _tests(of_test: NDArray[np.int64]) -> list[NDArray[np.int64]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any
 
@@ -40,6 +40,12 @@ def erring_sensors(plant: Any, effects: Mapping[str, type[Effect]]) -> dict[str,
         names = {name for name, one in effects.items() if port.names.get("reading") in one.terms and not one.states}
         found |= dict.fromkeys(fields, names) if names else {}
     return found
+
+
+def on_sensors(plant: Any, effects: Iterable[type[Effect]]) -> list[type[Effect]]:
+    """Return those effects that change what a sensor reads."""
+    readings = {port.names.get("reading") for port in read_vocabulary(plant).ports.values() if port.kind == "sensor"}
+    return [one for one in effects if readings & set(one.terms)]
 
 
 def estimated(measured: Measured) -> tuple[list[Array], Array]:

@@ -22,7 +22,7 @@ from hjcamp.prediction.measured.at_once import passed_on, passed_to
 from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.residuals.kernels import Kernels
 from hjcamp.prediction.residuals.passage import Passage, Through
-from hjcamp.prediction.residuals.starts import erring_sensors
+from hjcamp.prediction.residuals.starts import erring_sensors, on_sensors
 
 Array = NDArray[np.float64]
 STEP = 1e-3
@@ -211,11 +211,11 @@ class Windows:
             left, passage, starts = self._left(found), self._passage_of(candidate, found), self.starts / self.sizes
             moved = passage.begun(left, starts, found.ends / self.sizes)[0] - starts
             tried = np.maximum(self.starts + np.clip(moved, -FARTHEST_MOVED, FARTHEST_MOVED) * self.sizes, self.lowest)
-            before = self._of_starts(left)
+            before = self._of_starts(passage.less(left))
             kept, self.starts = self.starts, tried
             seen = self._predicted(candidate)
             # what readings do not tell of a start changes them by less than their noise
-            better = self._of_starts(self._left(seen)) < before + passage.open
+            better = self._of_starts(passage.less(self._left(seen))) < before + passage.open
             self.starts = np.where(better[:, None], tried, kept)
             if better.any():
                 found = seen if better.all() else self._predicted(candidate)
@@ -265,7 +265,25 @@ class Windows:
             readings.append(change.reshape(len(self.starts), -1))
         if self.layout.memory:
             return Through.of(np.stack(readings, axis=2), self.layout.of_test)
-        return Passage.of(np.stack(readings, axis=2), np.stack(ends, axis=2), self.unseen, self.layout.goes_on)
+        own = self._of_sensors(candidate, base)
+        return Passage.of(np.stack(readings, axis=2), np.stack(ends, axis=2), self.unseen, self.layout.goes_on, own)
+
+    def _of_sensors(self, candidate: Candidate, base: Predicted) -> Array | None:
+        """Return what each state of a sensor's effect changes of the readings (windows, coefficients, k); none where there is none."""
+        effects = on_sensors(self.layout.measured.plant, [self.kernels.effects[name] for name in candidate.effects])
+        states = {f"{one.name}.{name}": item for one in effects for name, item in one.states.items()}
+        if base.kept is None or not states:
+            return None
+        places = list(self.kernels.model(candidate)[0].composition.states)[len(self.sizes) :]
+        found = []
+        for name, item in states.items():
+            moved = base.kept.copy()
+            moved[:, places.index(name)] += STEP * item.typical
+            changed = self._predicted(candidate, kept=moved)
+            with np.errstate(over="ignore", invalid="ignore"):
+                change = self.layout.coefficients((changed.readings - base.readings) / STEP)
+            found.append(change.reshape(len(self.starts), -1))
+        return np.stack(found, axis=2)
 
     def passed(self, candidate: Candidate) -> tuple[Array, Array]:
         """Return each window's end (windows, states) and what unseen starts change of it (windows, states, states), in sizes."""

@@ -1,0 +1,101 @@
+"""Windows of a late sensor: what it has caught up with goes on from window to window, and tells nothing of where the plant begins."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete
+
+from hjcamp.effects import load_effects
+from hjcamp.prediction.fitting.likelihood import loss
+from hjcamp.prediction.measured.tests import Measured, measured_tests
+from hjcamp.prediction.residuals.passage import Passage
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.verdict import judged
+from hjcamp.records.log import TestLog
+
+MASS, DAMPING, STIFFNESS, LAG, PERIOD = 2.0, 20.0, 7e4, 4e-3, 1.0 / 750.0
+PLANT = '''"""A mass on a mount."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, outside, sensor
+
+
+class Mount(Plant):
+    """An oscillator of one mass."""
+
+    position = State("m", typical=1e-3)
+    velocity = State("m/s", typical=0.1)
+    force = Input("N", typical=50.0)
+    mass = Parameter("kg", 2.3, (0.1, 100.0), "log-uniform", base=True)
+    damping = Parameter("N*s/m", 24.0, (0.1, 1e3), "log-uniform", base=True)
+    stiffness = Parameter("N/m", 6e4, (1e3, 1e6), "log-uniform", base=True)
+    period = 1 / 750
+    position_mm = Measured("laser", of="position")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        push = actuator(drive.force)
+        load = outside("N")
+        mount = parameter.damping * state.velocity + parameter.stiffness * state.position
+        rate.position = state.velocity
+        rate.velocity = body(push + load - mount, mass=parameter.mass, load=load, position=state.position)
+        laser = sensor(state.position)
+'''
+
+
+@pytest.fixture
+def mount(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Measured:
+    """The log of a mount whose sensor is late, solved exactly from sample to sample."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "mount.py").write_text(PLANT, encoding="utf-8")
+    generator, count = np.random.default_rng(1), 2400
+    force = np.repeat(generator.uniform(-50.0, 50.0, count // 10), 10)
+    rates = np.array([[0.0, 1.0, 0.0], [-STIFFNESS / MASS, -DAMPING / MASS, 0.0], [1.0 / LAG, 0.0, -1.0 / LAG]])
+    step, push, *_ = cont2discrete((rates, np.array([[0.0], [1.0 / MASS], [0.0]]), np.eye(3), np.zeros((3, 1))), PERIOD)
+    state, shown = np.zeros(3), np.empty(count)
+    for k in range(count):
+        shown[k] = state[2]
+        state = step @ state + push[:, 0] * force[k]
+    columns = {
+        "time_s": PERIOD * np.arange(count), "force_n": force, "position_mm": 1e3 * shown + 2e-3 * generator.standard_normal(count)
+    }  # fmt: skip
+    return measured_tests([TestLog(columns, {"plant": "mount", "period_s": str(PERIOD), "condition": "steps"})])
+
+
+def test_one_turn_moves_the_starts_of_its_windows_to_where_they_belong(mount: Measured) -> None:
+    library = load_effects(plant=mount.plant)
+    analysis = calibrated(mount, {"sensor_lag": library["sensor_lag"]}, unknowns=False)
+    true = {"mass": MASS, "damping": DAMPING, "stiffness": STIFFNESS, "delay.force": 0.0}
+    late = analysis.base.fitted.candidate.with_base(true).with_effect("sensor_lag", {"lag": LAG, "dead_share": 0.0})
+    windows = copy.copy(analysis.windows)
+    windows.place = analysis.base.place
+    left = [loss(windows.move_starts(late, rounds=1)) for _ in range(3)]
+    assert left[0] == pytest.approx(left[2], rel=0.02)
+    errors = windows.errors(late) / mount.noise
+    assert np.sqrt(np.mean(errors**2)) < 1.2  # what is left is noise, from the first sample of each window on
+    assert np.sqrt(np.mean(errors[:: windows.layout.width] ** 2)) < 1.3
+
+
+@pytest.mark.study
+def test_the_lag_of_a_sensor_and_that_of_its_drive_are_one_on_a_linear_plant(mount: Measured) -> None:
+    library = load_effects(plant=mount.plant)
+    analysis = calibrated(mount, {name: library[name] for name in ("sensor_lag", "command_delay", "sensor_gain", "spring")})
+    found = judged(analysis)
+    assert (found.word, set(found.effects)) == ("one_of", {"sensor_lag", "command_delay"})
+
+
+def test_a_start_is_told_beside_what_the_sensor_begins_with() -> None:
+    # one state, one sensor's state; three readings of each of two windows
+    readings = np.array([[[3.0], [2.0], [1.0]]] * 2)
+    own = np.array([[[3.0], [0.0], [0.0]]] * 2)
+    passage = Passage.of(readings, np.ones((2, 1, 1)), np.array([False]), np.array([False, True]), own)
+    # the first reading tells nothing of the start: whatever the sensor began with moves it
+    left = np.einsum("wfs,ws->wf", readings, np.full((2, 1), 0.25)) + np.array([[7.0, 0.0, 0.0], [-5.0, 0.0, 0.0]])
+    assert passage.begun(left, np.zeros((2, 1)), np.zeros((2, 1)))[0] == pytest.approx(0.25)
+    # but what it reads is no less an error where nothing before explains it
+    assert passage.unexplained(left, np.zeros((2, 1)), np.zeros((2, 1)))[:, 0] == pytest.approx([7.75, -4.25])
+    assert passage.less(left)[:, 0] == pytest.approx(0.0)
