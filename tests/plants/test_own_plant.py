@@ -43,7 +43,7 @@ MISTAKES = {
     "a force without a unit": ('outside("N")', "outside()", "lacks its unit"),
     "mixed units": ("gain * drive.voltage)", "gain * drive.voltage + state.position)", "adds"),
     "two places of one name": ("sensor(state.position)", 'sensor(state.position, name="force")', "two places"),
-    "a name of the compiled model": ('load = outside("N")', 'load = outside("N")\n        out = load + 0.0', "'out' is a name"),
+    "a name of the compiled model": ('load = outside("N")', 'load = outside("N")\n        out = outside("N")', "'out' is a name"),
     "a name of every plant": ("    gain = Parameter", "    room = Parameter", "'room' is a name that every plant has for itself"),
     "a state's name in it": ('load = outside("N")', 'load = outside("N")\n        s_position = load + 0.0', "call this line otherwise"),
     "a line twice": ('load = outside("N")', 'load = outside("N")\n        load = outside("N")', "assigned twice"),

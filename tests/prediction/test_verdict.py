@@ -98,6 +98,7 @@ def test_what_is_so_many_times_a_speed_depending_on_the_place_is_a_friction_that
     assert np.polyfit(x, y, 1)[0] == pytest.approx(2500.0 / 260.0, rel=0.15)
 
 
+@pytest.mark.study
 def test_a_name_that_takes_less_than_a_regression_still_finds_is_no_answer(axis: Path) -> None:
     # a spring is there, and beside it what no law of the library has: three times as much
     found = asked(lambda x, v: -50.0 * (x - 0.03) + both(x, v))
@@ -285,6 +286,7 @@ def test_an_error_far_above_noise_that_nothing_takes_is_not_called_nothing(tanks
     assert (found["verdict"], words.title, words.far_off) == ("nothing_missing", "NOTHING MISSING", None)
 
 
+@pytest.mark.study
 def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
     found, words = diagnosed(np.inf, 1600)
     row = {**found["floor"]["level_v"], "value": 0.1, "low": 0.05, "high": 0.3}
