@@ -133,8 +133,9 @@ def _with_free_names(function: ast.FunctionDef) -> ast.FunctionDef:
     lines = [node for node in function.body if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)]
     seen = {"slot", "signal", "outside", *ELEMENTS}
     plain = {node.targets[0].id for node in lines if called(node.value) not in seen}  # type: ignore[attr-defined]
+    clash = plain & (TAKEN - {"abs", "int"})
     for node in ast.walk(function):
-        if isinstance(node, ast.Name) and node.id in plain & TAKEN - {"abs", "int"}:
+        if isinstance(node, ast.Name) and node.id in clash:
             node.id = f"{node.id}_"
     return function
 

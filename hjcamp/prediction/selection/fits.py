@@ -109,8 +109,8 @@ class Fits:
         return settled(windows or copy.copy(self.windows), start, self.free_of(start), near, self.turns)
 
     def to_the_end(self, model: Scored) -> Scored:
-        """Return a model fitted on, and its windows' starts moved along, for as long as it leaves less of chapters left out."""
-        for _ in range(TURNS_OF_BASE):
+        """Return a model fitted on with its windows' starts moved along, a few times while it leaves less of chapters left out."""
+        for _ in range(TURNS):
             own = copy.copy(self.windows)
             own.place = model.place
             found = self.scored(settled(own, model.fitted.candidate, model.fitted.free, model.fitted, TURNS_OF_BASE), own)
@@ -177,7 +177,7 @@ class Fits:
     def best_of(self, starts: Sequence[Candidate], before: Fitted, to_the_end: bool = False) -> Fitted:
         """Return the best fit after few rounds from those starts that are best as they are, and from the plain one of the best.
 
-        Of short tests all are fitted to the end: what is best as it is often leads nowhere, and it takes little.
+        Of short tests, and where it is asked, all are fitted to the end: what is best as it is often leads nowhere.
         """
         distinct = {one.key: one for one in starts}
         if self.windows.layout.short or to_the_end:
