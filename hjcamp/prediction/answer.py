@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,8 @@ from hjcamp.prediction.fitting.chapters import advantages, chance_of_t, critical
 from hjcamp.prediction.fitting.intervals import Interval, intervals
 from hjcamp.prediction.measured.floor import in_units, shared
 from hjcamp.prediction.measured.layout import Layout
-from hjcamp.prediction.measured.tests import Measured
+from hjcamp.prediction.measured.tests import Measured, Sensor
+from hjcamp.prediction.residuals.whole import Whole, whole_error
 from hjcamp.prediction.residuals.windows import ZERO
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored, Step
@@ -50,6 +52,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "candidates": candidates(analysis, verdict),
         "error": {"baseline": base.left_out / least, "augmented": model.left_out / least, "floor": 1.0},
         "channels": channel_rows(analysis, verdict.shown),
+        "whole_tests": whole_rows(analysis, verdict),
         "calibration": calibration(analysis),
         "calibration_with_effects": calibration(analysis, model) if verdict.effects else {},
         "where": [],
@@ -100,6 +103,28 @@ def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]
         }
         for k, one in enumerate(layout.measured.sensors)
     }  # fmt: skip
+
+
+def whole_rows(analysis: Analysis, verdict: Verdict) -> dict[str, dict[str, Any]]:
+    """Return each channel's error over whole tests, before and after, in the unit of its field; nothing where it is not looked at."""
+    models = {"baseline": analysis.base, "augmented": verdict.shown}
+    found: dict[str, dict[str, Any]] = {}
+    for key, model in models.items():
+        windows = replace(analysis.windows)
+        windows.place = model.place
+        whole = whole_error(windows, model.fitted.candidate)
+        if whole is None:
+            return {}
+        for k, one in enumerate(analysis.measured.sensors):
+            found.setdefault(one.field, {"unit": one.unit})[key] = whole_row(whole, k, one)
+    return found
+
+
+def whole_row(whole: Whole, k: int, sensor: Sensor) -> dict[str, float | None]:
+    """Return what a model errs by in sensor k over whole tests, in the unit of its field; no numbers where it runs away."""
+    rms, r2 = float(whole.rms[k] * sensor.scale), float(whole.explained[k])
+    there = bool(np.isfinite(rms))
+    return {"whole_rms": rms if there else None, "whole_r2": r2 if there else None}
 
 
 def floor_rows(analysis: Analysis) -> dict[str, dict[str, Any]]:

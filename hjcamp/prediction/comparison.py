@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
-from hjcamp.prediction.answer import end_rows, floor_size
+from hjcamp.prediction.answer import end_rows, floor_size, whole_row
 from hjcamp.prediction.fitting.gauss_newton import TURNS_OF_BASE, settled
 from hjcamp.prediction.fitting.likelihood import size
 from hjcamp.prediction.measured.floor import in_units, not_above
 from hjcamp.prediction.measured.tests import Measured
+from hjcamp.prediction.residuals.whole import Whole, whole_error
 from hjcamp.prediction.selection.analysis import Analysis, calibrated
 from hjcamp.prediction.selection.contact_form import forms_among
 
@@ -25,7 +26,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Shown:
     """One model on the tests: its rms over windows of each channel (sensors,), that of each test (tests, sensors), SI,
-    what it explains of a window's motion (sensors,), its size over the floor, and its residuals (n, sensors).
+    what it explains of a window's motion (sensors,), its size over the floor, its residuals (n, sensors), and its error over whole
+    tests, where windows are shorter.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Shown:
     explained: Array
     score: float
     errors: Array
+    whole: Whole | None = None
 
 
 @dataclass(frozen=True)
@@ -68,9 +71,15 @@ def compared(
     for features, _ in (*seen.values(), fitted):
         floor = not_above(floor, features)
     analysis = replace(analysis, floor=floor)
-    rows = tuple(shown_of(analysis, name, *found) for name, found in seen.items())
-    which = f"{rows[-1].name}, calibrated here" if len(rows) > 1 else "calibrated here"
-    return Comparison(analysis, rows, shown_of(analysis, which, *fitted))
+    which = f"{list(models)[-1]}, calibrated here" if len(models) > 1 else "calibrated here"
+    candidates = {name: whole_model(measured, model) for name, model in models.items()}
+    *rows, last_row = (
+        replace(shown_of(analysis, name, *found), whole=whole_error(analysis.windows, candidate))
+        for (name, candidate), found in zip(
+            [*candidates.items(), (which, analysis.base.fitted.candidate)], [*seen.values(), fitted], strict=True
+        )
+    )
+    return Comparison(analysis, tuple(rows), last_row)
 
 
 def predicted_errors(analysis: Analysis, candidate: Candidate) -> tuple[Array, Array]:
@@ -121,6 +130,7 @@ def answer(found: Comparison) -> dict[str, Any]:
         error = {
             sensor.field: {
                 "rms": float(one.rms[k] * sensor.scale), "floor": float(floor[k] * sensor.scale), "r2": float(one.explained[k]),
+                **(whole_row(one.whole, k, sensor) if one.whole else {}),
             }
             for k, sensor in enumerate(layout.measured.sensors)
         }  # fmt: skip

@@ -58,8 +58,9 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
                 "t: of the paired differences over chapters left out. Left: the error of left-out chapters that stays."
             )
         )
-    parts += [page.heading("Error"), page.table_of(said.CHANNELS, said.channel_table(words.content["channels"]))]
-    parts.append(page.note(f"{said.FLOORS[analysis.floor.source]}."))
+    whole = words.content["whole_tests"]
+    parts += [page.heading("Error"), page.table_of(said.CHANNELS, said.channel_table(words.content["channels"], whole))]
+    parts.append(page.note(f"{said.FLOORS[analysis.floor.source]}." + (f" Whole tests: {said.WHOLE}. {said.SLOW}" if whole else "")))
     parts.append(page.picture("The worst windows", pictures["windows"]))
     parts += [
         page.heading("What is left in the residuals"),
@@ -109,11 +110,14 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     )
     head, rows = said.comparison_table(found)
     last = found.models[-1]
+    whole = said.whole_table(found)
+    of_whole = [page.heading("Whole tests"), page.table_of(*whole), page.note(f"{said.WHOLE}. {said.SLOW}")] if whole else []
     anew = "with each test" if layout.memory else f"anew every {layout.width * layout.measured.period:.3g} s"
     parts = [
         page.table_of(head, rows),
         page.note(f"Error {said.over_windows(analysis)}. {said.FLOORS[analysis.floor.source]}."),
         page.bullets(said.notes_on(found)),
+        *of_whole,
         explorer_html(exploration_of(found)),
         page.note(f"Predictions begin {anew}, where each fits best; the table has errors without what those starts do."),
         *(page.picture(caption, pictures[name]) for name, caption in captions.items()),

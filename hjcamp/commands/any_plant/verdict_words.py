@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
     FLOORS,
+    SLOW,
+    WHOLE,
     calibrated,
     calibration_table,
     channel_table,
@@ -330,6 +332,7 @@ def print_diagnosis(console: Console, words: Words) -> None:
     if rows := words.candidates():
         table(console, CANDIDATES, rows)
     console.print(f"error   {over_windows(analysis)}", markup=False)
-    table(console, CHANNELS, channel_table(words.content["channels"]))
-    print_wrapped(console, [FLOORS[analysis.floor.source] + "."], 8)
+    whole = words.content["whole_tests"]
+    table(console, CHANNELS, channel_table(words.content["channels"], whole))
+    print_wrapped(console, [FLOORS[analysis.floor.source] + ".", *([f"Whole tests: {WHOLE}. {SLOW}"] if whole else [])], 8)
     print_wrapped(console, words.worst(), 8, "worst")

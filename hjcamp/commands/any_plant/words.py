@@ -23,14 +23,18 @@ FLOORS = {
 }
 
 
-def channel_table(rows: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
-    """Rows of a channel's error: before, after, floor, with the unit."""
+def channel_table(rows: Mapping[str, Mapping[str, Any]], whole: Mapping[str, Mapping[str, Any]] | None = None) -> list[list[str]]:
+    """Rows of a channel's error: before, after, floor, with the unit; then those of ``whole`` tests, where they are looked at."""
     from hjcamp.report.exploration import channel_label
 
-    return [
+    of_windows = [
         [channel_label(name), *(told(row[key], row["unit"]) for key in ("baseline", "augmented", "floor"))]
         for name, row in rows.items()
     ]  # fmt: skip
+    return of_windows + [
+        [f"{channel_label(name)}, whole tests", *(_whole_cell(row[key]["whole_rms"], row["unit"]) for key in COMPARED), ""]
+        for name, row in (whole or {}).items()
+    ]
 
 
 def calibration_table(
@@ -87,7 +91,10 @@ def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], per
     ]
 
 
+COMPARED = ("baseline", "augmented")
 CHANNELS = ("channel", "calibrated", "with what was found", "floor")
+WHOLE = "each test simulated from its first sample on, begun where it fits best"
+SLOW = "Windows judge; what grows slowly, and what parameters err by that windows hardly tell, shows in whole tests alone."
 CALIBRATED = ("parameter", "declared", "here", "95 %")
 
 
@@ -103,6 +110,10 @@ def print_comparison(console: Console, found: Comparison) -> None:
     if worse:
         of = "test" if found.analysis.windows.layout.memory else "window"
         print_wrapped(console, [f"{', '.join(worse)}: worse than the mean of each {of} in a channel (explained below 0)."], 8)
+    if rows := whole_table(found):
+        console.print(f"whole tests   {WHOLE}", markup=False)
+        table(console, *rows)
+        print_wrapped(console, [SLOW], 8)
 
 
 def end_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -186,6 +197,27 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
         ]
     )
     return head, rows
+
+
+def whole_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]] | None:
+    """Return the head and rows of a comparison over whole tests; none where windows are whole tests, or a loop holds the plant."""
+    from hjcamp.prediction.answer import whole_row
+    from hjcamp.report.exploration import channel_label
+
+    sensors = found.analysis.measured.sensors
+    labels = [channel_label(one.field) for one in sensors]
+    rows = []
+    for one in (*found.models, found.calibrated):
+        if one.whole:
+            cells = [whole_row(one.whole, k, sensor) for k, sensor in enumerate(sensors)]
+            shares = ("" if cell["whole_r2"] is None else _share(cell["whole_r2"]) for cell in cells)
+            errors = (_whole_cell(cell["whole_rms"], sensor.unit) for cell, sensor in zip(cells, sensors, strict=True))
+            rows.append([one.name, *errors, *shares])
+    return (("model", *labels, *(f"{label} explained" for label in labels)), rows) if rows else None
+
+
+def _whole_cell(rms: float | None, unit: str) -> str:
+    return "runs away" if rms is None else told(rms, unit)
 
 
 def print_addition(console: Console, found: Addition, names: Sequence[str], path: Path) -> None:

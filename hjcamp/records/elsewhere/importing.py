@@ -10,7 +10,8 @@ import numpy as np
 
 from hjcamp.errors import UsageError, counted
 from hjcamp.known_plants import DEFAULT
-from hjcamp.model.field_unit import field_of
+from hjcamp.model.field_unit import field_of, unit_of_field
+from hjcamp.model.parameter import Parameter, State
 from hjcamp.records.check import check_finite, check_phase
 from hjcamp.records.elsewhere.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, usual_step
 from hjcamp.records.elsewhere.import_map import HIGHEST_SAMPLING_HZ, ImportMap, read_import_map
@@ -88,7 +89,7 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
 
 def _import(source: Path, target: Path, rules: ImportMap, mapping: Path) -> Imported:
     log, filled = _log(source, target, rules, mapping)
-    doubtful = [*filled, *refuse_implausible(log, f"{source} by {mapping}")]
+    doubtful = [*filled, *refuse_implausible(log, f"{source} by {mapping}"), *_counted_from_elsewhere(rules, log)]
     write_log(target, log)
     return Imported(target, log.samples, log.duration, tuple(log.columns), log.metadata, doubtful)
 
@@ -140,6 +141,31 @@ def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.n
     filled = _filled(fields, times, [*_held(rules), "phase"]) if rules.interpolate else []
     check_finite(fields, str(source))
     return fields, times, filled
+
+
+def _counted_from_elsewhere(rules: ImportMap, log: TestLog) -> list[Finding]:
+    """Say which columns a unit has shifted although all that the plant declares in it looks as if it were not shifted."""
+    found = []
+    for name, rule in rules.rules.items():
+        if not rule.shift:
+            continue
+        scale = unit_of_field(name, rules.plant.name).scale
+        shifted = float(np.median(np.abs(log.columns[name]))) / scale
+        before = float(np.median(np.abs(log.columns[name] - rule.shift * rule.factor))) / scale
+        items: list[State | Parameter] = [*rules.plant.states.values(), *rules.plant.parameters.values()]
+        sizes = [abs(size) for one in items if one.unit == "K" and (size := _declared_size(one))]
+        if before and sizes and all(abs(np.log(size / before)) < abs(np.log(size / shifted)) for size in sizes):
+            text = (
+                f"'{name}' is {shifted:.4g} K in the middle, as degrees are turned into kelvins; the plant is written for about "
+                f"{np.median(sizes):.3g} K: where it counts from 0 degrees Celsius, map the column without a unit"
+            )
+            found.append(Finding(name, text, False))
+    return found
+
+
+def _declared_size(item: State | Parameter) -> float:
+    """Return what a state or parameter is declared to be about; 0 where nothing was."""
+    return item.default if isinstance(item, Parameter) else item.typical if item.typical != 1.0 else 0.0
 
 
 def _filled(fields: dict[str, np.ndarray], times: np.ndarray | None, held: list[str]) -> list[Finding]:

@@ -1,0 +1,50 @@
+"""Tests simulated from their first sample on, whatever windows they are judged by: what grows slowly shows nowhere else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.residuals.windows import Windows
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Whole:
+    r"""What a model errs by over whole tests: rms (sensors,), SI, and the share :math:`1 - \sum e^2 / \sum (y - \bar y)^2` of each
+    test's spread that it explains (sensors,); not finite where it runs away.
+    """
+
+    rms: Array
+    explained: Array
+
+
+def through(windows: Windows) -> Windows:
+    """Return windows of the same tests, all of them, in which each test begins once, as its first window does."""
+    old = windows.layout
+    layout = replace(old, share=1.0, apart=False, memory=len(old.readings))
+    starts = np.tile(windows.sizes, (len(layout.of_test), 1))
+    # the first window of a test is always looked at
+    starts[layout.begins[:: layout.width] == 1] = windows.starts[old.begins[:: old.width] == 1]
+    return replace(windows, layout=layout, starts=starts, slides=None)
+
+
+def whole_error(windows: Windows, candidate: Candidate) -> Whole | None:
+    """Return the error of a model over whole tests, each begun where it fits best.
+
+    None where tests are simulated through anyway, and where a loop outside the equations holds the plant: there it hides what acts
+    slowly.
+    """
+    if windows.layout.memory or windows.layout.measured.plant.loop == "foreign":
+        return None
+    own = through(windows)
+    with np.errstate(over="ignore", invalid="ignore"):
+        own.move_starts(candidate)
+        squares = np.mean(own.errors(candidate) ** 2, axis=0)
+    layout = own.layout
+    spread = np.mean((layout.readings - layout.means) ** 2, axis=0)
+    return Whole(np.sqrt(squares), 1.0 - squares / np.maximum(spread, 1e-300))

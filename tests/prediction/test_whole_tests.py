@@ -1,0 +1,98 @@
+"""What a model errs by over whole tests, against the closed form; windows that begin anew do not see it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hjcamp.known_plants import find_plant
+from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.answer import whole_row
+from hjcamp.prediction.measured.tests import Measured, measured_tests
+from hjcamp.prediction.residuals.whole import Whole, whole_error
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.records.log import TestLog
+
+PLANT = '''"""A block that is heated."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
+
+
+class Slab(Plant):
+    """A block that cools to a room at 0."""
+
+    warmth = State("K", typical=20.0)
+    power = Input("W", typical=50.0)
+    capacity = Parameter("J/K", 200.0)
+    loss = Parameter("W/K", 2.0, (0.01, 100.0), "log-uniform", base=True)
+    period = 1.0
+    warmth_k = Measured("probe", of="warmth")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        rate.warmth = (drive.power - parameter.loss * state.warmth) / parameter.capacity
+        probe = sensor(state.warmth)
+'''
+NOISE = 0.2
+
+
+def course(loss: float, begin: float, power: np.ndarray) -> np.ndarray:
+    """The warmth of a block under power that holds for a second each, by the closed form."""
+    factor, found = np.exp(-loss / 200.0), [begin]
+    for one in power[:-1]:
+        found.append(found[-1] * factor + one / loss * (1.0 - factor))
+    return np.array(found)
+
+
+@pytest.fixture
+def slab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Measured:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "slab.py").write_text(PLANT)
+    generator = np.random.default_rng(8)
+    logs = []
+    for number, begin in enumerate((25.0, 3.0)):
+        power = np.repeat(generator.uniform(0.0, 80.0, 30), 100)
+        warmth = course(2.5, begin, power) + NOISE * generator.standard_normal(len(power))
+        columns = {"time_s": np.arange(float(len(power))), "warmth_k": warmth, "power_w": power}
+        logs.append(TestLog(columns, {"plant": "slab", "period_s": "1.0", "condition": str(number)}))
+    return measured_tests(logs)
+
+
+def test_whole_tests_err_by_what_the_closed_form_does_from_the_best_start(slab: Measured) -> None:
+    analysis = calibrated(slab, {}, unknowns=False)
+    layout = analysis.windows.layout
+    assert not layout.memory
+    declared = Candidate({"loss": 2.0}, {})
+    found = whole_error(analysis.windows, declared)
+    assert found is not None
+    squares, spreads = [], []
+    for test in slab.tests:
+        rows = slice(0, len(test.time) // layout.width * layout.width)
+        power, warmth = test.inputs[rows, layout.names.index("power")], test.readings[rows, 0]
+        # linear in its start: the best one by least squares
+        driven, free = course(2.0, 0.0, power), course(2.0, 1.0, 0.0 * power)
+        start = np.linalg.lstsq(free[:, None], warmth - driven, rcond=None)[0][0]
+        squares.append((warmth - driven - start * free) ** 2)
+        spreads.append((warmth - warmth.mean()) ** 2)
+    least, spread = np.mean(np.concatenate(squares)), np.mean(np.concatenate(spreads))
+    assert found.rms[0] == pytest.approx(np.sqrt(least), rel=1e-3)
+    assert found.explained[0] == pytest.approx(1.0 - least / spread, abs=1e-4)
+    # what is calibrated leaves the noise in whole tests, too
+    fitted = whole_error(analysis.windows, analysis.base.fitted.candidate)
+    assert fitted is not None and fitted.rms[0] == pytest.approx(NOISE, rel=0.1)
+    assert found.rms[0] > 10.0 * fitted.rms[0]
+
+
+def test_tests_that_a_loop_outside_the_equations_holds_are_not_simulated_whole(slab: Measured) -> None:
+    analysis = calibrated(slab, {}, unknowns=False)
+    plant = find_plant("slab")
+    plant.loop = "foreign"
+    assert whole_error(analysis.windows, analysis.base.fitted.candidate) is None
+
+
+def test_a_model_that_runs_away_has_no_number() -> None:
+    away = Whole(np.array([np.nan, 2.0]), np.array([np.nan, 0.5]))
+    [first, second] = (type("S", (), {"scale": scale}) for scale in (1.0, 1e3))
+    assert whole_row(away, 0, first) == {"whole_rms": None, "whole_r2": None}  # type: ignore[arg-type]
+    assert whole_row(away, 1, second) == {"whole_rms": 2e3, "whole_r2": 0.5}  # type: ignore[arg-type]
