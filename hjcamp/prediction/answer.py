@@ -107,17 +107,20 @@ def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]
 
 def whole_rows(analysis: Analysis, verdict: Verdict) -> dict[str, dict[str, Any]]:
     """Return each channel's error over whole tests, before and after, in the unit of its field; nothing where it is not looked at."""
-    models = {"baseline": analysis.base, "augmented": verdict.shown}
-    found: dict[str, dict[str, Any]] = {}
-    for key, model in models.items():
-        windows = replace(analysis.windows)
-        windows.place = model.place
-        whole = whole_error(windows, model.fitted.candidate)
-        if whole is None:
-            return {}
-        for k, one in enumerate(analysis.measured.sensors):
-            found.setdefault(one.field, {"unit": one.unit})[key] = whole_row(whole, k, one)
-    return found
+    before = _whole_of(analysis, analysis.base)
+    after = before if verdict.shown is analysis.base else _whole_of(analysis, verdict.shown)
+    if before is None or after is None:
+        return {}
+    return {
+        one.field: {"unit": one.unit, "baseline": whole_row(before, k, one), "augmented": whole_row(after, k, one)}
+        for k, one in enumerate(analysis.measured.sensors)
+    }
+
+
+def _whole_of(analysis: Analysis, model: Scored) -> Whole | None:
+    windows = replace(analysis.windows)
+    windows.place = model.place
+    return whole_error(windows, model.fitted.candidate)
 
 
 def whole_row(whole: Whole, k: int, sensor: Sensor) -> dict[str, float | None]:

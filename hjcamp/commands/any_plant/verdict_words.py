@@ -96,19 +96,25 @@ class Words:
     @property
     def beside(self) -> bool:
         """Whether the first free law is something beside the named effects, no other form of one of them."""
+        return bool(self.content["unknowns"]) and not self.refined()
+
+    def refined(self) -> list[str]:
+        """Return the named effects (of a group the first set) that act where the first free law does, or that it is another form of."""
         from hjcamp.model.vocabulary import read_vocabulary
         from hjcamp.prediction.laws.alike import alike_laws
 
         if not self.content["unknowns"]:
-            return False
+            return []
         first, search = self.content["unknowns"][0], self.analysis.search
-        named = [search.library[name] for name in self.verdict.effects]
-        slots = {slot for one in named for slot in one.terms}
         ports = read_vocabulary(self.analysis.measured.plant).ports.values()
         # what a store spills into belongs to the store below
         own = {port.name: {name for local, name in port.names.items() if local != "loss_below"} for port in ports}
-        places = {place for place, names in own.items() if slots & names}
-        return first["port"] not in places and not any(alike_laws(search.unknowns[first["law"]], one) for one in named)
+        names = own.get(first["port"], set())
+        return [
+            name
+            for name in (self.verdict.confidence_set[0] if self.verdict.word == "one_of" else self.verdict.effects)
+            if names & set(search.library[name].terms) or alike_laws(search.unknowns[first["law"]], search.library[name])
+        ]
 
     def _not_enough(self) -> str:
         """Return in words why what can be told from the motion has no name."""
@@ -166,7 +172,8 @@ class Words:
                 )
             else:
                 freest = f"a free law over {first['driver'].replace('_', ' ')}" if first else "a regression on the motion"
-                found.append(f"The law leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
+                law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"
+                found.append(f"{law} leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
         if verdict.word in ("effect", "one_of"):
             found += self._most_is_left()
         if verdict.word != "cannot_tell":
