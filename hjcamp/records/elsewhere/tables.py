@@ -28,6 +28,8 @@ MATRIX_COLUMN = re.compile(r"(?P<name>.+)\(:,\s*(?P<column>\d+)\)")
 LOOKED_AT = 4096
 # Stands before times of a day without a date.
 ANY_DAY = "2000-01-01 "
+# Dates that no standard writes, the month before the day or behind it: of those that can be read the shortest test.
+DATES = ("%m/%d/%Y %I:%M:%S%.f %p", "%m/%d/%Y %H:%M:%S%.f", "%d/%m/%Y %H:%M:%S%.f", "%d/%m/%Y %I:%M:%S%.f %p")
 # What is on or off, as programs write it.
 SWITCHED = {"true": 1.0, "false": 0.0, "on": 1.0, "off": 0.0}
 NS_IN = {"ns": 1.0, "us": 1e3, "ms": 1e6}
@@ -188,18 +190,23 @@ def _switched(column: polars.Series) -> polars.Series:
 
 
 def _seconds(column: polars.Series, otherwise: polars.Series) -> polars.Series:
-    """Return dates and times written out (2026-01-31 12:00:00.5, 12:00:00.5) as seconds since the first, else what is said."""
+    """Return dates and times written out (2026-01-31 12:00:00.5, 12:00:00.5, 1/31/2026 12:00:00 PM) as seconds since the first.
+
+    Else return what is said ``otherwise``; a time that never goes on, too, may be refused.
+    """
     import polars
 
-    for day in ("", ANY_DAY):
+    seconds = []
+    for day, form in (("", None), (ANY_DAY, None), *(("", form) for form in DATES)):
         try:
-            found = (day + column).str.to_datetime(time_unit="ns", strict=False)
+            found = (day + column).str.to_datetime(form, time_unit="ns", strict=False)
         except polars.exceptions.PolarsError:
             continue
         if not found.null_count():
             ticks = found.cast(polars.Int64)
-            return (ticks - (ticks.min() or 0)) * 1e-9
-    return otherwise
+            seconds.append((ticks - (ticks.min() or 0)) * 1e-9)
+    going = [one for one in seconds if (one.diff().drop_nulls() > 0.0).all()] or seconds[:1]
+    return min(going, key=lambda one: one[-1], default=otherwise)
 
 
 def _read_mat(source: Path, names: list[str], rules: ImportMap) -> Table:

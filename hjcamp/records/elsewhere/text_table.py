@@ -51,7 +51,8 @@ def dialect_of(lines: Sequence[str], comment: str | None = None) -> Dialect:
         rows = _rows(lines, comment)
     found = _separator(rows) or ","
     cells = [cell for row in rows[1:] for cell in _cells(row, found)]
-    has_comma = found != "," and any(_has_comma(cell) for cell in cells) and not any("." in cell for cell in cells)
+    # dates have points as well
+    has_comma = found != "," and any(_has_comma(cell) for cell in cells) and not any("." in cell and _is_number(cell) for cell in cells)
     kinds = [[_is_number(cell.replace(",", ".") if has_comma else cell) for cell in _cells(row, found)] for row in rows[:2]]
     # what is a number in the second row is a name in a header
     header = not kinds or not any(kinds[-1]) or kinds[0] != kinds[-1]
