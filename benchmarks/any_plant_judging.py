@@ -74,14 +74,7 @@ OPENING = (
 
 
 def page(lines: Sequence[Line], tag: str, command: str, opening: Sequence[str] = OPENING) -> str:
-    """Return the page: by plant and group, then by form, then what was named falsely."""
-    parts = [
-        *opening,
-        f"Code {tag}, command `{command}`, {len(lines)} cases. Intervals are Wilson's, 95 %.",
-        "",
-        "## By plant",
-        "",
-    ]
+    """Return the page: all together, by plant and group, then by form, then what was named falsely."""
     headings = (
         "plant",
         "logs",
@@ -92,6 +85,21 @@ def page(lines: Sequence[Line], tag: str, command: str, opening: Sequence[str] =
         "nothing said",
         "cannot tell or no answer",
     )
+    rows = []
+    one, repeated = ([x for x in lines if x["truth"]["one_log"] is kind] for kind in (True, False))
+    for logs, chosen in (("one", one), ("repeated", repeated), ("both", lines)):
+        rows += [(logs, name, *_cells(group)) for name, group in groups(chosen).items() if group]
+    parts = [
+        *opening,
+        f"Code {tag}, command `{command}`, {len(lines)} cases. Intervals are Wilson's, 95 %.",
+        "",
+        "## All together",
+        "",
+        table(headings[1:], [*rows, ("both", "all", *_cells(lines))]),
+        "",
+        "## By plant",
+        "",
+    ]
     rows = []
     for plant in sorted({line["truth"]["plant"] for line in lines}):
         for one_log in (True, False):

@@ -322,7 +322,8 @@ def telling_tests(
         for driver in TELLING:
             if any(driver in argument for term in library[name].terms.values() for argument in term.arguments):
                 drivers.add(driver)
-    return [TELLING[one] for one in TELLING if one in drivers]
+    said = [TELLING[one] for one in TELLING if one in drivers]
+    return [one for one in said if not any(other != one and other.startswith(one) for other in said)]
 
 
 def print_diagnosis(console: Console, words: Words) -> None:
