@@ -123,11 +123,9 @@ def _whole_of(analysis: Analysis, model: Scored) -> Whole | None:
     return whole_error(windows, model.fitted.candidate)
 
 
-def whole_row(whole: Whole, k: int, sensor: Sensor) -> dict[str, float | None]:
-    """Return what a model errs by in sensor k over whole tests, in the unit of its field; no numbers where it runs away."""
-    rms, r2 = float(whole.rms[k] * sensor.scale), float(whole.explained[k])
-    there = bool(np.isfinite(rms))
-    return {"whole_rms": rms if there else None, "whole_r2": r2 if there else None}
+def whole_row(whole: Whole, k: int, sensor: Sensor) -> dict[str, float]:
+    """Return what a model errs by in sensor k over whole tests, in the unit of its field, and the share that it explains."""
+    return {"whole_rms": float(whole.rms[k] * sensor.scale), "whole_r2": float(whole.explained[k])}
 
 
 def floor_rows(analysis: Analysis) -> dict[str, dict[str, Any]]:

@@ -7,9 +7,8 @@ import pytest
 
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.answer import whole_row
 from hjcamp.prediction.measured.tests import Measured, measured_tests
-from hjcamp.prediction.residuals.whole import Whole, whole_error
+from hjcamp.prediction.residuals.whole import whole_error
 from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.records.log import TestLog
 
@@ -91,8 +90,9 @@ def test_tests_that_a_loop_outside_the_equations_holds_are_not_simulated_whole(s
     assert whole_error(analysis.windows, analysis.base.fitted.candidate) is None
 
 
-def test_a_model_that_runs_away_has_no_number() -> None:
-    away = Whole(np.array([np.nan, 2.0]), np.array([np.nan, 0.5]))
-    [first, second] = (type("S", (), {"scale": scale}) for scale in (1.0, 1e3))
-    assert whole_row(away, 0, first) == {"whole_rms": None, "whole_r2": None}  # type: ignore[arg-type]
-    assert whole_row(away, 1, second) == {"whole_rms": 2e3, "whole_r2": 0.5}  # type: ignore[arg-type]
+def test_what_does_not_forget_its_start_or_runs_away_is_not_simulated_whole(slab: Measured) -> None:
+    windows = calibrated(slab, {}, unknowns=False).windows
+    assert whole_error(windows, Candidate({"loss": 2.0}, {})) is not None
+    # forgotten to 1/e after 200 s / loss: never within 3000 s, and growing
+    for loss in (0.01, -5.0):
+        assert whole_error(windows, Candidate({"loss": loss}, {})) is None

@@ -32,7 +32,7 @@ def channel_table(rows: Mapping[str, Mapping[str, Any]], whole: Mapping[str, Map
         for name, row in rows.items()
     ]  # fmt: skip
     return of_windows + [
-        [f"{channel_label(name)}, whole tests", *(_whole_cell(row[key]["whole_rms"], row["unit"]) for key in COMPARED), ""]
+        [f"{channel_label(name)}, whole tests", *(told(row[key]["whole_rms"], row["unit"]) for key in COMPARED), ""]
         for name, row in (whole or {}).items()
     ]
 
@@ -200,24 +200,17 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
 
 
 def whole_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]] | None:
-    """Return the head and rows of a comparison over whole tests; none where windows are whole tests, or a loop holds the plant."""
-    from hjcamp.prediction.answer import whole_row
+    """Return the head and rows of a comparison over whole tests, of the models that are looked at so; nothing where none is."""
     from hjcamp.report.exploration import channel_label
 
     sensors = found.analysis.measured.sensors
     labels = [channel_label(one.field) for one in sensors]
-    rows = []
-    for one in (*found.models, found.calibrated):
-        if one.whole:
-            cells = [whole_row(one.whole, k, sensor) for k, sensor in enumerate(sensors)]
-            shares = ("" if cell["whole_r2"] is None else _share(cell["whole_r2"]) for cell in cells)
-            errors = (_whole_cell(cell["whole_rms"], sensor.unit) for cell, sensor in zip(cells, sensors, strict=True))
-            rows.append([one.name, *errors, *shares])
+    rows = [
+        [one.name, *(told(one.whole.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)), *map(_share, one.whole.explained)]
+        for one in (*found.models, found.calibrated)
+        if one.whole
+    ]
     return (("model", *labels, *(f"{label} explained" for label in labels)), rows) if rows else None
-
-
-def _whole_cell(rms: float | None, unit: str) -> str:
-    return "runs away" if rms is None else told(rms, unit)
 
 
 def print_addition(console: Console, found: Addition, names: Sequence[str], path: Path) -> None:

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Whole:
     r"""What a model errs by over whole tests: rms (sensors,), SI, and the share :math:`1 - \sum e^2 / \sum (y - \bar y)^2` of each
-    test's spread that it explains (sensors,); not finite where it runs away.
+    test's spread that it explains (sensors,).
     """
 
     rms: Array
@@ -36,14 +36,16 @@ def through(windows: Windows) -> Windows:
 def whole_error(windows: Windows, candidate: Candidate) -> Whole | None:
     """Return the error of a model over whole tests, each begun where it fits best.
 
-    None where tests are simulated through anyway, and where a loop outside the equations holds the plant: there it hides what acts
-    slowly.
+    None where tests are simulated through anyway, and where the model runs away, does not forget its start (a position that a force
+    moves) or is held by a loop outside its equations: what adds up by chance, and what the loop hides, is no error of a model.
     """
     if windows.layout.memory or windows.layout.measured.plant.loop == "foreign":
         return None
     own = through(windows)
     with np.errstate(over="ignore", invalid="ignore"):
         own.move_starts(candidate)
+        if own.memory(candidate) >= np.median(own.layout.counts) * own.layout.width:
+            return None
         squares = np.mean(own.errors(candidate) ** 2, axis=0)
     layout = own.layout
     spread = np.mean((layout.readings - layout.means) ** 2, axis=0)
