@@ -319,9 +319,9 @@ def telling_tests(
     for name in effects:
         if name not in library:
             continue
-        for driver in TELLING:
-            if any(driver in argument for term in library[name].terms.values() for argument in term.arguments):
-                drivers.add(driver)
+        own = library[name].parameters
+        given = {argument for term in library[name].terms.values() for argument in term.arguments if argument not in own}
+        drivers |= {driver for driver in TELLING if any(driver in argument for argument in given)}
     said = [TELLING[one] for one in TELLING if one in drivers]
     return [one for one in said if not any(other != one and other.startswith(one) for other in said)]
 

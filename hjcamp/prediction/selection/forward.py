@@ -131,7 +131,8 @@ class Search(Claims):
                 break
             # the one that leaves least need not be one that is shown chapter by chapter
             shown = (one for one in step.named if self.matters(one, model, step.level))
-            best = next(shown, None) or self.better_than_free_laws(model, step)
+            best = next(shown, None)
+            best = self.beside_another(best, model, step) or best or self.better_than_free_laws(model, step)
             alone = best is not None
             best = best or self.beside_free_law(model, step)
             if best is None or self.mends(best, model, step):
@@ -140,7 +141,49 @@ class Search(Claims):
             if not alone:
                 self.needed |= set(best.beyond(model))
             model = self.thinned(self.resettled(best))
+        return self.exchanged(model, base)
+
+    def beside_another(self, best: Scored | None, before: Scored, step: Step) -> Scored | None:
+        """Return two effects, one of which predicts better than the ``best`` of a step but alone takes no share that matters.
+
+        Where two things are missing, that of the other one may hide it: each has to matter beside the other, and both together.
+        """
+        hidden = next((one for one in step.named if self.beats(one, before, step.level)), None)
+        if hidden is None or hidden is best or self.matters(hidden, before, step.level):
+            return None
+        further = self.look(hidden)
+        found = [one for one in further.named if self.matters(one, hidden, further.level)] if further.p_value <= self.claims else []
+        for both in found[:1]:
+            alone = self.fitted(both.fitted.candidate.without(hidden.beyond(before)), both.fitted)
+            if self.matters(both, alone, step.level) and self.matters(both, before, step.level):
+                return both
+        self.steps.remove(further)
+        self.windows.place = before.place
+        return None
+
+    def exchanged(self, model: Scored, base: Scored) -> Scored:
+        """Return the model with each of several names exchanged for another law of the same driver where that leaves less.
+
+        No two laws of one driver are looked for beside each other, and what else is missing may have decided which was found first.
+        """
+        names = [name for name in model.beyond(base) if name in self.library]
+        for name in names if len(names) > 1 else ():
+            for other in self.of_same_law(name, model):
+                start = model.fitted.candidate.without([name]).with_effect(other, self.library[other].defaults())
+                fitted = next((one.fitted for step in self.steps for one in step.named if other in one.names), None)
+                if fitted is not None:
+                    start = start.with_effect(other, fitted.candidate.effects[other])
+                rival = self.fitted(start)
+                if rival.left_out < model.left_out:
+                    model, name = self.resettled(rival), other
+        self.windows.place = model.place
         return model
+
+    def of_same_law(self, name: str, model: Scored) -> list[str]:
+        """Return the other effects of the library that make of the same driver what a named one does in the same place."""
+        law = law_of(self.library[name])
+        others = (one for one in self.library if one not in (*model.names, *self.unnamed))
+        return [one for one in others if law and law_of(self.library[one]) == law]
 
     def mends(self, further: Scored, model: Scored, step: Step) -> bool:
         """Whether a further name takes no more than a free law over what drives a name that is there.

@@ -20,14 +20,16 @@ def not_borne_out(analysis: Analysis, first: Step, free: Scored) -> str:
     So it is where the law leaves more than the base does there, and a name that takes what matters in windows leaves less.
     """
     named = [one for one in first.named if analysis.search.error_ratio(one, analysis.base) <= 1.0 - MATTERS]
-    before, law, *left = _left(analysis, [analysis.base, free, *named])
-    if not law > before > min(left, default=before):
+    before, after, *left = _left(analysis, [analysis.base, free, *named])
+    if not after > before > min(left, default=before):
         return ""
-    [law_name] = free.beyond(analysis.base)
+    [name] = free.beyond(analysis.base)
+    known = analysis.search.unknowns[name]
+    law = f"a {known.quantity} that depends on {known.signal.replace('_', ' ')}"
     least = int(np.argmin(left))
     return (
-        f"in windows of {_window(analysis)} {law_name.replace('_', ' ')} predicts best, but of the error of whole tests, simulated "
-        f"from their first sample on, it leaves {100.0 * law / before:.0f} %, {named[least].beyond(analysis.base)[0]} "
+        f"in windows of {_window(analysis)} {law} predicts best, but of the error of whole tests, simulated "
+        f"from their first sample on, it leaves {100.0 * after / before:.0f} %, {named[least].beyond(analysis.base)[0]} "
         f"{100.0 * left[least] / before:.0f} %{TOO_SHORT}"
     )
 

@@ -12,6 +12,7 @@ from hjcamp.prediction.fitting.chapters import critical
 from hjcamp.prediction.fitting.intervals import held_away, intervals
 from hjcamp.prediction.laws.alike import kind_of
 from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
+from hjcamp.prediction.residuals.windows import ZERO
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored
 from hjcamp.prediction.verdict.borne_out import not_in_windows
@@ -50,9 +51,11 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Iterable[str]) -> s
     Nor is an effect named that stands at a bound, and of which the tests tell nothing.
     """
     rows = intervals(model.fitted, analysis.search.chapters)
+    # of a gain whose sign is wrong next to nothing is left, of which the tests tell nothing
+    pushed = any(not one.effect and one.at_bound and not one.told and not one.name.startswith((DELAY, ZERO)) for one in rows)
     for name in names:
         own = [one for one in rows if one.effect == name]
-        if any(one.at_bound for one in own) and not any(one.told for one in own):
+        if any(one.at_bound for one in own) and (not any(one.told for one in own) or (pushed and all(one.at_bound for one in own))):
             return (
                 f"what is left is taken by {name} at a value that its bounds tell, not these tests: columns of the logs may be "
                 "exchanged, or a unit or a sign be wrong"

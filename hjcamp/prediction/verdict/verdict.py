@@ -114,9 +114,20 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
     known = {frozenset(names) for names in other.confidence_set}
     if other.word not in (EFFECT, ONE_OF) or frozenset(verdict.effects) in known:
         return analysis, verdict
-    sets = (verdict.effects, *other.confidence_set)
+    sets = (verdict.effects, *(names for names in other.confidence_set if _not_ruled_out(analysis, names, verdict)))
+    if len(sets) == 1:
+        return analysis, verdict
     group = tuple(dict.fromkeys(name for names in sets for name in names))
     return analysis, replace(verdict, word=ONE_OF, effects=group, confidence_set=sets)
+
+
+def _not_ruled_out(analysis: Analysis, names: tuple[str, ...], verdict: Verdict) -> bool:
+    """Whether a set of names that other windows leave is not ruled out by what these windows have found."""
+    search, candidate = analysis.search, analysis.base.fitted.candidate
+    for name in names:
+        fits = [one.fitted.candidate.effects[name] for step in search.steps for one in step.named if name in one.names]
+        candidate = candidate.with_effect(name, fits[0] if fits else search.library[name].defaults())
+    return not _ruled_out(analysis, search.fitted(candidate), verdict.unknown or verdict.model, analysis.base)
 
 
 def _over(analysis: Analysis, at: Callable[[int], Analysis], width: int) -> Analysis | None:
@@ -330,7 +341,7 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], u
     """
     search, found = analysis.search, [model]
     best = unknown or model
-    beside = {name: own for name, own in best.fitted.candidate.effects.items() if name not in model.names}
+    laws = {name: own for name, own in best.fitted.candidate.effects.items() if name not in model.names}
     for step in search.steps:
         here = [
             name for name in added if any(name in one.names for one in step.named) and name not in step.before.names
@@ -338,15 +349,17 @@ def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], u
         for one in step.named:
             [other] = one.beyond(step.before)
             for name in here:
-                # what takes less than matters is no rival
-                if other in model.names or one.left_out >= step.before.left_out or search.error_ratio(one, step.before) > 1.0 - MATTERS:
+                # what takes less than matters is no rival; another law of the same driver is judged beside the other names alone
+                if other in model.names or one.left_out >= step.before.left_out:
                     continue
-                if _ruled_out(analysis, one, _of(step, name), step.before):
+                beside = len(added) > 1 and other in search.of_same_law(name, model)
+                takes = beside or search.error_ratio(one, step.before) <= 1.0 - MATTERS
+                if not takes or (not beside and _ruled_out(analysis, one, _of(step, name), step.before)):
                     continue
                 exchanged = model.fitted.candidate.without([name]).with_effect(
                     other, one.fitted.candidate.effects[other]
                 )
-                for free, own in beside.items():
+                for free, own in laws.items():
                     exchanged = exchanged.with_effect(free, own)
                 rival = search.fitted(exchanged)
                 if set(one.names) == set(rival.names):
