@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.simulator import Given
 from hjcamp.prediction.measured.tests import Measured, MeasuredTest
 
 Array = NDArray[np.float64]
@@ -28,7 +30,7 @@ class Layout:
     """Tests cut into windows of ``width`` samples, of which a ``share`` is looked at; the rest of a test belongs to none.
 
     ``apart``: no window goes on from the one before it. ``memory``: where it is not 0, a test begins once and is simulated through,
-    and a start is forgotten in so many samples.
+    and a start is forgotten in so many samples. ``fine``: a sample is simulated in so many parts, each under the mean of what is given.
     """
 
     measured: Measured
@@ -36,6 +38,7 @@ class Layout:
     share: float = 1.0
     apart: bool = False
     memory: int = 0
+    fine: int = 1
 
     @cached_property
     def whole(self) -> list[int]:
@@ -163,14 +166,47 @@ class Layout:
 
     @cached_property
     def ahead(self) -> dict[int, Array]:
-        """By how much what runs linearly is more at each sample than its mean over it (n,), by the input's place."""
-        logged = self._moved({}) if self._between else self.inputs
-        return {place: logged[:, place] - self.inputs[:, place] for place in self._between}
+        """By how much what runs linearly is more at each sample than its mean over the first part of it (n,), by the input's place."""
+        logged, first = (self._moved({}), self.delayed({})[:: self.fine]) if self._between else (self.inputs, self.inputs)
+        return {place: logged[:, place] - first[:, place] for place in self._between}
 
     def delayed(self, delays: Mapping[str, float]) -> Array:
-        """Return the inputs (n, inputs), each later by its delay (s): whole samples, and the fraction of one as a mean."""
+        """Return the inputs (n fine, inputs), each later by its delay (s): of each part of a sample the mean."""
         late = {self.names.index(name): delay for name, delay in delays.items() if delay != 0.0}
+        if self.fine > 1:
+            return self._finely(late)
         return self._moved(self._between | late) if late else self.inputs
+
+    def _finely(self, late: Mapping[int, float]) -> Array:
+        """Return the mean of each input over each part of each sample (n fine, inputs), those at some places later by a time (s)."""
+        columns = []
+        for test in self.measured.tests:
+            lead, samples = len(test.earlier), test.samples
+            logged = np.concatenate([test.earlier, test.inputs]) if lead else test.inputs
+            found = np.repeat(test.inputs[:, None], self.fine, axis=1)
+            for place in {*late, *self._between}:
+                edges = lead + np.arange(samples * self.fine + 1) / self.fine - late.get(place, 0.0) / self.measured.period
+                runs = np.append(logged[1:, place], logged[-1, place]) if place in self._between else logged[:, place]
+                means = _mean_between(logged[:, place], runs, edges) * self.fine
+                found[:, :, place] = means.reshape(samples, self.fine)
+            columns.append(found)
+        return self.joined(columns).reshape(-1, len(self.names))
+
+    def course(self, begins: NDArray[np.int64], inputs: Array, rows: slice | NDArray[Any], starts: Array) -> tuple[Given, int]:
+        """Return some ``rows`` of the samples as a model is run through them, and in how many parts each is.
+
+        ``begins`` (n,) marks where it begins from ``starts``, under ``inputs`` (n parts, inputs).
+        """
+        period, marks, time = self.measured.period, begins[rows], self.time[rows]
+        parts = len(inputs) // len(self.time)
+        if parts == 1:
+            # a kernel is compiled anew for other orders
+            return Given(period, marks, time, np.ascontiguousarray(inputs[rows]), starts), 1
+        first = np.zeros((len(marks), parts), dtype=np.int64)
+        first[:, 0] = marks
+        times = time[:, None] + np.arange(parts) * (period / parts)
+        given = inputs.reshape(-1, parts, inputs.shape[1])[rows].reshape(-1, inputs.shape[1])
+        return Given(period / parts, first.ravel(), times.ravel(), np.ascontiguousarray(given), starts), parts
 
     def _moved(self, late: Mapping[int, float]) -> Array:
         """Return the inputs as measured (n, inputs), those at some places later by a time (s), earlier where that is negative."""
@@ -209,3 +245,22 @@ class Layout:
         with np.errstate(over="ignore", invalid="ignore"):  # a model that diverges is no warning: it is not taken
             shaped = known.reshape(-1, self.width, residuals.shape[1]) / self.measured.noise
             return np.asarray(np.einsum("wts,to->wso", shaped, self.basis))
+
+
+def _mean_between(begins: Array, ends: Array, edges: Array) -> Array:
+    """Return the integral from each edge (in samples) to the next of what runs from ``begins`` to ``ends`` (n,) in each sample.
+
+    Edges are less than a sample apart; before the first sample and after the last it is what it is there.
+    """
+    at = np.floor(edges[:-1])
+    first, second = (edges[:-1] - at, np.minimum(edges[1:] - at, 1.0))
+    beyond = np.maximum(edges[1:] - at - 1.0, 0.0)
+
+    def integral(rows: Array, low: Array, high: Array) -> Array:
+        inside = np.clip(rows, 0, len(begins) - 1).astype(int)
+        out = rows != inside
+        rise = np.where(out, 0.0, ends[inside] - begins[inside])
+        level = np.where(out & (rows > 0), ends[inside], begins[inside])
+        return np.asarray((high - low) * (level + 0.5 * rise * (low + high)))
+
+    return integral(at, first, second) + integral(at + 1.0, np.zeros_like(beyond), beyond)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
-from hjcamp.model.simulator import Given
 from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.measured.tests import Measured, MeasuredTest
 from hjcamp.prediction.next.wanted import Wanted
@@ -62,7 +61,7 @@ def _last_quarter(layout: Layout) -> NDArray[np.bool_]:
 def run(
     windows: Windows, candidate: Candidate, inputs: Array, begins: NDArray[np.bool_], starts: Array
 ) -> tuple[Array, Array]:
-    """Return readings (n, sensors) and plant states (n, states) under ``inputs`` (n, inputs), begun anew where ``begins`` (n,).
+    """Return readings (n, sensors) and plant states (n, states) under ``inputs`` (n parts, inputs), begun anew where ``begins`` (n,).
 
     ``starts`` has a row for each of these places. Effects keep their own states within a test.
     """
@@ -73,9 +72,9 @@ def run(
     for given, members in layout.groups:
         rows = np.repeat(members, layout.width)
         p = model.vector({**values, **given})
-        course = Given(measured.period, marks[rows], layout.time[rows], inputs[rows], starts[rows[begins]])
+        course, fine = layout.course(marks, inputs, rows, starts[rows[begins]])
         shown, passed = model.run_free(p, course)
-        out[rows], states[rows] = shown[:, measured.columns], passed[:, : starts.shape[1]]
+        out[rows], states[rows] = shown[::fine, measured.columns], passed[::fine, : starts.shape[1]]
     return measured.shown(out), states
 
 
@@ -104,7 +103,8 @@ def bench_of(analysis: Analysis, wanted: Sequence[Wanted], model: Candidate, by_
     """Return the bench of a menu; ``model`` says which inputs a wanted motion needs, and where states are that nothing measures."""
     measured = analysis.measured
     tests = tuple(_test(measured, one) for one in wanted)
-    layout = Layout(_like(measured, tests), analysis.windows.layout.width, memory=analysis.windows.layout.memory)
+    own = analysis.windows.layout
+    layout = Layout(_like(measured, tests), own.width, memory=own.memory, fine=own.fine)
     if not by_motion:
         states = analysis.windows.readings(model)[1]
         starts = np.stack([_state_at(analysis, states, one) for one in wanted])
@@ -116,7 +116,7 @@ def bench_of(analysis: Analysis, wanted: Sequence[Wanted], model: Candidate, by_
     inputs = needed(analysis, windows, model)
     cuts = np.cumsum([count * layout.width for count in layout.counts])[:-1]
     tests = tuple(replace(test, inputs=own) for test, own in zip(tests, np.split(inputs, cuts), strict=True))
-    apart = Layout(_like(measured, tests), layout.width, apart=True)
+    apart = Layout(_like(measured, tests), layout.width, apart=True, fine=layout.fine)
     return Bench(_windows(analysis, apart, windows.starts), whole=False)
 
 
@@ -188,7 +188,7 @@ def _read(layout: Layout, shown: Array) -> Layout:
         replace(test, time=test.time[: len(own)], inputs=test.inputs[: len(own)], readings=own)
         for test, own in zip(layout.measured.tests, np.split(shown, cuts), strict=True)
     )
-    return Layout(_like(layout.measured, tests), layout.width, apart=layout.apart, memory=layout.memory)
+    return Layout(_like(layout.measured, tests), layout.width, apart=layout.apart, memory=layout.memory, fine=layout.fine)
 
 
 def _state_at(analysis: Analysis, states: Array, wanted: Wanted) -> Array:
@@ -205,7 +205,8 @@ def joined_with(
     """Return windows of the measured tests and of chosen simulated ones together, and which of them are new (windows,)."""
     own = analysis.windows.layout
     tests = tuple(simulated.layout.measured.tests[place] for place in chosen)
-    layout = Layout(_like(analysis.measured, (*own.condensed(), *tests)), own.width, apart=simulated.layout.apart, memory=own.memory)
+    both = _like(analysis.measured, (*own.condensed(), *tests))
+    layout = Layout(both, own.width, apart=simulated.layout.apart, memory=own.memory, fine=own.fine)
     order = np.concatenate([np.flatnonzero(simulated.layout.of_test == place) for place in chosen])
     found = _windows(analysis, layout, np.concatenate([starts, simulated.starts[order]]))
     return found, np.arange(len(layout.of_test)) >= len(own.of_test)

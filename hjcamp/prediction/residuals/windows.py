@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
-from hjcamp.model.simulator import Given
 from hjcamp.prediction.measured.at_once import passed_on, passed_to
 from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.residuals.kernels import Kernels
@@ -167,15 +166,14 @@ class Windows:
                 samples_of = slice(None) if windows.all() else np.repeat(windows, samples)
                 rows = samples_of if samples == layout.width else of_all[samples_of]
                 own, p = windows & begun, model.vector({**values, **given})
-                given_inputs = np.ascontiguousarray(inputs[rows])  # a kernel is compiled anew for other orders
-                course = Given(measured.period, marks[rows], layout.time[rows], given_inputs, begin[own])
-                ran = model.run_to_ends(p, course, most=most * len(course.time))
-                out[samples_of], states[samples_of] = ran.readings[:, measured.columns], ran.states[:, :plain]
+                course, fine = layout.course(marks, inputs, rows, begin[own])
+                ran = model.run_to_ends(p, course, most=most * len(course.time) / fine)
+                out[samples_of], states[samples_of] = ran.readings[::fine, measured.columns], ran.states[::fine, :plain]
                 ends[own] = ran.ends[:, :plain]
                 taken += ran.steps
                 if len(parts) == 1 and ran.states.shape[1] > plain:
                     kept = np.zeros((len(begin), ran.states.shape[1] - plain)) if kept is None else kept
-                    kept[windows] = ran.states[::samples, plain:]
+                    kept[windows] = ran.states[:: samples * fine, plain:]
         zeros = [candidate.base.get(ZERO + one.field, 0.0) for one in measured.sensors]
         return Predicted(out + np.array(zeros), states, ends, taken / count, kept)
 
