@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.linalg import expm
 
-from hjcamp.prediction.measured.layout import Layout, _mean_between
+from hjcamp.prediction.measured.layout import Layout, halves
 from hjcamp.prediction.measured.tests import Measured, measured_tests
 from hjcamp.prediction.selection.analysis import Analysis, calibrated
 from hjcamp.records.log import TestLog
@@ -93,11 +94,12 @@ def test_a_base_that_is_complete_leaves_noise_and_has_its_true_values(folder: Pa
 
 
 @pytest.mark.parametrize("held", [True, False])
-def test_the_mean_between_edges_is_the_integral(held: bool) -> None:
+@pytest.mark.parametrize("length", [1.0, 0.5])
+def test_two_halves_have_the_mean_and_the_first_moment(held: bool, length: float) -> None:
     generator = np.random.default_rng(3)
     begins = generator.normal(size=12)
     ends = begins if held else np.append(begins[1:], begins[-1])
-    edges = 0.3 - 1.7 + np.arange(60) / 4.0  # from before the first sample to behind the last
+    first = 0.45 - 2.0 + np.arange(30) * length  # from before the first sample to behind the last
 
     def course(t: float) -> float:
         if t < 0.0 or t >= 12.0:
@@ -105,13 +107,25 @@ def test_the_mean_between_edges_is_the_integral(held: bool) -> None:
         k = int(t)
         return float(begins[k] + (t - k) * (ends[k] - begins[k]))
 
-    found = _mean_between(begins, ends, edges)
-    for low, high, one in zip(edges[:-1], edges[1:], found, strict=True):
-        breaks = [k for k in (np.floor(low) + 1.0,) if low < k < high]
-        assert one == pytest.approx(quad(course, low, high, points=breaks or None)[0], abs=1e-9)
+    mean, apart = halves(begins, ends, first, length)
+    exact = 0
+    for start, m, d in zip(first, mean, apart, strict=True):
+        edges = [start, *(k for k in (np.floor(start) + 1.0,) if start < k < start + length), start + length]
+        pieces = list(pairwise(edges))
+        assert m * length == pytest.approx(sum(quad(course, *one)[0] for one in pieces), abs=1e-9)
+        middle = start + 0.5 * length
+        moment = sum(quad(lambda t, c=middle: (t - c) * course(t), *one)[0] for one in pieces)
+        values = [course(t) for low, high in pieces for t in (low + 1e-12, high - 1e-12)]
+        assert min(values) - 1e-9 <= min(m - d, m + d) and max(m - d, m + d) <= max(values) + 1e-9
+        if abs(d) * length**2 / 4.0 == pytest.approx(abs(moment), abs=1e-9):
+            exact += 1
+            assert d * length**2 / 4.0 == pytest.approx(moment, abs=1e-9)
+        else:  # held within what is given, the moment in part
+            assert 0.0 < d * length**2 / 4.0 / moment < 1.0
+    assert exact >= 15
 
 
-def test_one_part_and_many_are_the_same_input_in_the_mean(folder: Path) -> None:
+def test_parts_have_the_mean_of_the_sample(folder: Path) -> None:
     (folder / "plants" / "light.py").write_text(PLANT.replace("HOLD", "previous"), encoding="utf-8")
     plain = Layout(logged(0.0, "previous"), 24)
     for delay in (0.0, 0.3 * PERIOD, 1.6 * PERIOD, -0.4 * PERIOD):

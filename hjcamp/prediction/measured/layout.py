@@ -178,17 +178,21 @@ class Layout:
         return self._moved(self._between | late) if late else self.inputs
 
     def _finely(self, late: Mapping[int, float]) -> Array:
-        """Return the mean of each input over each part of each sample (n fine, inputs), those at some places later by a time (s)."""
-        columns = []
+        """Return each input in parts of each sample (n fine, inputs), those at some places later by a time (s).
+
+        Two parts have the mean and the first moment of what is given over both, within what that is there.
+        """
+        columns, pairs = [], self.fine // 2
         for test in self.measured.tests:
             lead, samples = len(test.earlier), test.samples
             logged = np.concatenate([test.earlier, test.inputs]) if lead else test.inputs
             found = np.repeat(test.inputs[:, None], self.fine, axis=1)
             for place in {*late, *self._between}:
-                edges = lead + np.arange(samples * self.fine + 1) / self.fine - late.get(place, 0.0) / self.measured.period
-                runs = np.append(logged[1:, place], logged[-1, place]) if place in self._between else logged[:, place]
-                means = _mean_between(logged[:, place], runs, edges) * self.fine
-                found[:, :, place] = means.reshape(samples, self.fine)
+                begins = lead + np.arange(samples * pairs) / pairs - late.get(place, 0.0) / self.measured.period
+                column = logged[:, place]
+                runs = np.append(column[1:], column[-1]) if place in self._between else column
+                mean, apart = halves(column, runs, begins, 1.0 / pairs)
+                found[:, :, place] = np.stack([mean - apart, mean + apart], axis=1).reshape(samples, self.fine)
             columns.append(found)
         return self.joined(columns).reshape(-1, len(self.names))
 
@@ -247,20 +251,29 @@ class Layout:
             return np.asarray(np.einsum("wts,to->wso", shaped, self.basis))
 
 
-def _mean_between(begins: Array, ends: Array, edges: Array) -> Array:
-    """Return the integral from each edge (in samples) to the next of what runs from ``begins`` to ``ends`` (n,) in each sample.
+def halves(begins: Array, ends: Array, first: Array, length: float) -> tuple[Array, Array]:
+    r"""Return the mean m of stretches of ``length`` samples, and d with which m - d, then m + d have their first moment.
 
-    Edges are less than a sample apart; before the first sample and after the last it is what it is there.
+    .. math:: d = \frac{4}{L^2} \int_{-L/2}^{L/2} s\, u(s)\, \mathrm{d}s
+
+    What is given runs from ``begins`` to ``ends`` (n,) in each sample; stretches begin at ``first``, in samples, and are one at most.
+    Before the first sample and after the last it is what it is there. Both halves stay within what is given.
     """
-    at = np.floor(edges[:-1])
-    first, second = (edges[:-1] - at, np.minimum(edges[1:] - at, 1.0))
-    beyond = np.maximum(edges[1:] - at - 1.0, 0.0)
-
-    def integral(rows: Array, low: Array, high: Array) -> Array:
+    at = np.floor(first)
+    cut, end_of = np.minimum(first - at + length, 1.0), first - at + length
+    whole, moment = np.zeros((2, len(first)))
+    low, high = np.full(len(first), np.inf), np.full(len(first), -np.inf)
+    for rows, start, end, offset in ((at, first - at, cut, at - first), (at + 1.0, 0.0 * cut, end_of - cut, at + 1.0 - first)):
         inside = np.clip(rows, 0, len(begins) - 1).astype(int)
         out = rows != inside
         rise = np.where(out, 0.0, ends[inside] - begins[inside])
         level = np.where(out & (rows > 0), ends[inside], begins[inside])
-        return np.asarray((high - low) * (level + 0.5 * rise * (low + high)))
-
-    return integral(at, first, second) + integral(at + 1.0, np.zeros_like(beyond), beyond)
+        own = (end - start) * (level + 0.5 * rise * (start + end))
+        whole += own
+        moment += level * (end**2 - start**2) / 2.0 + rise * (end**3 - start**3) / 3.0 + (offset - 0.5 * length) * own
+        for edge in (level + rise * start, level + rise * end):
+            there = end > start
+            low, high = np.where(there, np.minimum(low, edge), low), np.where(there, np.maximum(high, edge), high)
+    mean = whole / length
+    most = np.maximum(np.minimum(high - mean, mean - low), 0.0)
+    return mean, np.clip(4.0 * moment / length**2, -most, most)

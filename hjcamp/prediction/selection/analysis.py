@@ -41,8 +41,8 @@ MOST_GROWTH = 10.0
 OWN_GROWTH = math.e
 # Of short tests, and where errors are more than noise, the base begins with each parameter so many times smaller and larger, too.
 BEGUN_APART = 4.0
-# In so many parts samples are simulated at most: the error of a mean over them falls with their square.
-PARTS = (2, 4, 8)
+# In so many parts samples are simulated.
+PARTS = (2, 4)
 # Samples that are looked at: time and memory do not grow with the length of the logs.
 MOST_SAMPLES = {"quick": 12_000, "standard": 32_000, "thorough": 10_000_000}
 
@@ -255,8 +255,8 @@ def above_noise(layout: Layout, features: Array) -> bool:
 def in_parts(windows: Windows, fitted: Fitted) -> Fitted:
     """Return a fit with samples simulated in as many parts as what is given between them asks for; ``windows`` are left so.
 
-    An input that acts a fraction of a sample late, or runs on from sample to sample, is its mean over each part. Where that is still
-    seen, by a tenth of a sensor's noise (rms) against half as long parts, samples are parted further.
+    An input that acts a fraction of a sample late, or runs on from sample to sample, is its mean over a sample. Where that is seen, by
+    a tenth of a sensor's noise (rms) against parts, samples are simulated in these.
     """
     if not (windows.layout.ahead or any(name.startswith(DELAY) for name in fitted.candidate.base)):
         return fitted

@@ -157,7 +157,7 @@ class Search(Claims):
             alone = self.fitted(both.fitted.candidate.without(hidden.beyond(before)), both.fitted)
             if self.matters(both, alone, step.level) and self.matters(both, before, step.level):
                 return both
-        self.steps.remove(further)
+        self.steps.pop()
         self.windows.place = before.place
         return None
 
