@@ -281,7 +281,10 @@ def _complete_contact(pieces: dict[str, str], where: str) -> None:
         elif pieces["viscous"] not in ABSENT:
             pieces["push"] = f"({_first(pieces['viscous'])}) * {pieces['velocity']}"
         else:
-            raise UsageError(f"{where}: contact '{name}' needs its friction (coulomb, viscous), or the push that it holds against")
+            raise UsageError(
+                f"{where}: contact '{name}' has no friction that would tell the unit of a push: "
+                "give coulomb or viscous other than 0, or the push that it holds against"
+            )
     if pieces["coulomb"] in ABSENT:
         # no dry friction: a zero in the unit of a push
         pieces["coulomb"] = f"0.0 * ({pieces['push']})"

@@ -13,7 +13,7 @@ from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.model.amount import dimension
 from hjcamp.model.amount_formula import plain_functions
 from hjcamp.model.equation_units import Units
-from hjcamp.model.field_unit import field_of, unit_of_field
+from hjcamp.model.field_unit import FIELD_UNITS, field_of, unit_of_field
 from hjcamp.model.plant import ALWAYS, Plant
 from hjcamp.model.reaction import with_reactions
 from hjcamp.model.user_file import is_users
@@ -76,7 +76,9 @@ def check_measured(plant: type[Plant]) -> str:
         field = unit_of_field(name, f"{where}, Measured")
         dims = units.value(item.sensor, where).dims
         if dimension(field.si) != dims:
-            raise UsageError(f"{where}: '{name}' says {field.shown}, but '{item.sensor}' is in {units.written(dims)}")
+            ends = [f"_{suffix}" for suffix, unit in FIELD_UNITS.items() if dimension(unit.si) == dims]
+            fits = f"; names of such fields end in {' or '.join(ends)}" if ends else ""
+            raise UsageError(f"{where}: '{name}' says {field.shown}, but '{item.sensor}' is in {units.written(dims)}{fits}")
     for name, given in plant.inputs.items():
         if name not in ALWAYS and not given.field:
             field_of(name, given.unit, where)

@@ -9,7 +9,7 @@ from typing import Any
 from hjcamp.configuration.saved_model import log_hashes
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
-from hjcamp.prediction.answer import calibration, channel_rows, end_rows, floor_size, removed
+from hjcamp.prediction.answer import calibration, channel_rows, end_rows, floor_size, removed, whole_rows
 from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.measured.floor import not_above
 from hjcamp.prediction.measured.tests import Measured
@@ -65,7 +65,7 @@ def answer(found: Addition, name: str, path: str) -> dict[str, Any]:
     for one in intervals(found.model.fitted, found.analysis.search.chapters):
         if one.effect:
             unit = found.analysis.search.library[one.effect].parameters[one.name].unit
-            rows.setdefault(one.effect, {})[one.name] = {"value": one.value, "unit": unit, **one.row}
+            rows.setdefault(one.effect, {})[one.name] = {"value": one.value, "unit": unit, **one.row, "at_bound": one.at_bound}
     return {
         "schema": "hjcamp.addition/1",
         "plant": found.analysis.measured.plant.name,
@@ -76,6 +76,7 @@ def answer(found: Addition, name: str, path: str) -> dict[str, Any]:
         "error": {"before": found.analysis.base.left_out / least, "after": found.model.left_out / least, "floor": 1.0},
         "removed": removed(found.analysis, found.model),
         "channels": channel_rows(found.analysis, found.model),
+        "whole_tests": whole_rows(found.analysis, found.model),
         "parameters": rows,
         "calibration": calibration(found.analysis),
         "ends": end_rows(found.analysis.windows.layout),

@@ -52,7 +52,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "candidates": candidates(analysis, verdict),
         "error": {"baseline": base.left_out / least, "augmented": model.left_out / least, "floor": 1.0},
         "channels": channel_rows(analysis, verdict.shown),
-        "whole_tests": whole_rows(analysis, verdict),
+        "whole_tests": whole_rows(analysis, verdict.shown),
         "calibration": calibration(analysis),
         "calibration_with_effects": calibration(analysis, model) if verdict.effects else {},
         "where": [],
@@ -105,10 +105,10 @@ def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]
     }  # fmt: skip
 
 
-def whole_rows(analysis: Analysis, verdict: Verdict) -> dict[str, dict[str, Any]]:
+def whole_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]:
     """Return each channel's error over whole tests, before and after, in the unit of its field; nothing where it is not looked at."""
     before = _whole_of(analysis, analysis.base)
-    after = before if verdict.shown is analysis.base else _whole_of(analysis, verdict.shown)
+    after = before if model is analysis.base else _whole_of(analysis, model)
     if before is None or after is None:
         return {}
     return {

@@ -16,7 +16,9 @@ WORDS: Mapping[str, str] = {
     "memory": "The time in which a plant's readings forget where a test began (to 37 %): how long it remembers.",
     "delay": "The time by which an input acts later than its log says, fitted with the base from one sample early to two late; "
     "more of it is an effect (command_delay, sensor_lag).",
-    "over the floor": "Errors divided by their floor, of all channels together: 1 is as good as repetitions allow, 2 is twice that.",
+    "over the floor": "Errors divided by their floor, of all channels and of all shapes that an error has within a window together: "
+    "1 is as good as repetitions allow, 2 is twice that (a geometric mean, so that each shape counts by its own floor; it is not the "
+    "quotient of two rms).",
     "calibrated": "With the base parameters fitted to these tests first, so that a constant that is merely different on this rig "
     "is not called a missing effect.",
     "base parameter": "A constant of the plant's own equations that differs from rig to rig, such as a mass or a friction.",

@@ -120,7 +120,7 @@ def test_a_guide_in_oil_needs_neither_dry_friction_nor_a_push(folder: Path, caps
     check_plant(find_plant("axis"))
     path.write_text(wet.replace("            viscous=parameter.viscous,\n", ""))
     assert cli.run(["plants", "test", "axis"]) == 2
-    assert "needs its friction (coulomb, viscous), or the push" in capsys.readouterr().err
+    assert "has no friction that would tell the unit of a push" in capsys.readouterr().err
 
 
 def test_elements_stand_for_marked_lines(folder: Path) -> None:

@@ -11,6 +11,7 @@ from hjcamp.commands.any_plant.words import (
     FLOORS,
     SLOW,
     WHOLE,
+    bound_word,
     calibrated,
     calibration_table,
     channel_table,
@@ -252,10 +253,7 @@ class Words:
         for one in (row for k, row in enumerate(self.content["candidates"]) if k < SHOWN or row.get("asked")):
             first = [one["effect"], f"{one['t']:.1f}", f"{100 * one['heldout_error_ratio']:.0f} %"]
             for name, row in one["parameters"].items():
-                bound = "  at its bound" if row["at_bound"] else ""
-                rows.append(
-                    [*first, name.replace("_", " "), told(row["value"], row["unit"]), told_interval(row) + bound]
-                )
+                rows.append([*first, name.replace("_", " "), told(row["value"], row["unit"]), told_interval(row) + bound_word(row)])
                 first = ["", "", ""]
         return rows
 
@@ -274,6 +272,9 @@ class Words:
         if self.verdict.word == "outside_library":
             begun = f" --from {folder}" if self.content["unknowns"] else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
+        shown = [row["effect"] for row in self.content["candidates"] if row["heldout_error_ratio"] < 1.0][:1]
+        if self.verdict.word == "cannot_tell" and shown:
+            return [f"hjcamp next {paths}{own}", f"hjcamp compare {paths}{own}"]
         return [f"hjcamp compare {paths}{own}"]
 
 

@@ -221,20 +221,26 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
     content = answer(found, path.stem, str(path))
     print_head(console, found.analysis)
     rows = [
-        [name, parameter.replace("_", " "), told(row["value"], row["unit"]), told_interval(row)]
+        [name, parameter.replace("_", " "), told(row["value"], row["unit"]), told_interval(row) + bound_word(row)]
         for name in names
         for parameter, row in content["parameters"].get(name, {}).items()
     ]
     table(console, ("effect", "parameter", "value", "95 %"), rows)
-    table(console, CHANNELS, channel_table(content["channels"]))
-    error = content["error"]
+    whole, error = content["whole_tests"], content["error"]
+    table(console, CHANNELS, channel_table(content["channels"], whole))
     said = f"Error on chapters left out, over the floor: {error['before']:.2f} -> {error['after']:.2f}."
-    print_wrapped(console, [said, *helped(found), *end_words(content["ends"])], 8)
+    slow = [f"Whole tests: {WHOLE}. {SLOW}"] if whole else []
+    print_wrapped(console, [said, *helped(found, whole), *slow, *end_words(content["ends"])], 8)
     console.print(f"model   {path}", markup=False)
 
 
-def helped(found: Addition) -> list[str]:
-    """Return in words that a model explains the tests no better, where it is not shown to."""
+def bound_word(row: Mapping[str, Any]) -> str:
+    """Return that a value stands at a bound, behind its interval, where it does."""
+    return "  at its bound" if row["at_bound"] else ""
+
+
+def helped(found: Addition, whole: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Return in words that a model explains the tests no better, where it is not shown to; or ``whole`` tests alone."""
     from hjcamp.prediction.fitting.chapters import critical
     from hjcamp.prediction.levels import MATTERS
 
@@ -242,6 +248,8 @@ def helped(found: Addition) -> list[str]:
         return []
     search, base = found.analysis.search, found.analysis.base
     if search.error_ratio(found.model, base) > 1.0 - MATTERS:
+        if any(row["augmented"]["whole_rms"] <= (1.0 - MATTERS) * row["baseline"]["whole_rms"] for row in whole.values()):
+            return ["The error of windows does not fall by a share that matters; that of whole tests does."]
         return ["The error does not fall by a share that matters: this model explains these tests no better."]
     t, chapters = search.t(found.model, base)
     return [
