@@ -255,21 +255,26 @@ def above_noise(layout: Layout, features: Array) -> bool:
 def in_parts(windows: Windows, fitted: Fitted) -> Fitted:
     """Return a fit with samples simulated in as many parts as what is given between them asks for; ``windows`` are left so.
 
-    An input that acts a fraction of a sample late, or runs on from sample to sample, is its mean over a sample. Where that is seen, by
-    a tenth of a sensor's noise (rms) against parts, samples are simulated in these.
+    An input that acts a fraction of a sample late, or runs on from sample to sample, is its mean over a sample. Where that differs
+    from parts by a tenth of a sensor's noise (rms), and of what a model leaves that takes all that matters, these are simulated.
     """
     if not (windows.layout.ahead or any(name.startswith(DELAY) for name in fitted.candidate.base)):
         return fitted
     for parts in PARTS:
         finer = replace(windows, layout=replace(windows.layout, fine=parts))
         finer.place = windows.place
-        change = finer.features(fitted.candidate) - windows.features(fitted.candidate)
-        each = change.reshape(len(change), len(windows.layout.measured.sensors), -1)
-        if not np.max(np.mean(each**2, axis=(0, 2))) > MATTERS**2:
+        left = windows.features(fitted.candidate)
+        change, usual = (_rms(one, windows.layout) for one in (finer.features(fitted.candidate) - left, left))
+        if not np.any(change > MATTERS * np.maximum(1.0, MATTERS * usual)):
             break
         windows.layout = finer.layout
         fitted = settled(windows, fitted.candidate, fitted.free, turns=TURNS_OF_BASE)
     return fitted
+
+
+def _rms(features: Array, layout: Layout) -> Array:
+    """Return the rms of features (windows, d) of each sensor (sensors,)."""
+    return np.asarray(np.sqrt(np.mean(features.reshape(len(features), len(layout.measured.sensors), -1) ** 2, axis=(0, 2))))
 
 
 def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterable[str]) -> Fitted:
