@@ -198,17 +198,22 @@ def test_a_late_drive_that_acts_before_its_log_is_doubted(
     assert not doubted or "together it is not late" in found.lacking[0]
 
 
-@pytest.mark.parametrize(("at_bound", "told"), [(True, False), (True, True), (False, False)])
+@pytest.mark.parametrize(
+    ("at_bound", "told", "pushed"),
+    [(True, False, False), (True, True, False), (False, False, False), (True, True, True), (False, True, True)],
+)
 def test_a_name_at_a_bound_that_no_test_tells_is_not_said(
-    axis: Path, monkeypatch: pytest.MonkeyPatch, at_bound: bool, told: bool
+    axis: Path, monkeypatch: pytest.MonkeyPatch, at_bound: bool, told: bool, pushed: bool
 ) -> None:
     measured = measured_tests([measured_log(seconds=4.0)])
     library = load_effects(plant=measured.plant)
     analysis = calibrated(measured, {name: library[name] for name in LIBRARY})
     row = Interval("spring", "stiffness", 1e3, 0.0, 1e3, at_bound, told)
-    monkeypatch.setattr(doubts, "intervals", lambda fitted, chapters: [row])
+    # a base parameter that was pushed to a bound, where the tests tell nothing of it
+    base = Interval("", "viscous", 1e-3, 0.0, 1.0, pushed, not pushed)
+    monkeypatch.setattr(doubts, "intervals", lambda fitted, chapters: [row, base])
     said = doubts.doubt_of_names(analysis, analysis.base, ("spring",))
-    assert ("at a value that its bounds tell" in said) == (at_bound and not told)
+    assert ("at a value that its bounds tell" in said) == (at_bound and (pushed or not told))
 
 
 @pytest.mark.parametrize(
