@@ -111,7 +111,8 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     head, rows = said.comparison_table(found)
     last = found.models[-1]
     whole = said.whole_table(found)
-    of_whole = [page.heading("Whole tests"), page.table_of(*whole), page.note(f"{said.WHOLE}. {said.SLOW}")] if whole else []
+    beside = page.note(f"Whole tests: {said.WHOLE}. {said.SLOW}")
+    of_whole = [page.heading("Whole tests"), page.table_of(*whole), beside] if whole else []
     anew = "with each test" if layout.memory else f"anew every {layout.width * layout.measured.period:.3g} s"
     parts = [
         page.table_of(head, rows),

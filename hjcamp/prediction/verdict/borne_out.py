@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hjcamp.prediction.levels import MATTERS, MOST_OF_IT
+from hjcamp.prediction.residuals.whole import through
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored, Step
 
@@ -52,18 +53,17 @@ def _left(analysis: Analysis, models: Sequence[Scored]) -> list[float]:
 
     A foreign loop hides in whole tests what acts slowly.
     """
-    windows, layout = analysis.windows, analysis.windows.layout
+    layout = analysis.windows.layout
     if layout.memory or not layout.short or layout.measured.plant.loop == "foreign":
         return [0.0] * len(models)
-    own = replace(windows, layout=replace(layout, memory=len(layout.readings)))
-    kept, found = windows.place, []
+    found = []
     for model in models:
+        windows = replace(analysis.windows)
         windows.place = model.place
-        own.starts = windows.starts.copy()
+        own = through(windows)
         own.move_starts(model.fitted.candidate)
         errors = own.errors(model.fitted.candidate) / layout.measured.noise
         found.append(float(np.sqrt(np.mean(np.nan_to_num(errors, nan=np.inf) ** 2))))
-    windows.place = kept
     return found
 
 
