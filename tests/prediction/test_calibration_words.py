@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hjcamp.commands.any_plant.words import calibration_table, held_by_bounds, late_inputs
+from hjcamp.commands.any_plant.words import calibration_table, held_by_bounds, late_inputs, other_sizes
 
 
 def row(value: float, low: float, high: float, at_bound: bool) -> dict[str, dict[str, object]]:
@@ -41,3 +41,24 @@ def test_a_delay_that_no_log_is_off_by_is_said(value: float, low: float, at_boun
     assert len(found) == len(said) and all(one in whole for one, whole in zip(said, found, strict=True))
     beside = late_inputs(late, ["sensor_lag_at_scale"], 0.002)
     assert len(beside) == len(said) and all("both together" in one and "current by" in one for one in beside)
+
+
+@pytest.mark.parametrize(
+    ("value", "told", "width", "at_bound", "said"),
+    [
+        (6.8e-5, True, 9e-4, True, True),
+        (3e-5, True, 9e-4, True, False),  # not far from what is declared
+        (6.8e-5, False, 9e-4, True, False),
+        (6.8e-5, True, 9e-4, False, False),
+        (6.8e-5, True, 0.0, True, False),  # a natural bound
+        (0.4e-5, True, 9e-4, True, True),
+    ],
+)
+def test_bounds_that_follow_from_declared_sizes_are_told(value: float, told: bool, width: float, at_bound: bool, said: bool) -> None:
+    base = {"gain": {"published": 2e-5, "value": value, "unit": "N*m", "ci95": [value, value], "at_bound": False}}
+    if not told:
+        base["gain"]["told"] = False
+    row = {"value": width, "unit": "N*m", "ci95": [0.0, 9e-4], "at_bound": at_bound}
+    found = other_sizes(base, [{"effect": "dead_band", "parameters": {"width": row}}])
+    assert bool(found) == said
+    assert not said or ("gain is" in found[0] and "dead_band may stand at a bound" in found[0])

@@ -18,6 +18,7 @@ from hjcamp.commands.any_plant.words import (
     end_words,
     held_by_bounds,
     late_inputs,
+    other_sizes,
     over_windows,
     print_head,
     still_words,
@@ -197,6 +198,7 @@ class Words:
         rows, period = self.content["calibration"], self.analysis.measured.period
         # beside a lag that is named the base is as late as that model has it
         late = self.content["calibration_with_effects"] or rows
+        found += other_sizes(rows, self.content["candidates"][:SHOWN])
         found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
         found += still_words(self.content["still"])
         return found + self.telling()

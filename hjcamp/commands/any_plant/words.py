@@ -68,6 +68,22 @@ def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
     ]
 
 
+def other_sizes(rows: Mapping[str, Mapping[str, Any]], candidates: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return in words which effects stand at bounds that follow from what the plant declares, where its base is far from that."""
+    from hjcamp.prediction.fitting.intervals import limited
+
+    held = [one["effect"] for one in candidates if any(limited(row) for row in one["parameters"].values())]
+    told_here = {name: row for name, row in rows.items() if row["published"] and row.get("told", True) and not row["at_bound"]}
+    moved = {name: row["value"] / row["published"] for name, row in told_here.items()}
+    far = [f"{name.replace('_', ' ')} is {ratio:.2g} times as large" for name, ratio in moved.items() if not 0.5 <= ratio <= 2.0]
+    if not held or not far:
+        return []
+    return [
+        f"Bounds of effects follow from what the plant's file declares, and here {', '.join(far)}: {', '.join(held)} may stand at a "
+        "bound for that reason. Write the calibrated values into the file, and ask again."
+    ]
+
+
 def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], period: float) -> list[str]:
     """Return what delays of the base say that stand at their bound, or are longer than a log may be off: one sample of ``period``."""
     late = {
