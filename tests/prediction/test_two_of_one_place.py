@@ -85,11 +85,11 @@ def test_a_law_that_was_found_first_is_exchanged_beside_the_others(box: Measured
 
 
 def test_what_takes_little_of_the_rms_alone_is_found_beside_another(box: Measured, monkeypatch: pytest.MonkeyPatch) -> None:
-    analysis = looked_for(box, "cubic_spring", "spring", "constant_force")
+    analysis = looked_for(box, "cubic_spring", "constant_force")
     search, base = analysis.search, analysis.base
     step = search.look(base)
     assert step.named[0].beyond(base) == ("cubic_spring",)
-    spring = next(one for one in step.named if one.beyond(base) == ("spring",))
+    force = next(one for one in step.named if one.beyond(base) == ("constant_force",))
     assert search.beside_another(step.named[0], base, step) is None  # the best is no other one
     matters = search.matters
 
@@ -97,13 +97,17 @@ def test_what_takes_little_of_the_rms_alone_is_found_beside_another(box: Measure
         return model.beyond(base) != ("cubic_spring",) and matters(model, before, level)
 
     monkeypatch.setattr(search, "matters", not_alone)
-    both = search.beside_another(spring, base, step)
-    assert both is not None and "cubic_spring" in both.beyond(base) and len(both.beyond(base)) == 2
+    both = search.beside_another(force, base, step)
+    assert both is not None and set(both.beyond(base)) == {"cubic_spring", "constant_force"}
     # where nothing matters beside it, nothing is found, and no look is told
     told = len(search.steps)
     monkeypatch.setattr(search, "matters", lambda model, before, level=LEVEL: False)
-    assert search.beside_another(spring, base, step) is None and len(search.steps) == told
-    monkeypatch.undo()
-    found = judged(looked_for(box, "cubic_spring", "spring", "constant_force"))
-    assert "cubic_spring" in found.confidence_set[0]
+    assert search.beside_another(force, base, step) is None and len(search.steps) == told
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("names", [("cubic_spring", "spring", "constant_force"), ("soft_stop", "cubic_spring", "constant_force")])
+def test_what_hardens_is_named_beside_what_moves_its_middle(box: Measured, names: tuple[str, ...]) -> None:
+    found = judged(looked_for(box, *names))
+    assert found.word in ("effect", "one_of") and "cubic_spring" in found.confidence_set[0]
     assert found.model.fitted.candidate.effects["cubic_spring"]["stiffness"] == pytest.approx(HARDENING, rel=0.02)
