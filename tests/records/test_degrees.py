@@ -62,3 +62,15 @@ def test_kelvins_of_degrees_that_the_plant_is_not_written_for_are_told(
     assert bool(said) == told
     if told:
         assert not said[0].refused and "Celsius" in said[0].text
+
+
+def test_a_sensor_that_reads_absolute_zero_is_no_internal_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "oven.py").write_text(PLANT.replace("TYPICAL", "").replace("AMBIENT", "23.0"))
+    rows = [f"{k},{20.0 if k < 10 else -273.15},10" for k in range(200)]
+    (tmp_path / "oven.csv").write_text("\n".join(["t,T,P", *rows]) + "\n")
+    fields = {"time_s": "t", "warmth_k": {"column": "T", "unit": "degC"}, "power_w": "P"}
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump({"plant": "oven", "fields": fields}))
+    [log] = import_files(["oven.csv"], "map.yaml", ["oven.mcap"])
+    assert log.samples == 200

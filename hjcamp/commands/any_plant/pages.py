@@ -60,7 +60,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
         )
     whole = words.content["whole_tests"]
     parts += [page.heading("Error"), page.table_of(said.CHANNELS, said.channel_table(words.content["channels"], whole))]
-    parts.append(page.note(f"{said.FLOORS[analysis.floor.source]}." + (f" Whole tests: {said.WHOLE}. {said.SLOW}" if whole else "")))
+    parts.append(page.note(f"{said.FLOORS[analysis.floor.source]}." + (f" {said.WHOLE_NOTE}" if whole else "")))
     parts.append(page.picture("The worst windows", pictures["windows"]))
     parts += [
         page.heading("What is left in the residuals"),
@@ -111,8 +111,7 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     head, rows = said.comparison_table(found)
     last = found.models[-1]
     whole = said.whole_table(found)
-    beside = page.note(f"Whole tests: {said.WHOLE}. {said.SLOW}")
-    of_whole = [page.heading("Whole tests"), page.table_of(*whole), beside] if whole else []
+    of_whole = [page.heading("Whole tests"), page.table_of(*whole), page.note(said.WHOLE_NOTE)] if whole else []
     anew = "with each test" if layout.memory else f"anew every {layout.width * layout.measured.period:.3g} s"
     parts = [
         page.table_of(head, rows),

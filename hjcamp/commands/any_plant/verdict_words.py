@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
     FLOORS,
-    SLOW,
-    WHOLE,
+    WHOLE_NOTE,
     bound_word,
     calibrated,
     calibration_table,
@@ -274,10 +273,8 @@ class Words:
         if self.verdict.word == "outside_library":
             begun = f" --from {folder}" if self.content["unknowns"] else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
-        shown = [row["effect"] for row in self.content["candidates"] if row["heldout_error_ratio"] < 1.0][:1]
-        if self.verdict.word == "cannot_tell" and shown:
-            return [f"hjcamp next {paths}{own}", f"hjcamp compare {paths}{own}"]
-        return [f"hjcamp compare {paths}{own}"]
+        rivals = self.verdict.word == "cannot_tell" and any(row["heldout_error_ratio"] < 1.0 for row in self.content["candidates"])
+        return [*([f"hjcamp next {paths}{own}"] if rivals else []), f"hjcamp compare {paths}{own}"]
 
 
 def _false_claims(shares: Mapping[str, float]) -> list[str]:
@@ -345,5 +342,5 @@ def print_diagnosis(console: Console, words: Words) -> None:
     console.print(f"error   {over_windows(analysis)}", markup=False)
     whole = words.content["whole_tests"]
     table(console, CHANNELS, channel_table(words.content["channels"], whole))
-    print_wrapped(console, [FLOORS[analysis.floor.source] + ".", *([f"Whole tests: {WHOLE}. {SLOW}"] if whole else [])], 8)
+    print_wrapped(console, [FLOORS[analysis.floor.source] + ".", *([WHOLE_NOTE] if whole else [])], 8)
     print_wrapped(console, words.worst(), 8, "worst")

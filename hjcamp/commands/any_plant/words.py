@@ -111,6 +111,7 @@ COMPARED = ("baseline", "augmented")
 CHANNELS = ("channel", "calibrated", "with what was found", "floor")
 WHOLE = "each test simulated from its first sample on, begun where it fits best"
 SLOW = "Windows judge; what grows slowly, and what parameters err by that windows hardly tell, shows in whole tests alone."
+WHOLE_NOTE = f"Whole tests: {WHOLE}. {SLOW}"
 CALIBRATED = ("parameter", "declared", "here", "95 %")
 
 
@@ -245,7 +246,7 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
     whole, error = content["whole_tests"], content["error"]
     table(console, CHANNELS, channel_table(content["channels"], whole))
     said = f"Error on chapters left out, over the floor: {error['before']:.2f} -> {error['after']:.2f}."
-    slow = [f"Whole tests: {WHOLE}. {SLOW}"] if whole else []
+    slow = [WHOLE_NOTE] if whole else []
     print_wrapped(console, [said, *helped(found, whole), *slow, *end_words(content["ends"])], 8)
     console.print(f"model   {path}", markup=False)
 

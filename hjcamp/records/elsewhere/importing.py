@@ -154,7 +154,7 @@ def _counted_from_elsewhere(rules: ImportMap, log: TestLog) -> list[Finding]:
         before = float(np.median(np.abs(log.columns[name] - rule.shift * rule.factor))) / scale
         items: list[State | Parameter] = [*rules.plant.states.values(), *rules.plant.parameters.values()]
         sizes = [abs(size) for one in items if one.unit == "K" and (size := _declared_size(one))]
-        if before and sizes and all(abs(np.log(size / before)) < abs(np.log(size / shifted)) for size in sizes):
+        if before and shifted and sizes and all(abs(np.log(size / before)) < abs(np.log(size / shifted)) for size in sizes):
             text = (
                 f"'{name}' is {shifted:.4g} K in the middle, as degrees are turned into kelvins; the plant is written for about "
                 f"{np.median(sizes):.3g} K: where it counts from 0 degrees Celsius, map the column without a unit"
