@@ -24,6 +24,7 @@ with all fields of a plant. An example of MAP.yaml:
   period_s: 0.001          # or sampling_hz; not needed where time_s is mapped
   resample_s: 0.005        # brings rows that are uneven all along to this period
   gaps: interpolate        # cells without a value; they are refused where it is absent
+  spikes: interpolate      # readings that jump out and back; they are kept, and told, where it is absent
   topic: /motor/state      # MCAP alone
   skip_lines: 2            # CSV alone: also comment; separator and decimal_comma are read off the file
   fields:

@@ -75,8 +75,9 @@ class Quantities:
         known = {name: item.unit for name, item in self.plant.states.items()}
         known |= {name: item.unit for name, item in self.plant.inputs.items()}
         known |= {item.sensor: known[item.of] for item in self.plant.measured.values() if item.of in known}
-        declared = known.get(self.port.names.get(unit, ""), "")
-        written = declared if declared and dimension(declared) == whole.dims else self.units.written(whole.dims)
+        beside = [self.port.names[unit], *self.port.names.values()] if unit in self.port.names else []
+        declared = (known[name] for name in beside if name in known and dimension(known[name]) == whole.dims)
+        written = next(declared, "") or self.units.written(whole.dims)
         return written, float(eval(unit, {"__builtins__": {}}, sizes))
 
     def _local(self, name: str) -> str:

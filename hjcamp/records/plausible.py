@@ -13,14 +13,13 @@ from hjcamp.errors import UsageError
 from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.plant import Plant
+from hjcamp.records.glitches import FEW, ROW, frozen, spikes, told_spikes
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
 from hjcamp.records.units import units_of
 from hjcamp.yaml_file import yaml_values
 
 CONFIGURATION = "config.yaml"
-# So few samples of a test, so few in a row, are single ones that went wrong; more of them are the column.
-FEW, ROW = 0.01, 3
 # What is geared moves by 0.15 to 1.1 of what drives it in all our campaigns; a wrong unit is off by ten and more.
 LEAST_GEARED, MOST_GEARED = 0.05, 4.0
 MOVES = math.radians(20)
@@ -57,7 +56,7 @@ def findings(log: TestLog) -> list[Finding]:
     """Return what is not plausible in a log of its plant, what must be refused first."""
     plant = plant_of(log.metadata, str(log.path or "this log"))
     table = fields_of(plant)
-    found = [one for watched in _measured(plant) for one in _of_measured(log, table, watched)]
+    found = [one for watched in watched_columns(plant) for one in _of_measured(log, table, watched)]
     for known in plant.given_inputs().values():
         name = known.field or field_of(known.name, known.unit, plant.name)
         if name in log.columns:
@@ -69,7 +68,7 @@ def findings(log: TestLog) -> list[Finding]:
     return sorted(found, key=lambda one: not one.refused)
 
 
-def _measured(plant: type[Plant]) -> Iterator[Watched]:
+def watched_columns(plant: type[Plant]) -> Iterator[Watched]:
     """Yield what a plant measures; a required sensor that is not said to count must not stand still."""
     for channel in plant.channels:
         low, high = (end * channel.log_scale for end in channel.plausible)
@@ -100,6 +99,25 @@ def _of_measured(log: TestLog, table: FieldTable, watched: Watched) -> Iterator[
         unit = table.field(watched.name).unit
         text = f"'{watched.name}' is {values[0]:g} {unit} in all {len(values)} samples; a sensor has noise"
         yield Finding(watched.name, f"{text} (not connected, or a number written in its place)", True)
+    elif values is not None:
+        yield from _glitches(log, table, watched)
+
+
+def _glitches(log: TestLog, table: FieldTable, watched: Watched) -> Iterator[Finding]:
+    """Say which readings within the range of a column jump out and back, or stay as they were and then jump on."""
+    values, times, unit = log.columns[watched.name], log.columns["time_s"], table.field(watched.name).unit
+    places = spikes(values)
+    if len(places) and np.all((values[places] >= watched.low) & (values[places] <= watched.high)):
+        text = f"{told_spikes(watched.name, places, values, times, unit)}. Where the sensor or its logger erred, import with"
+        yield Finding(watched.name, f"{text} 'spikes: interpolate' in the map", False)
+    held = frozen(values) if watched.analog else None
+    if held:
+        first, last = held
+        text = (
+            f"'{watched.name}' is {values[first]:.4g} {unit} in {last - first + 1} samples, {times[first]:.6g} to {times[last]:.6g} s, "
+            "and jumps on from there. Where the sensor or its logger stood still, make two logs of it, before and after"
+        )
+        yield Finding(watched.name, text, False)
 
 
 def _outside(name: str, log: TestLog, table: FieldTable, low: float, high: float, refused: bool) -> Iterator[Finding]:

@@ -85,6 +85,7 @@ def test_dry_friction_is_for_contacts_that_have_none(folder: Path, coulomb: str,
 def test_an_angle_is_told_in_the_unit_of_its_state(folder: Path) -> None:
     rotor = load_effects(plant="rotor")
     assert rotor["spring"].parameters["rest_position"].unit == "rad"
+    assert rotor["stribeck_excess"].parameters["stribeck_speed"].unit == "rad/s"
     wheel = load_effects(plant="wheel")
     assert wheel["sensor_offset"].parameters["offset"].unit == "rad/s"
     assert load_effects(plant="axis")["spring"].parameters["rest_position"].unit == "m"

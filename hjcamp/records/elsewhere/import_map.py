@@ -24,11 +24,12 @@ from hjcamp.yaml_file import read_yaml
 LOWEST_SAMPLING_HZ = 200.0  # of the usual plant: its logs have one sample each ms
 HIGHEST_SAMPLING_HZ = 100e3
 KEYS = (
-    "plant", "separator", "decimal_comma", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "resample_s", "gaps",
+    "plant", "separator", "decimal_comma", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "resample_s", "gaps", "spikes",
     "fields", "metadata", "files",
 )  # fmt: skip
 FIELD_KEYS = ("column", "unit", "scale", "offset", "sign")
 GAPS = ("refuse", "interpolate")
+SPIKES = ("keep", "interpolate")
 FILE_WORD = "{file}"
 MOST_SKIPPED = 100_000
 
@@ -61,6 +62,7 @@ class ImportMap:
     where: str
     resample: float | None = None  # s between samples that uneven rows are brought to
     interpolate: bool = False  # cells without a value
+    without_spikes: bool = False  # readings that jump out and back
     files: dict[str, dict[str, str]] = field(default_factory=dict)
     topic: str = ""
     separator: str | None = None
@@ -120,7 +122,8 @@ def read_import_map(path: Path) -> ImportMap:
         by_rate="sampling_hz" in content,
         where=where,
         resample=_resample(content["resample_s"], plant, where) if "resample_s" in content else None,
-        interpolate=_gaps(content.get("gaps", GAPS[0]), where),
+        interpolate=_interpolates(content, "gaps", GAPS, where),
+        without_spikes=_interpolates(content, "spikes", SPIKES, where),
         files=_files(content.get("files"), where),
         topic=topic,
         separator=_separator(content["separator"], where) if "separator" in content else None,
@@ -297,10 +300,11 @@ def _yes_or_no(value: Any, name: str, where: str) -> bool:
     return value
 
 
-def _gaps(value: Any, where: str) -> bool:
-    if value not in GAPS:
-        raise unknown("word", str(value), GAPS, f"gaps of {where}")
-    return bool(value == GAPS[1])
+def _interpolates(content: Mapping[str, Any], key: str, words: Sequence[str], where: str) -> bool:
+    value = content.get(key, words[0])
+    if value not in words:
+        raise unknown("word", str(value), words, f"{key} of {where}")
+    return bool(value == words[1])
 
 
 def _resample(value: Any, plant: type[Plant], where: str) -> float:

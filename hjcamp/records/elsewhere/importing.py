@@ -16,9 +16,10 @@ from hjcamp.records.check import check_finite, check_phase
 from hjcamp.records.elsewhere.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, usual_step
 from hjcamp.records.elsewhere.import_map import HIGHEST_SAMPLING_HZ, ImportMap, read_import_map
 from hjcamp.records.elsewhere.tables import read_table
+from hjcamp.records.glitches import spikes, told_spikes
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, USUAL_PERIOD_S
-from hjcamp.records.plausible import Finding, refuse_implausible
+from hjcamp.records.plausible import Finding, refuse_implausible, watched_columns
 from hjcamp.records.read import read_log
 from hjcamp.records.write import write_log
 
@@ -52,6 +53,7 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
         skip_lines: 2           # before the header; also: comment, and separator, decimal_comma where the file misleads
         period_s: 0.001         # or sampling_hz; neither is needed where time_s is mapped
         gaps: interpolate       # cells without a value; refused where it is absent
+        spikes: interpolate     # readings that jump out and back; kept, and told, where it is absent
         fields:
           time_s: {column: t, unit: ms}
           position_m: {column: x, unit: mm, sign: -1, offset: 12.5}
@@ -140,7 +142,24 @@ def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.n
     times = fields.get("time_s", table.times)
     filled = _filled(fields, times, [*_held(rules), "phase"]) if rules.interpolate else []
     check_finite(fields, str(source))
+    if rules.without_spikes:
+        filled += _without_spikes(fields, times, rules)
     return fields, times, filled
+
+
+def _without_spikes(fields: dict[str, np.ndarray], times: np.ndarray | None, rules: ImportMap) -> list[Finding]:
+    """Draw a line between the neighbours of readings that jump out and back; say how many these are."""
+    found = []
+    for name in [one.name for one in watched_columns(rules.plant) if one.name in fields]:
+        values = fields[name]
+        places = spikes(values)
+        if len(places):
+            rows = np.arange(len(values)) * (rules.period or 1.0) if times is None else times
+            text = told_spikes(name, places, values, rows, rules.table.field(name).unit)
+            good = np.delete(np.arange(len(values)), places)
+            fields[name] = np.interp(rows, rows[good], values[good])
+            found.append(Finding(name, f"{text}; filled in", False))
+    return found
 
 
 def _counted_from_elsewhere(rules: ImportMap, log: TestLog) -> list[Finding]:
