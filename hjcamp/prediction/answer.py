@@ -23,6 +23,7 @@ from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.free_curve import curve_of, knots_of
 from hjcamp.prediction.verdict.functional import functional
 from hjcamp.prediction.verdict.leading import leading
+from hjcamp.prediction.verdict.swings import Swing
 from hjcamp.prediction.verdict.verdict import Verdict
 
 Array = NDArray[np.float64]
@@ -47,7 +48,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "plant": analysis.measured.plant.name,
         "verdict": verdict.word,
         "effects": list(verdict.effects),
-        "drivers": [one["driver"] for one in unknown_rows(analysis, verdict)],
+        "drivers": [one["driver"] for one in unknown_rows(analysis, verdict)] or (["time"] if verdict.swing else []),
         "p_value": float(verdict.p_value),
         "candidates": candidates(analysis, verdict),
         "error": {"baseline": base.left_out / least, "augmented": model.left_out / least, "floor": 1.0},
@@ -61,6 +62,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
         "unknowns": unknown_rows(analysis, verdict),
         "false_claims": {} if analysis.measured.repeated else _false_claims(analysis, verdict),
+        "swings": swing_row(verdict.swing) if verdict.swing else {},
         "follows_motion": {"share": verdict.follows, "quantities": _leading(analysis, verdict)},
         "confidence_set": [list(names) for names in verdict.confidence_set],
         "floor": floor_rows(analysis),
@@ -73,6 +75,15 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "window_samples": analysis.windows.layout.width,
         "simulated_through": analysis.windows.layout.memory > 0,
         "seconds": round(seconds, 3),
+    }  # fmt: skip
+
+
+def swing_row(swing: Swing) -> dict[str, Any]:
+    """Return what swings by itself, in the unit of its sensor's field."""
+    sensor = swing.sensor
+    return {
+        "channel": sensor.field, "frequency_hz": swing.frequency, "rms": float(swing.rms * sensor.scale), "unit": sensor.unit,
+        "left": swing.left, "chance": swing.chance,
     }  # fmt: skip
 
 

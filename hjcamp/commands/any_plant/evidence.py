@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from hjcamp.commands.any_plant.verdict_words import Words
     from hjcamp.prediction.laws.unknowns import Unknown
     from hjcamp.prediction.selection.scored import Scored
+    from hjcamp.prediction.verdict.swings import Swing
     from hjcamp.report.pictures.evidence import Branch, Missing
 
 POINTS = 1500
@@ -26,6 +27,8 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     found: dict[str, str] = {}
     if words.shows_a_law:
         found |= {f"missing_{name}": svg for name, svg in draw_missing(missing_of(words)).items()}
+    if verdict.swing:
+        found["swing"] = draw_worst_test(*_swing(verdict.swing), observed="calibrated")
     models = {"calibrated": analysis.base}
     if verdict.effects:
         models["with what was found"] = verdict.model
@@ -142,6 +145,16 @@ def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:
         title, sensor.quantity.replace("_", " "), sensor.unit, layout.time[rows],
         layout.readings[rows, k] * sensor.scale, shown,
     )  # fmt: skip
+
+
+def _swing(swing: Swing) -> tuple[Any, ...]:
+    """Return the arguments of the picture of what a model errs by over a whole test, and the sine in it."""
+    from hjcamp.report.names import readable
+
+    rows, sensor = slice(0, None, max(len(swing.time) // POINTS, 1)), swing.sensor
+    title = f"{readable(swing.test)}: what swings at {swing.frequency:.4g} Hz"
+    errors, line = (one[rows] * sensor.scale for one in (swing.errors, swing.line))
+    return title, f"error of {sensor.quantity.replace('_', ' ')}", sensor.unit, swing.time[rows], errors, [("a sine", line)]
 
 
 def _correlations(words: Words, errors: dict[str, Any]) -> list[tuple[str, Any]]:

@@ -141,6 +141,8 @@ class Words:
                 f"{_a(free_law(self.content['unknowns'][0]), begins=True)}, of a form that no effect of the library has, predicts "
                 f"better: it leaves {100.0 * self.content['unknowns'][0]['left']:.0f} % of the error. Its curve is on the page."
             )
+        if self.content["swings"]:
+            found.append(swing_words(self.content["swings"]))
         if verdict.follows:
             found.append(
                 f"{100.0 * verdict.follows:.0f} % of the error can be told from the motion and the inputs of its moment (a "
@@ -149,7 +151,7 @@ class Words:
             told_most = [one.replace("_", " ") for one in self.content["follows_motion"]["quantities"]]
             if told_most:
                 found.append(f"What tells most of it: {', '.join(told_most)}.")
-        elif verdict.word == "outside_library" and not self.content["unknowns"]:
+        elif verdict.word == "outside_library" and not self.content["unknowns"] and not self.content["swings"]:
             repeated = self.analysis.floor.source == "repetitions" and verdict.law_left == 1.0
             found.append(
                 "An effect of the library predicts better than none, but takes less than half of what is missing: it is not that."
@@ -189,10 +191,10 @@ class Words:
                     f"What is left is more than chance (p = {plain(verdict.p_value, 2)}): something may be there that is small, or "
                     "that the library does not describe."
                 )
-            elif verdict.p_value <= LEVEL or verdict.effects:
+            elif not verdict.swing and (verdict.p_value <= LEVEL or verdict.effects):
                 few = "" if verdict.p_value <= LEVEL else ", the least that so few windows can show"
                 found.append(f"Chance: p = {plain(verdict.p_value, 2)}{few} (residuals moved in time, whole library).")
-            if verdict.word != "nothing_missing":
+            if verdict.word != "nothing_missing" and not verdict.swing:
                 found += _false_claims(self.content["false_claims"])
         rows, period = self.content["calibration"], self.analysis.measured.period
         # beside a lag that is named the base is as late as that model has it
@@ -284,6 +286,17 @@ def _false_claims(shares: Mapping[str, float]) -> list[str]:
     }  # fmt: skip
     said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
     return [f"No test was repeated. As much as was found is promised in {', '.join(said)}, where nothing is."] if said else []
+
+
+def swing_words(row: Mapping[str, Any]) -> str:
+    """Say what swings by itself, how much of the error that is, and by what chance it would be there."""
+    from hjcamp.report.exploration import channel_label
+
+    return (
+        f"What {channel_label(row['channel'])} errs by over whole tests swings at {plain(row['frequency_hz'], 4)} Hz, by "
+        f"{told(row['rms'], row['unit'])} rms, which nothing that is given does: a force, a flow or a disturbance from outside. "
+        f"Without it {100.0 * row['left']:.0f} % is left (chance: p = {plain(row['chance'], 2)})."
+    )
 
 
 def free_law(row: Mapping[str, Any]) -> str:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 FLOORS = {
     "repetitions": "floor: what repetitions do not share",
     "near_replicates": "floor: by which alike moments differ (Gamma test; no test was repeated)",
-    "sensor": "floor unknown: no repetitions and too few alike moments; the sensor's noise is shown, a lower bound",
+    "sensor": "floor unknown: no repetitions and too few alike moments; the sensor's noise in that part is shown, a lower bound",
 }
 
 
@@ -306,7 +306,8 @@ def print_head(console: Console, analysis: Analysis) -> None:
 def over_windows(analysis: Analysis) -> str:
     """Return in words over what an error is taken."""
     layout = analysis.windows.layout
-    return f"over windows of {layout.width * layout.measured.period:.3g} s" + (", tests simulated through" if layout.memory else "")
+    through = ", tests simulated through" if layout.memory else ""
+    return f"over windows of {layout.width * layout.measured.period:.3g} s (their smooth part){through}"
 
 
 def _carried(analysis: Analysis) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.residuals.windows import Windows
 
 Array = NDArray[np.float64]
@@ -33,8 +34,9 @@ def through(windows: Windows) -> Windows:
     return replace(windows, layout=layout, starts=starts, slides=None)
 
 
-def whole_error(windows: Windows, candidate: Candidate) -> Whole | None:
-    """Return the error of a model over whole tests, each begun where it fits best.
+def whole_errors(windows: Windows, candidate: Candidate) -> tuple[Layout, Array, int] | None:
+    """Return the layout of whole tests, what a model errs by over them (n, sensors), SI, each begun where it fits best, and its memory
+    in samples.
 
     None where tests are simulated through anyway, and where the model runs away, does not forget its start (a position that a force
     moves) or is held by a loop outside its equations: what adds up by chance, and what the loop hides, is no error of a model.
@@ -44,9 +46,19 @@ def whole_error(windows: Windows, candidate: Candidate) -> Whole | None:
     own = through(windows)
     with np.errstate(over="ignore", invalid="ignore"):
         own.move_starts(candidate)
-        if own.memory(candidate) >= np.median(own.layout.counts) * own.layout.width:
+        memory = own.memory(candidate)
+        if memory >= np.median(own.layout.counts) * own.layout.width:
             return None
-        squares = np.mean(own.errors(candidate) ** 2, axis=0)
-    layout = own.layout
+        return own.layout, own.errors(candidate), memory
+
+
+def whole_error(windows: Windows, candidate: Candidate) -> Whole | None:
+    """Return the error of a model over whole tests; None where these are not looked at, see `whole_errors`."""
+    found = whole_errors(windows, candidate)
+    if found is None:
+        return None
+    layout, errors, _ = found
+    with np.errstate(over="ignore", invalid="ignore"):
+        squares = np.mean(errors**2, axis=0)
     spread = np.mean((layout.readings - layout.means) ** 2, axis=0)
     return Whole(np.sqrt(squares), 1.0 - squares / np.maximum(spread, 1e-300))

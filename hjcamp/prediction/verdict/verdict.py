@@ -16,6 +16,7 @@ from hjcamp.prediction.selection.analysis import Analysis, above_noise, what_lac
 from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.borne_out import not_borne_out
 from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing, held_by_bounds
+from hjcamp.prediction.verdict.swings import Swing, swing_of
 
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
 
@@ -27,7 +28,8 @@ class Verdict:
     ``effects`` are what to add, or the group that cannot be told apart, of which ``model`` has one set;
     ``confidence_set`` every set of names that the tests do not rule out; ``law_left`` the share that the named laws leave of
     what the freest law takes; ``unknown`` the unknown that takes it; ``follows`` the share of the error
-    that follows from the motion though no law takes it; ``refused`` are names that take less than half of what it takes.
+    that follows from the motion though no law takes it; ``refused`` are names that take less than half of what it takes; ``swing`` is
+    what swings by itself.
     """
 
     word: str
@@ -40,6 +42,7 @@ class Verdict:
     lacking: tuple[str, ...]
     follows: float = 0.0
     refused: tuple[str, ...] = ()
+    swing: Swing | None = None
 
     @property
     def shown(self) -> Scored:
@@ -50,7 +53,15 @@ class Verdict:
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width."""
     analysis, verdict = _looked_at(analysis, at)
-    return analysis, _doubted(analysis, _of_no_constant(analysis, verdict))
+    return analysis, _doubted(analysis, _swinging(analysis, _of_no_constant(analysis, verdict)))
+
+
+def _swinging(analysis: Analysis, verdict: Verdict) -> Verdict:
+    """Return that something outside the library is missing where no law is found and what is left swings by itself."""
+    if verdict.word not in (NOTHING, OUTSIDE) or verdict.unknown:
+        return verdict
+    swing = swing_of(analysis)
+    return replace(verdict, word=OUTSIDE, p_value=swing.chance, confidence_set=(), law_left=1.0, swing=swing) if swing else verdict
 
 
 def _of_no_constant(analysis: Analysis, verdict: Verdict) -> Verdict:
