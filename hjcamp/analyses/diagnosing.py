@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from hjcamp.prediction.verdict.verdict import Verdict
 
 MOST_WORKERS = 4
+# A base that was calibrated to a poor minimum is begun anew so often.
+MOST_BEGUN = 2
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,7 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     from hjcamp.prediction.answer import answer, asked_candidates
     from hjcamp.prediction.measured.floor import not_above
     from hjcamp.prediction.selection.analysis import Known, calibrated
+    from hjcamp.prediction.selection.begun_elsewhere import better_base
     from hjcamp.prediction.verdict.verdict import agreed
     from hjcamp.workers.pool import available
 
@@ -75,11 +78,19 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     report("compiling, once for this plant and its effects", 0.02)
     number = asked.workers or min(available(), MOST_WORKERS)
     wanted = own_and_asked(chosen, asked.ask)
+    known = Known()
     at = partial(
-        calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number, known=Known(), forms=forms,
+        calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number, known=known, forms=forms,
         wanted=wanted,
     )  # fmt: skip
     analysis, verdict = agreed(at(), lambda width: at(width=width))
+    for _ in range(MOST_BEGUN):
+        better = better_base(analysis, [one for step in analysis.search.steps for one in (*step.named, *step.unknown)])
+        if better is None:
+            break
+        report("the base fits better elsewhere: looked at anew from there", 0.05)
+        known.base = better
+        analysis, verdict = agreed(at(), lambda width: at(width=width))
     analysis = replace(analysis, floor=not_above(analysis.floor, verdict.shown.fitted.features))
     content = answer(analysis, verdict, 0.0)
     content["candidates"] = with_asked(content["candidates"], asked_candidates(analysis, verdict, wanted), wanted)

@@ -19,7 +19,7 @@ TO_DO = {
     "one_of": "it leaves {names}: tests that tell them apart are named in it; then hjcamp add",
     "nothing_missing": "no law is missing; hjcamp effects new NAME writes a template without a curve",
     "cannot_tell": "its tests do not suffice; diagnose more or longer tests",
-    "outside_library": "nothing that was measured drives what it leaves; hjcamp effects new NAME writes a template",
+    "outside_library": "no law over one quantity takes what it leaves: it has no curve; hjcamp effects new NAME writes a template",
 }
 
 

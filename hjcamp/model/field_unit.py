@@ -88,6 +88,12 @@ def unit_of_field(name: str, where: str) -> FieldUnit:
     for first in range(1, len(parts)):
         if (suffix := "_".join(parts[first:])) in FIELD_UNITS:
             return FIELD_UNITS[suffix]
+    # as people write m/s without its stroke
+    for first in range(1, len(parts)):
+        suffix = "_".join([*parts[first:-1], "per", parts[-1]])
+        if suffix in FIELD_UNITS:
+            meant = "_".join([*parts[:first], suffix])
+            raise UsageError(f"{where}: '{name}' ends with no unit; did you mean '{meant}', in {FIELD_UNITS[suffix].shown}?")
     raise unknown("unit at the end of the field", name, [f"{parts[0]}_{suffix}" for suffix in FIELD_UNITS], where)
 
 

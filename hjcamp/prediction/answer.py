@@ -232,6 +232,7 @@ def calibration(analysis: Analysis, model: Scored | None = None) -> dict[str, di
         unit = "s" if one.name.startswith(DELAY) else plant.parameters[one.name].unit
         found[one.name] = {
             "published": declared, "value": one.value, "unit": unit, **one.row, "at_bound": one.at_bound,
+            **({"held": True} if model is None and one.name in analysis.held else {}),
         }  # fmt: skip
     return found
 

@@ -43,8 +43,8 @@ WORDS: Mapping[str, str] = {
     "part of a test.",
     "window": "A short stretch of a test that a model predicts from a start of its own, so that what drifts does not hide what it "
     "misses.",
-    "smooth part": "What eight smooth curves hold of the errors in a window: what is missing shows in it, most of a sensor's noise does "
-    "not; errors of whole tests hold all of the noise.",
+    "smooth part": "What eight smooth curves hold of the errors in a window: what is missing shows in it, most of a sensor's "
+    "noise does not; errors of whole tests hold all of the noise.",
     "confidence set": "Every set of effects that these tests do not rule out; where it holds more than one, more tests are needed.",
     "t": "Student's t of the paired differences between two models' errors over chapters: how far their mean is from 0, in its "
     "own standard errors.",

@@ -141,7 +141,8 @@ def sentences(done: PlantProposed) -> list[str]:
                 "The motion is what is asked of the loop; what it has to give for it is in the answer (beyond)."
             )
     if said and (not proposal.chosen or any(value < _needed() for value in proposal.together.values())):
-        found.append(f"Kinds of test that tell them apart: {'; '.join(said)}.")
+        which = "Kinds of test that tell" if proposal.chosen else "Beyond what was tried, kinds of test that may tell"
+        found.append(f"{which} them apart: {'; '.join(said)}.")
     return found
 
 

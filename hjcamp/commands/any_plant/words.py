@@ -46,9 +46,16 @@ def calibration_table(
     return [
         [name.replace("_", " ").replace(DELAY, "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
          told_interval(row) + ("  at its bound" if limited(row) else ""),
-         *([told(beside[name]["value"], row["unit"]) if name in beside else ""] if beside else [])]
+         *([_found(beside[name], row["unit"]) if name in beside else ""] if beside else [])]
         for name, row in rows.items()
     ]  # fmt: skip
+
+
+def _found(row: Mapping[str, Any], unit: str) -> str:
+    """Return a base parameter beside what was found, and whether a bound stops it."""
+    from hjcamp.prediction.fitting.intervals import limited
+
+    return told(row["value"], unit) + ("  at its bound" if limited(row) else "")
 
 
 def calibrated(beside: object) -> tuple[str, ...]:
@@ -57,15 +64,23 @@ def calibrated(beside: object) -> tuple[str, ...]:
 
 
 def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Return a sentence for each base parameter that its bounds keep away from what is declared: often a wrong sign."""
-    from hjcamp.prediction.fitting.intervals import held_away
+    """Return a sentence for each base parameter at a bound that is far from what is declared, or of which the tests tell nothing."""
+    from hjcamp.prediction.fitting.intervals import limited
 
-    return [
-        f"{name.replace('_', ' ')} is held by its bound, {told(row['value'], row['unit'])}, far from what is declared: is a sign or "
-        "a unit wrong in the plant's file or in the import map? What is named may stand for that."
-        for name, row in rows.items()
-        if not name.startswith(DELAY) and held_away(row, row["published"])
-    ]
+    found = []
+    for name, row in rows.items():
+        said, value = name.replace("_", " "), told(row["value"], row["unit"])
+        if row.get("held"):
+            found.append(
+                f"{said} is held by its bound, {value}, far from what is declared: is a sign or a unit wrong in the plant's file or in "
+                "the import map? What is named may stand for that."
+            )
+        elif limited(row) and not row.get("told", True) and not name.startswith(DELAY):
+            found.append(
+                f"{said} stands at its bound, {value}, and these tests do not tell it: do they not move what it acts on, or is a "
+                "sign or a unit wrong?"
+            )
+    return found
 
 
 def other_sizes(rows: Mapping[str, Mapping[str, Any]], candidates: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -118,15 +133,17 @@ CALIBRATED = ("parameter", "declared", "here", "95 %")
 def print_comparison(console: Console, found: Comparison) -> None:
     """Print the errors of the models."""
     from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.prediction.answer import calibration
 
     print_head(console, found.analysis)
     table(console, *comparison_table(found))
     print_wrapped(console, [FLOORS[found.analysis.floor.source] + "."], 8)
     print_wrapped(console, notes_on(found), 8)
-    worse = [one.name for one in found.models if any(one.explained < 0.0)]
+    worse = [one.name for one in (*found.models, found.calibrated) if any(one.explained < 0.0)]
     if worse:
         of = "test" if found.analysis.windows.layout.memory else "window"
         print_wrapped(console, [f"{', '.join(worse)}: worse than the mean of each {of} in a channel (explained below 0)."], 8)
+    print_wrapped(console, held_by_bounds(calibration(found.analysis)), 8)
     if rows := whole_table(found):
         console.print(f"whole tests   {WHOLE}", markup=False)
         table(console, *rows)

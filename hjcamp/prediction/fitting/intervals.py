@@ -46,12 +46,6 @@ def limited(row: Mapping[str, Any]) -> bool:
     return bool(row.get("at_bound") and abs(row["value"]) > 1e-9 * max(abs(end or 0.0) for end in row["ci95"]))
 
 
-def held_away(row: Mapping[str, Any], declared: float) -> bool:
-    """Whether tests tell a base parameter, and a bound keeps it from going on, far from what is declared."""
-    low, high = row["ci95"]
-    return limited(row) and bool(row.get("told", True)) and not low <= declared <= high
-
-
 @dataclass(frozen=True)
 class Covariance:
     """The covariance (free, free) of the free parameters, in units of their scales, by what it comes from.

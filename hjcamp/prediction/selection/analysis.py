@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from hjcamp.prediction.residuals.starts import estimated
 from hjcamp.prediction.residuals.windows import FARTHEST_MOVED, ZERO, Windows
 from hjcamp.prediction.selection.contact_form import with_contact_forms
 from hjcamp.prediction.selection.forward import Search
+from hjcamp.prediction.selection.held import held_away
 from hjcamp.prediction.selection.scored import Scored
 
 Array = NDArray[np.float64]
@@ -102,6 +104,11 @@ class Analysis:
     def measured(self) -> Measured:
         """The tests."""
         return self.windows.layout.measured
+
+    @cached_property
+    def held(self) -> tuple[str, ...]:
+        """The base parameters that a bound keeps away from what is declared."""
+        return held_away(self)
 
 
 def what_lacks(measured: Measured, layout: Layout) -> list[str]:

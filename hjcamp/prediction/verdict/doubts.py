@@ -9,7 +9,7 @@ import numpy as np
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.fitting.chapters import critical
-from hjcamp.prediction.fitting.intervals import held_away, intervals
+from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.laws.alike import kind_of
 from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
 from hjcamp.prediction.residuals.windows import ZERO
@@ -78,16 +78,12 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Iterable[str]) -> s
 
 def held_by_bounds(analysis: Analysis) -> str:
     """Return in words which base parameter its bounds keep from going on, far from what is declared; empty where none does."""
-    plant, chapters = analysis.measured.plant, analysis.search.chapters
-    for one in intervals(analysis.base.fitted, chapters):
-        if one.effect or one.name not in plant.base_parameters:
-            continue
-        if held_away({"value": one.value, "at_bound": one.at_bound, **one.row}, plant.parameters[one.name].default):
-            return (
-                f"{one.name.replace('_', ' ')} stands at its bound, far from what is declared: these tests do not tell it, its bounds "
-                "are wrong, or it takes the place of what is missing"
-            )
-    return ""
+    if not analysis.held:
+        return ""
+    return (
+        f"{analysis.held[0].replace('_', ' ')} stands at its bound, far from what is declared: these tests do not tell it, its bounds "
+        "are wrong, or it takes the place of what is missing"
+    )
 
 
 def _late(analysis: Analysis, p_value: float) -> str:

@@ -1,0 +1,44 @@
+"""Whether the base fits better from where a fit with something beside it has led it: then it had been calibrated to a poor minimum."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.fitting.gauss_newton import TURNS_OF_BASE, settled
+from hjcamp.prediction.levels import LEVEL
+from hjcamp.prediction.selection.analysis import BEGUN_APART, Analysis
+from hjcamp.prediction.selection.scored import Scored
+
+
+def better_base(analysis: Analysis, models: Iterable[Scored]) -> dict[str, float] | None:
+    """Return base parameters that fit better than those of an analysis, by a likelihood ratio at the level of all claims.
+
+    They are looked for from where ``models`` of the same windows, with effects beside the base, have them, without these effects, where
+    one is half as far off at least as the base was begun from. None where nothing fits better.
+    """
+    from scipy.special import chdtri
+
+    base, found = analysis.base.fitted, None
+    least = base.loss - 0.5 * float(chdtri(1, LEVEL))
+    names = analysis.measured.plant.base_parameters
+    for one in models:
+        start = Candidate(one.fitted.candidate.base, base.candidate.effects)
+        if not _elsewhere(start, base.candidate, names):
+            continue
+        own = replace(analysis.windows)
+        own.place = one.place
+        own.move_starts(start)
+        fitted = settled(own, start, base.free, turns=TURNS_OF_BASE)
+        if np.isfinite(fitted.loss) and fitted.loss < least:
+            least, found = fitted.loss, dict(fitted.candidate.base)
+    return found
+
+
+def _elsewhere(one: Candidate, other: Candidate, names: Iterable[str]) -> bool:
+    """Whether a base parameter is half as far off, on a logarithmic scale, as a base is begun apart."""
+    pairs = [(one.base[name], other.base[name]) for name in names if name in one.base and name in other.base]
+    return any(b and not BEGUN_APART**-0.5 < a / b < BEGUN_APART**0.5 for a, b in pairs)

@@ -1,0 +1,42 @@
+"""Base parameters that a bound keeps away from what is declared: often a wrong sign or unit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from hjcamp.prediction.fitting.gauss_newton import TURNS_OF_BASE, settled
+from hjcamp.prediction.fitting.intervals import Interval, intervals, limited
+from hjcamp.prediction.levels import LEVEL
+
+if TYPE_CHECKING:
+    from hjcamp.prediction.selection.analysis import Analysis
+
+
+def held_away(analysis: Analysis) -> tuple[str, ...]:
+    """Return the base parameters that stand at a bound, far from what is declared.
+
+    Where the tests tell a parameter, its interval leaves out what is declared. Where they do not, as of a gain that is a thousand
+    times too small, the base without that parameter, as it is declared, fits worse (likelihood ratio at the level of all claims).
+    """
+    parameters, fitted = analysis.measured.plant.parameters, analysis.base.fitted
+    names = set(analysis.measured.plant.base_parameters)
+    return tuple(
+        one.name
+        for one in intervals(fitted, analysis.search.chapters)
+        if not one.effect and one.name in names and limited({"value": one.value, "at_bound": one.at_bound, **one.row})
+        and _away(analysis, one, parameters[one.name].default)
+    )  # fmt: skip
+
+
+def _away(analysis: Analysis, one: Interval, declared: float) -> bool:
+    from scipy.special import chdtri
+
+    if one.told or one.value == declared:
+        return not one.low <= declared <= one.high
+    fitted = analysis.base.fitted
+    start, free = fitted.candidate.with_base({one.name: declared}), [each for each in fitted.free if each.name != one.name]
+    own = replace(analysis.windows)
+    own.place = analysis.base.place
+    own.move_starts(start)
+    return settled(own, start, free, turns=TURNS_OF_BASE).loss > fitted.loss + 0.5 * float(chdtri(1, LEVEL))
