@@ -143,7 +143,9 @@ def _seen(plant: type[Plant], effects: Mapping[str, type[Effect]], simulator: Si
 
 
 def _unknown_starts(plant: type[Plant]) -> list[str]:
-    return [name for name, state in plant.states.items() if state.start == "unknown"]
+    """Return the states of which nobody knows where a test begins: so it is declared, or nothing measures them."""
+    seen = {one.of for one in plant.measured.values()}
+    return [name for name, state in plant.states.items() if state.start == "unknown" or not (plant.channels or name in seen)]
 
 
 def _sensitivities(simulator: Simulator, given: Given, names: Sequence[str]) -> Array:

@@ -12,18 +12,30 @@ def row(value: float, low: float, high: float, at_bound: bool) -> dict[str, dict
 
 
 def test_a_parameter_that_its_bound_keeps_from_what_is_declared_asks_for_a_sign() -> None:
-    [said] = held_by_bounds(row(0.02, 0.02, 0.3, True))
+    at_bound = row(0.02, 0.02, 0.3, True)
+    at_bound["push_gain"]["held"] = True
+    [said] = held_by_bounds(at_bound)
     assert said.startswith("push gain is held by its bound, 0.02 N, far") and "a sign or a unit" in said
-    assert calibration_table(row(0.02, 0.02, 0.3, True))[0][-1].endswith("  at its bound")
+    assert calibration_table(at_bound)[0][-1].endswith("  at its bound")
 
 
-@pytest.mark.parametrize(("low", "high", "at_bound"), [(0.02, 2.0, True), (0.02, 0.3, False)])
-def test_what_the_tests_cannot_tell_or_no_bound_holds_does_not(low: float, high: float, at_bound: bool) -> None:
-    assert held_by_bounds(row(0.02, low, high, at_bound)) == []
+def test_a_parameter_at_its_bound_that_the_tests_do_not_tell_asks_whether_they_can() -> None:
+    untold = row(0.02, 0.02, 3.0, True)
+    assert held_by_bounds(untold) == []
+    untold["push_gain"]["told"] = False
+    [said] = held_by_bounds(untold)
+    assert said.startswith("push gain stands at its bound, 0.02 N, and these tests do not tell it") and "a sign or a unit" in said
+
+
+def test_what_was_found_beside_is_marked_where_a_bound_stops_it() -> None:
+    [line] = calibration_table(row(0.3, 0.2, 0.4, False), row(3.0, 1.0, 3.0, True))
+    assert line[-1] == "3 N  at its bound" and not line[-2].endswith("bound")
 
 
 def test_no_friction_at_all_and_a_delay_at_its_longest_are_no_wrong_sign() -> None:
-    assert held_by_bounds(row(0.0, 0.0, 0.3, True)) == [] and calibration_table(row(0.0, 0.0, 0.3, True))[0][-1] == "0 to 0.3"
+    none = row(0.0, 0.0, 0.3, True)
+    none["push_gain"]["told"] = False
+    assert held_by_bounds(none) == [] and not calibration_table(none)[0][-1].endswith("bound")
     late = {"delay.current": row(0.004, 0.003, 0.004, True)["push_gain"] | {"published": 0.0, "unit": "s"}}
     assert held_by_bounds(late) == [] and calibration_table(late)[0][-1].endswith("at its bound")
 
@@ -59,6 +71,8 @@ def test_bounds_that_follow_from_declared_sizes_are_told(value: float, told: boo
     if not told:
         base["gain"]["told"] = False
     row = {"value": width, "unit": "N*m", "ci95": [0.0, 9e-4], "at_bound": at_bound}
-    found = other_sizes(base, [{"effect": "dead_band", "parameters": {"width": row}}])
+    found = other_sizes(base, [{"effect": "dead_band", "heldout_error_ratio": 0.9, "parameters": {"width": row}}])
     assert bool(found) == said
     assert not said or ("gain is" in found[0] and "dead_band may stand at a bound" in found[0])
+    # of what predicts worse than nothing no bound is of interest
+    assert other_sizes(base, [{"effect": "dead_band", "heldout_error_ratio": 1.04, "parameters": {"width": row}}]) == []

@@ -87,9 +87,10 @@ def other_sizes(rows: Mapping[str, Mapping[str, Any]], candidates: Sequence[Mapp
     """Return in words which effects stand at bounds that follow from what the plant declares, where its base is far from that."""
     from hjcamp.prediction.fitting.intervals import limited
 
-    held = [one["effect"] for one in candidates if any(limited(row) for row in one["parameters"].values())]
+    near = [one for one in candidates if one["heldout_error_ratio"] < 1.0]
+    held = [one["effect"] for one in near if any(limited(row) for row in one["parameters"].values())]
     told_here = {name: row for name, row in rows.items() if row["published"] and row.get("told", True) and not row["at_bound"]}
-    moved = {name: row["value"] / row["published"] for name, row in told_here.items()}
+    moved = {name: abs(row["value"] / row["published"]) for name, row in told_here.items()}
     far = [f"{name.replace('_', ' ')} is {ratio:.2g} times as large" for name, ratio in moved.items() if not 0.5 <= ratio <= 2.0]
     if not held or not far:
         return []
