@@ -40,7 +40,10 @@ def times_of(port: Port) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Unknown:
-    """An unknown at one place: its effect, the plant's name of what drives it, and the range of that in the tests, SI."""
+    """An unknown at one place: its effect, the plant's name of what drives it, and the range of that in the tests, SI.
+
+    ``levels`` are the values of what drives it where it has no more of them than the law has knots: between these nothing is told.
+    """
 
     effect: type[Effect]
     place: str
@@ -50,6 +53,7 @@ class Unknown:
     low: float
     high: float
     usual: float
+    levels: tuple[float, ...] = ()
 
     @property
     def amplitudes(self) -> tuple[str, ...]:
@@ -77,8 +81,13 @@ class Unknown:
         return self.quantity == "friction" and self.driver in ("travel", "time")
 
 
-def unknowns_of(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:
-    """Return every unknown that fits the plant, by name; those whose driver hardly moves in the tests are left out."""
+def unknowns_of(
+    plant: type[Plant], ranges: Mapping[str, tuple[float, float]], courses: Mapping[str, Array] | None = None
+) -> dict[str, Unknown]:
+    """Return every unknown that fits the plant, by name; those whose driver hardly moves in the tests are left out.
+
+    ``courses`` say which drivers have few values.
+    """
     found = {}
     for law in unknown_laws.LAWS:
         words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", law.__name__).lower()
@@ -98,7 +107,8 @@ def unknowns_of(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -
                 port = _port(plant, law, effect)
                 usual = ranges.get(port.size_of(next(iter(law.terms))), (0.0, 1.0))
                 size = max(abs(usual[0]), abs(usual[1])) or 1.0
-                found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size)
+                levels = _levels((courses or {}).get(signal, np.zeros(0)), len(amplitudes_of_law(effect)))
+                found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size, levels)
     return found | _gains(plant, ranges)
 
 
@@ -148,6 +158,14 @@ def values_of(plant: type[Plant], parameters: Iterable[str], ranges: Mapping[str
     return found
 
 
+def _levels(course: Array, most: int) -> tuple[float, ...]:
+    """Return the values of a course where it has few, at least two and no more than ``most``."""
+    finite = course[np.isfinite(course)]
+    size = float(np.abs(finite).max(initial=0.0)) or 1.0
+    found = np.unique(np.round(finite / size, 9)) * size
+    return tuple(float(one) for one in found) if 2 <= len(found) <= most else ()
+
+
 def _drives(term: Any, name: str, driver: str) -> bool:
     return dict(term.names).get(driver, driver) == name
 
@@ -158,10 +176,8 @@ def _port(plant: type[Plant], law: type[Effect], effect: type[Effect]) -> Port:
     return next(port for port in ports if {port.names.get(slot) for slot in law.terms} <= set(effect.terms))
 
 
-def ranges_of(
-    plant: type[Plant], values: Mapping[str, float], states: Array, inputs: Array, time: Array
-) -> dict[str, tuple[float, float]]:
-    """Return the range (1st to 99th percentile) of every signal and state along ``states`` (n, states), SI."""
+def courses_of(plant: type[Plant], values: Mapping[str, float], states: Array, inputs: Array, time: Array) -> dict[str, Array]:
+    """Return every signal and state at some hundred places along ``states`` (n, states), SI."""
     vocabulary = read_vocabulary(plant)
     # lines may read a rate that is given above them
     lines = [
@@ -194,9 +210,14 @@ def ranges_of(
                     seen.setdefault(name, []).append(float(scope[name]))
         for name, value in own.items():
             seen.setdefault(name, []).append(value)
+    return {name: np.array(values) for name, values in seen.items()}
+
+
+def ranges_of(courses: Mapping[str, Array], time: Array) -> dict[str, tuple[float, float]]:
+    """Return the range (1st to 99th percentile) of every course, SI, and that of the time."""
     found = {}
-    for name, all_of in seen.items():
-        finite = np.array(all_of)[np.isfinite(all_of)]
+    for name, all_of in courses.items():
+        finite = all_of[np.isfinite(all_of)]
         if len(finite):
             found[name] = (float(np.percentile(finite, 1.0)), float(np.percentile(finite, 99.0)))
     found["time"] = (float(time.min()), float(time.max()))

@@ -17,7 +17,7 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.fitting.chapters import FEWEST, chapters_of
 from hjcamp.prediction.fitting.gauss_newton import SETTLED, TURNS_OF_BASE, Fitted, Free, settled
-from hjcamp.prediction.laws.unknowns import ranges_of, unknowns_of
+from hjcamp.prediction.laws.unknowns import courses_of, ranges_of, unknowns_of
 from hjcamp.prediction.levels import LEVEL, MATTERS
 from hjcamp.prediction.measured.floor import Floor, floor_of
 from hjcamp.prediction.measured.layout import SHORTEST, SHORTEST_OF_ALL, WINDOWS, Layout
@@ -191,9 +191,10 @@ def calibrated(
             "check their values and the units of the logs"
         )
     states = _filled(windows, fitted.candidate)
-    search.ranges = ranges_of(plant, fitted.candidate.base, states, layout.inputs, layout.time)
+    courses = courses_of(plant, fitted.candidate.base, states, layout.inputs, layout.time)
+    search.ranges = ranges_of(courses, layout.time)
     windows.spare(fitted.candidate)
-    search.admit(unknowns_of(plant, search.ranges) if unknowns else {})
+    search.admit(unknowns_of(plant, search.ranges, courses) if unknowns else {})
     scored = search.scored(fitted)
     scored = with_contact_forms(search, scored, known.shown)
     known.shown |= set(scored.names) & windows.forms

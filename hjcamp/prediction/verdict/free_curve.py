@@ -35,8 +35,9 @@ def _of_place(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tu
     seen = _seen(model, known)
     knots = np.linspace(known.low, known.high, len(known.amplitudes))[seen]
     rows = [own[knot] for knot, one in zip(known.amplitudes, seen, strict=True) if one]
+    at = np.clip(known.levels, known.low, known.high) if known.levels else x
     values, low, high = (
-        known.amount(np.interp(x, knots, [getattr(one, key if one.told else "value") for one in rows]))
+        np.interp(x, at, known.amount(np.interp(at, knots, [getattr(one, key if one.told else "value") for one in rows])))
         for key in ("value", "low", "high")
     )
     return values, low, high
@@ -72,14 +73,15 @@ def _of_value(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tu
 def knots_of(analysis: Analysis, model: Scored, name: str) -> dict[str, list[float]]:
     """Return the places over the driver (SI) at which an unknown's law has its values, and these.
 
-    What no reading depends on has the value of what is beside it.
+    What no reading depends on has the value of what is beside it. Of a driver with few values these are the places.
     """
     known = analysis.search.unknowns[name]
     own = model.fitted.candidate.effects[name]
     places = np.linspace(known.low, known.high, len(known.amplitudes))
     values = np.array([float(known.amount(own[knot])) for knot in known.amplitudes])
     seen = _seen(model, known)
-    return {"x": places.tolist(), "y": np.interp(places, places[seen], values[seen]).tolist()}
+    at = np.clip(known.levels, known.low, known.high) if known.levels else places
+    return {"x": at.tolist(), "y": np.interp(at, places[seen], values[seen]).tolist()}
 
 
 def _seen(model: Scored, known: Unknown) -> NDArray[np.bool_]:
