@@ -107,7 +107,7 @@ def unknowns_of(
                 port = _port(plant, law, effect)
                 usual = ranges.get(port.size_of(next(iter(law.terms))), (0.0, 1.0))
                 size = max(abs(usual[0]), abs(usual[1])) or 1.0
-                levels = _levels((courses or {}).get(signal, np.zeros(0)), len(amplitudes_of_law(effect)))
+                levels = _levels((courses or {}).get(signal, np.zeros(0)), low, high, len(amplitudes_of_law(effect)))
                 found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size, levels)
     return found | _gains(plant, ranges)
 
@@ -158,9 +158,9 @@ def values_of(plant: type[Plant], parameters: Iterable[str], ranges: Mapping[str
     return found
 
 
-def _levels(course: Array, most: int) -> tuple[float, ...]:
-    """Return the values of a course where it has few, at least two and no more than ``most``."""
-    finite = course[np.isfinite(course)]
+def _levels(course: Array, low: float, high: float, most: int) -> tuple[float, ...]:
+    """Return the values of a course within its range where it has few, at least two and no more than ``most``."""
+    finite = np.clip(course[np.isfinite(course)], low, high)
     size = float(np.abs(finite).max(initial=0.0)) or 1.0
     found = np.unique(np.round(finite / size, 9)) * size
     return tuple(float(one) for one in found) if 2 <= len(found) <= most else ()

@@ -35,7 +35,7 @@ def _of_place(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tu
     seen = _seen(model, known)
     knots = np.linspace(known.low, known.high, len(known.amplitudes))[seen]
     rows = [own[knot] for knot, one in zip(known.amplitudes, seen, strict=True) if one]
-    at = np.clip(known.levels, known.low, known.high) if known.levels else x
+    at = np.array(known.levels) if known.levels else x
     values, low, high = (
         np.interp(x, at, known.amount(np.interp(at, knots, [getattr(one, key if one.told else "value") for one in rows])))
         for key in ("value", "low", "high")
@@ -80,7 +80,7 @@ def knots_of(analysis: Analysis, model: Scored, name: str) -> dict[str, list[flo
     places = np.linspace(known.low, known.high, len(known.amplitudes))
     values = np.array([float(known.amount(own[knot])) for knot in known.amplitudes])
     seen = _seen(model, known)
-    at = np.clip(known.levels, known.low, known.high) if known.levels else places
+    at = np.array(known.levels) if known.levels else places
     return {"x": at.tolist(), "y": np.interp(at, places[seen], values[seen]).tolist()}
 
 
