@@ -99,7 +99,23 @@ def coverage(library: Sequence[Line], nulls: Sequence[Line]) -> list[Measure]:
             aim,
         ),
         _covered("... amplitudes of right effects", hidden, aim),
+        half_width([line for line in library if "answer" in line and right(line, False)]),
     ]
+
+
+def half_width(lines: Sequence[Line]) -> Measure:
+    """Return half the width of the 95 % intervals of effects that are right, over their value, percent: the median.
+
+    It is that of what an effect makes at the tests' own operating point. What is known exactly, to a count, is no width.
+    """
+    widths = []
+    for line in lines:
+        for row in line["answer"]["candidates"]:
+            found = row.get("functional") if row["effect"] in line["effects"] else None
+            low, high = (found or {}).get("ci95") or (None, None)
+            if found and found["value"] and low is not None and high is not None:
+                widths.append(50.0 * (high - low) / abs(found["value"]))
+    return Measure("half width of 95 % intervals of right effects, median", _median(widths), len(widths), at_most("19 %", 12, 8))
 
 
 def _covered(title: str, rows: Sequence[tuple[str, bool]], aim: Aim) -> Measure:
