@@ -85,7 +85,8 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     )  # fmt: skip
     analysis, verdict = agreed(at(), lambda width: at(width=width))
     for _ in range(MOST_BEGUN):
-        better = better_base(analysis, [one for step in analysis.search.steps for one in (*step.named, *step.unknown)])
+        fits = [one for step in analysis.search.steps for one in (*step.named, *step.unknown)]
+        better = better_base(analysis, verdict.shown, fits)
         if better is None:
             break
         report("the base fits better elsewhere: looked at anew from there", 0.05)

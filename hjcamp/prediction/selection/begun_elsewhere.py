@@ -14,20 +14,20 @@ from hjcamp.prediction.selection.analysis import BEGUN_APART, Analysis
 from hjcamp.prediction.selection.scored import Scored
 
 
-def better_base(analysis: Analysis, models: Iterable[Scored]) -> dict[str, float] | None:
+def better_base(analysis: Analysis, said: Scored, others: Iterable[Scored]) -> dict[str, float] | None:
     """Return base parameters that fit better than those of an analysis, by a likelihood ratio at the level of all claims.
 
-    They are looked for from where ``models`` of the same windows, with effects beside the base, have them, without these effects, where
-    one is half as far off at least as the base was begun from. None where nothing fits better.
+    They are looked for from where the model of an answer has them (what is ``said``), without its effects, and from where ``others`` of
+    the same windows have one that is half as far off at least as the base was begun from. None where nothing fits better.
     """
     from scipy.special import chdtri
 
     base, found = analysis.base.fitted, None
     least = base.loss - 0.5 * float(chdtri(1, LEVEL))
     names = analysis.measured.plant.base_parameters
-    for one in models:
+    for one in (said, *others):
         start = Candidate(one.fitted.candidate.base, base.candidate.effects)
-        if not _elsewhere(start, base.candidate, names):
+        if not one.beyond(analysis.base) or (one is not said and not _elsewhere(start, base.candidate, names)):
             continue
         own = replace(analysis.windows)
         own.place = one.place

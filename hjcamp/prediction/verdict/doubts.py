@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.fitting.chapters import critical
 from hjcamp.prediction.fitting.intervals import intervals
+from hjcamp.prediction.fitting.likelihood import loss
 from hjcamp.prediction.laws.alike import kind_of
 from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
 from hjcamp.prediction.residuals.windows import ZERO
@@ -43,12 +45,12 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
     )
 
 
-def doubt_of_names(analysis: Analysis, model: Scored, names: Iterable[str]) -> str:
+def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> str:
     """Return in words that a drive which is named late acts, with the delay of the base, no later than its log, or what else
     speaks against a name; else nothing.
 
     So looks an input that runs on between samples where it was declared to be held: its mean over a sample is early and smooth.
-    Nor is an effect named that stands at a bound, and of which the tests tell nothing.
+    Nor is an effect named that stands at a bound, and of which the tests tell nothing, or whose gain is that of where windows begin.
     """
     rows = intervals(model.fitted, analysis.search.chapters)
     # of a gain whose sign is wrong next to nothing is left, of which the tests tell nothing
@@ -73,7 +75,17 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Iterable[str]) -> s
                     f"the base takes {given} to act {-one.value:.2g} s before its log, and {name} makes it late by {late:.2g} s: "
                     'together it is not late. It may run on between samples (hold="linear" in the plant\'s file), or be logged late'
                 )
+    if names and not _begun_anew(analysis, model) < _begun_anew(analysis, analysis.base):
+        return f"{' with '.join(names)} predicts better from where windows had begun, and no better where they begin as fits it best"
     return ""
+
+
+def _begun_anew(analysis: Analysis, model: Scored) -> float:
+    """Return the loss of a model with windows that begin where it fits best, by what their starts change of this very model."""
+    own = replace(analysis.windows)
+    own.place = model.place
+    own.move_starts(model.fitted.candidate)
+    return loss(own.features(model.fitted.candidate))
 
 
 def held_by_bounds(analysis: Analysis) -> str:
