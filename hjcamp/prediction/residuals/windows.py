@@ -9,7 +9,7 @@ Legendre polynomials in units of the sensor's noise. States that nothing measure
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -224,6 +224,13 @@ class Windows:
         """Return the squares (windows,) of errors (windows, coefficients), summed over all windows that share a start."""
         squares, shared = np.sum(left**2, axis=1), np.cumsum(self.layout.begun) - 1
         return np.asarray(np.bincount(shared, squares)[shared])
+
+    def begun_for(self, candidate: Candidate, place: tuple[Array, Passage | Through]) -> Windows:
+        """Return these windows where they meet a model's readings best, moved there from a ``place``."""
+        own = replace(self)
+        own.place = place
+        own.move_starts(candidate)
+        return own
 
     def memory(self, candidate: Candidate) -> int:
         """Return the samples in which the readings forget a start where tests are simulated through: the slowest state.

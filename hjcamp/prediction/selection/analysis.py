@@ -297,9 +297,7 @@ def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterab
     for one in fitted.free:
         for factor in (1.0 / BEGUN_APART, BEGUN_APART) if not one.effect and one.name in names else ():
             start = one.put(begun, factor * one.value_in(begun))
-            own = replace(windows)
-            own.place = place
-            own.move_starts(start)
+            own = windows.begun_for(start, place)
             found = settled(own, start, fitted.free, turns=TURNS_OF_BASE)
             if found.loss < min(best.loss, least):
                 best, windows.place = found, own.place

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 import numpy as np
 
@@ -29,10 +28,7 @@ def better_base(analysis: Analysis, said: Scored, others: Iterable[Scored]) -> d
         start = Candidate(one.fitted.candidate.base, base.candidate.effects)
         if not one.beyond(analysis.base) or (one is not said and not _elsewhere(start, base.candidate, names)):
             continue
-        own = replace(analysis.windows)
-        own.place = one.place
-        own.move_starts(start)
-        fitted = settled(own, start, base.free, turns=TURNS_OF_BASE)
+        fitted = settled(analysis.windows.begun_for(start, one.place), start, base.free, turns=TURNS_OF_BASE)
         if np.isfinite(fitted.loss) and fitted.loss < least:
             least, found = fitted.loss, dict(fitted.candidate.base)
     return found

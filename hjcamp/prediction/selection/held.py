@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from hjcamp.prediction.fitting.gauss_newton import TURNS_OF_BASE, settled
@@ -16,8 +15,8 @@ if TYPE_CHECKING:
 def held_away(analysis: Analysis) -> tuple[str, ...]:
     """Return the base parameters that stand at a bound, far from what is declared.
 
-    Where the tests tell a parameter, its interval leaves out what is declared. Where they do not, as of a gain that is a thousand
-    times too small, the base without that parameter, as it is declared, fits worse (likelihood ratio at the level of all claims).
+    Where the tests tell a parameter, its interval leaves out what is declared. Where they do not, as of two gains whose
+    product alone is told, the base with that parameter as declared fits worse (likelihood ratio at the level of all claims).
     """
     parameters, fitted = analysis.measured.plant.parameters, analysis.base.fitted
     names = set(analysis.measured.plant.base_parameters)
@@ -36,7 +35,5 @@ def _away(analysis: Analysis, one: Interval, declared: float) -> bool:
         return not one.low <= declared <= one.high
     fitted = analysis.base.fitted
     start, free = fitted.candidate.with_base({one.name: declared}), [each for each in fitted.free if each.name != one.name]
-    own = replace(analysis.windows)
-    own.place = analysis.base.place
-    own.move_starts(start)
+    own = analysis.windows.begun_for(start, analysis.base.place)
     return settled(own, start, free, turns=TURNS_OF_BASE).loss > fitted.loss + 0.5 * float(chdtri(1, LEVEL))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -82,10 +81,8 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> s
 
 def _begun_anew(analysis: Analysis, model: Scored) -> float:
     """Return the loss of a model with windows that begin where it fits best, by what their starts change of this very model."""
-    own = replace(analysis.windows)
-    own.place = model.place
-    own.move_starts(model.fitted.candidate)
-    return loss(own.features(model.fitted.candidate))
+    candidate = model.fitted.candidate
+    return loss(analysis.windows.begun_for(candidate, model.place).features(candidate))
 
 
 def held_by_bounds(analysis: Analysis) -> str:
