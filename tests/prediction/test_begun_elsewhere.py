@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from prediction.test_whole_tests import PLANT, slab  # noqa: F401 - a fixture
 
-from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.fitting.intervals import intervals
@@ -16,7 +15,6 @@ from hjcamp.prediction.fitting.likelihood import loss
 from hjcamp.prediction.measured.tests import Measured
 from hjcamp.prediction.selection.analysis import Analysis, calibrated
 from hjcamp.prediction.selection.begun_elsewhere import better_base
-from hjcamp.prediction.verdict.doubts import doubt_of_names
 
 
 def at(analysis: Analysis, value: float) -> Analysis:
@@ -70,12 +68,3 @@ def test_two_gains_of_which_the_product_alone_is_told_are_held_where_it_would_go
     rows = {one.name: one for one in intervals(analysis.base.fitted, analysis.search.chapters)}
     assert not rows["gain"].told and rows["gain"].at_bound
     assert set(analysis.held) >= {"gain", "scale"}
-
-
-def test_a_name_that_predicts_no_better_once_windows_begin_anew_is_doubted(slab: Measured) -> None:  # noqa: F811
-    library = {"sensor_gain": load_effects(plant=slab.plant)["sensor_gain"]}
-    analysis = calibrated(slab, library, unknowns=False)
-    poor = at(analysis, 3.0)
-    stale = replace(poor.base, names=("sensor_gain",), fitted=replace(poor.base.fitted, loss=0.0))
-    assert "no better where they begin" in doubt_of_names(analysis, stale, ("sensor_gain",))
-    assert doubt_of_names(at(analysis, 20.0), stale, ("sensor_gain",)) == ""

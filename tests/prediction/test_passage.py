@@ -14,8 +14,9 @@ from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.effects import load_effects
 from hjcamp.prediction.answer import answer
 from hjcamp.prediction.fitting.bounded_step import bounded_step
-from hjcamp.prediction.fitting.gauss_newton import TURNS_OF_BASE, settled
+from hjcamp.prediction.fitting.gauss_newton import TURNS_OF_BASE, settled, whole_loss
 from hjcamp.prediction.fitting.intervals import intervals
+from hjcamp.prediction.fitting.likelihood import loss
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.residuals.passage import Passage
 from hjcamp.prediction.selection.analysis import calibrated
@@ -110,6 +111,18 @@ def test_a_fit_goes_on_where_a_parameter_stands_at_its_bound() -> None:
     free = analysis.search.free_of(candidate)
     found = settled(analysis.windows, candidate, free, turns=TURNS_OF_BASE).candidate.effects["spill_over"]
     assert found["brim"] == pytest.approx(7.0, rel=0.05) and found["caught"] == pytest.approx(0.5, abs=0.05)
+
+
+@pytest.mark.usefixtures("tanks")
+@pytest.mark.parametrize("turns", [0, 1, 20])
+def test_a_fit_ends_with_windows_that_begin_where_it_fits_best(turns: int) -> None:
+    analysis = calibrated(measured_tests([measured_log(samples=800)]), {}, unknowns=False)
+    windows, start = analysis.windows, analysis.base.fitted.candidate.with_base({"k4": 1.3 * PUMP})
+    found = settled(windows, start, analysis.search.free_of(start), turns=turns)
+    assert found.loss == whole_loss(windows.features(found.candidate), found.candidate, found.free)
+    # nothing of it is owed to what another model's starts explain
+    windows.renew(found.candidate)
+    assert found.loss == pytest.approx(loss(windows.features(found.candidate)), rel=1e-6)
 
 
 @pytest.mark.usefixtures("tanks")

@@ -194,7 +194,6 @@ def test_a_late_drive_that_acts_before_its_log_is_doubted(
     monkeypatch.setattr(doubts, "intervals", lambda fitted, chapters: [early])
     said = Verdict("effect", ("command_delay",), model, 0.001, (("command_delay",),), 0.0, None, ())
     monkeypatch.setattr(verdict, "judged", lambda one: said)
-    monkeypatch.setattr(doubts, "_begun_anew", lambda analysis, one: 0.0 if one is model else 1.0)  # no fit has led there
     found = verdict.agreed(analysis, lambda width: analysis)[1]
     assert found.word == ("cannot_tell" if doubted else "effect")
     assert not doubted or "together it is not late" in found.lacking[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -211,7 +211,10 @@ def _lent(
 def settled(
     windows: Windows, start: Candidate, free: Sequence[Free], near: Fitted | None = None, turns: int = TURNS
 ) -> Fitted:
-    """Return the fit with the windows' starts moved along: fit, move the starts, and fit again until nothing is gained."""
+    """Return the fit with the windows' starts moved along: fit, move the starts, and fit again until nothing is gained.
+
+    In the end they are moved once more, so that what is left is judged by what the starts of this very model explain.
+    """
     found = fit(windows, start, free, near=near)
     for _ in range(turns):
         if not np.isfinite(found.loss):
@@ -223,7 +226,11 @@ def settled(
         # where states go on from window to window, starts that are moved may bend the loss upwards at first
         if gained < SETTLED and (gained > -SETTLED or not windows.unseen.any()):
             break
-    return found
+    if not np.isfinite(found.loss):
+        return found
+    features = windows.move_starts(found.candidate, rounds=1)
+    slopes = slopes_of(windows, found.candidate, free, features)
+    return replace(found, features=features, slopes=slopes, loss=whole_loss(features, found.candidate, free))
 
 
 def whole_loss(features: Array, candidate: Candidate, free: Sequence[Free]) -> float:

@@ -10,7 +10,6 @@ import numpy as np
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.fitting.chapters import critical
 from hjcamp.prediction.fitting.intervals import intervals
-from hjcamp.prediction.fitting.likelihood import loss
 from hjcamp.prediction.laws.alike import kind_of
 from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
 from hjcamp.prediction.residuals.windows import ZERO
@@ -74,15 +73,7 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> s
                     f"the base takes {given} to act {-one.value:.2g} s before its log, and {name} makes it late by {late:.2g} s: "
                     'together it is not late. It may run on between samples (hold="linear" in the plant\'s file), or be logged late'
                 )
-    if names and not _begun_anew(analysis, model) < _begun_anew(analysis, analysis.base):
-        return f"{' with '.join(names)} predicts better from where windows had begun, and no better where they begin as fits it best"
     return ""
-
-
-def _begun_anew(analysis: Analysis, model: Scored) -> float:
-    """Return the loss of a model with windows that begin where it fits best, by what their starts change of this very model."""
-    candidate = model.fitted.candidate
-    return loss(analysis.windows.begun_for(candidate, model.place).features(candidate))
 
 
 def held_by_bounds(analysis: Analysis) -> str:
