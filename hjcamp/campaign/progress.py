@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -16,6 +18,23 @@ if TYPE_CHECKING:
     from hjcamp.campaign.compiling import Kernels
 
 STILL_S, STILL_STEPS = 3.0, 3.0
+EVERY_S = 30.0
+
+
+class Lines:
+    """Says every half a minute at most, on a line of standard error, what is being done: where nobody would see a bar move."""
+
+    def __init__(self) -> None:
+        self.begun = self.last = time.monotonic()
+
+    def __call__(self, text: str) -> None:
+        """Say it, or not yet."""
+        now = time.monotonic()
+        if now - self.last < EVERY_S:
+            return
+        self.last = now
+        minutes, seconds = divmod(round(now - self.begun), 60)
+        print(f"  {minutes}:{seconds:02d}  {text}", file=sys.stderr, flush=True)
 
 
 class TimeLeft(TimeRemainingColumn):
@@ -55,11 +74,12 @@ class _RunProgress(Progress):
 def progress_bar(
     console: Console, total: int, done: int, kernels: Kernels | None = None
 ) -> Iterator[Callable[[str], None]]:
-    """Show a bar on a terminal, elsewhere only what has to be compiled; yields the function to call after each test."""
+    """Show a bar on a terminal, elsewhere what has to be compiled and a line now and then; yields what to call after each test."""
     if not console.is_terminal:
         if kernels is not None and (words := kernels.words()):
             console.print(f"  {words}", markup=False, soft_wrap=True)
-        yield lambda test: None
+        made, lines = itertools.count(done + 1), Lines()
+        yield lambda test: lines(f"{next(made)} of {total} tests")
         return
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeLeft())

@@ -132,13 +132,14 @@ def _is_standard_output(path: Path) -> bool:
 
 @contextmanager
 def progress_of(console: Console) -> Iterator[Callable[[str, float], None]]:
-    """Show what is being done and the time left on a terminal, nothing elsewhere; yields report(text, share)."""
+    """Show what is being done and the time left on a terminal, a line now and then elsewhere; yields report(text, share)."""
+    from hjcamp.campaign.progress import Lines, TimeLeft
+
     if not console.is_terminal:
-        yield lambda text, share: None
+        lines = Lines()
+        yield lambda text, share: lines(f"{text} ({share:.0%})")
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from hjcamp.campaign.progress import TimeLeft
 
     columns = (
         TextColumn("{task.description:<44}"),

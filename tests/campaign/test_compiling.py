@@ -16,6 +16,7 @@ from rich.progress import Progress
 import hjcamp.campaign.progress as progress
 from hjcamp import cli
 from hjcamp.campaign.compiling import Doing, Kernels, kernels_of, status
+from hjcamp.commands._session import progress_of
 from hjcamp.configuration.composer import Composer
 from hjcamp.model.kernel_cache import cache_folder, is_compiled, kernel_name
 
@@ -92,6 +93,21 @@ def test_a_bar_says_what_is_compiled(cold: Path) -> None:
         console.print("now")
         advance("a__b/rep_01")
     assert many in " ".join(out.getvalue().split()) and "1/8" in out.getvalue() and "…" not in out.getvalue()
+
+
+def test_where_no_bar_can_be_seen_a_line_says_now_and_then_what_is_being_done(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    now = [100.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    to_a_file = Console(file=io.StringIO())
+    with progress_of(to_a_file) as report, progress.progress_bar(to_a_file, 56, 8) as advance:
+        for share in (0.1, 0.2, 0.3):
+            now[0] += 25.0
+            report(f"weighing {now[0]:.0f}", share)
+            advance("a__b/rep_01")
+    # at once nothing, then no more than one line of each in half a minute
+    assert capsys.readouterr().err == "  0:50  weighing 150 (20%)\n  0:50  10 of 56 tests\n"
 
 
 def test_no_estimate_while_nothing_advances(monkeypatch: pytest.MonkeyPatch) -> None:
