@@ -120,6 +120,7 @@ def sentences(done: PlantProposed) -> list[str]:
             *found,
             "Nothing is to be told apart: every effect of the library would stand out in these tests at its usual size.",
         ]
+    found += _left_out(done)
     hidden = [one.name for one in proposal.question.rivals if not one.fitted]
     if hidden:
         found.append(f"At their usual size these would not stand out in the tests so far: {', '.join(hidden)}.")
@@ -144,6 +145,25 @@ def sentences(done: PlantProposed) -> list[str]:
         which = "Kinds of test that tell" if proposal.chosen else "Beyond what was tried, kinds of test that may tell"
         found.append(f"{which} them apart: {'; '.join(said)}.")
     return found
+
+
+def _left_out(done: PlantProposed) -> list[str]:
+    """Say which sets that the tests do not rule out are not told apart here, since so many at once are the most."""
+    from hjcamp.prediction.next.rivals import MOST
+
+    sets = [" + ".join(one) for one in done.diagnosis.get("confidence_set", ())]
+    names = [one.name for one in done.proposal.question.rivals]
+    left = [one for one in sets if one and one not in names]
+    if not left or len(names) < MOST or not set(names) <= set(sets):
+        return []
+    return [f"The tests do not rule out {', '.join(left)} either; {MOST} are told apart at once: --rivals A,B names others."]
+
+
+def no_campaign(proposal: Proposal) -> str:
+    """Return why the proposed tests are no campaign of `hjcamp run`."""
+    if proposal.by_motion:
+        return "none: motions are asked of a loop outside the plant's equations, and hjcamp run gives an input"
+    return "none: hjcamp run gives one input alone, and these tests change another as well, or no input"
 
 
 def rows(proposal: Proposal) -> list[list[str]]:
@@ -184,9 +204,9 @@ def tell(console: Console, done: PlantProposed, picture: Path | None, campaign: 
         for (a, b), value in list(proposal.together.items())[:8]:
             console.print(f"together   {names[a]} / {names[b]} {_sigma(value)} standard deviations", markup=False)
     print_wrapped(console, sentences(done), 8)
-    for label, path in (("campaign", campaign), ("picture", picture)):
-        if path is not None:
-            console.print(f"{label}   {path}", markup=False)
+    for label, said in (("campaign", campaign or no_campaign(proposal) if proposal.chosen else None), ("picture", picture)):
+        if said is not None:
+            console.print(f"{label}   {said}", markup=False)
     for number, line in enumerate(lines):
         console.print(f"{'        ' if number else 'next    '}{line}", markup=False)
 
@@ -230,7 +250,9 @@ def _prediction(done: PlantProposed, one: Proposed) -> Any:
         rows = np.repeat(layout.of_test, layout.width) == one.place
         values = np.stack([each.layout.readings[rows] * scales for each in drawn])
         time = layout.time[rows]
-        means[rival.name], spreads[rival.name] = values[0], np.std(values[1:], axis=0)
+        # with some of the values that the logs allow a model may run away
+        stays = [one for one in values[1:] if np.all(np.isfinite(one))]
+        means[rival.name], spreads[rival.name] = values[0], np.std(stays or values[:1], axis=0)
     return Prediction("\n".join(wrap(one.wanted.text, TITLE)), time, means, spreads)
 
 

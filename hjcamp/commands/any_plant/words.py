@@ -128,6 +128,7 @@ CHANNELS = ("channel", "calibrated", "with what was found", "floor")
 WHOLE = "each test simulated from its first sample on, begun where it fits best"
 SLOW = "Windows judge; what grows slowly, and what parameters err by that windows hardly tell, shows in whole tests alone."
 WHOLE_NOTE = f"Whole tests: {WHOLE}. {SLOW}"
+RUNS_AWAY = "runs away, or goes on from where it began for ever"
 CALIBRATED = ("parameter", "declared", "here", "95 %")
 
 
@@ -235,17 +236,19 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
 
 
 def whole_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]] | None:
-    """Return the head and rows of a comparison over whole tests, of the models that are looked at so; nothing where none is."""
+    """Return the head and rows of a comparison over whole tests, which of them run away; nothing where none is looked at so."""
     from hjcamp.report.exploration import channel_label
 
     sensors = found.analysis.measured.sensors
     labels = [channel_label(one.field) for one in sensors]
+    models = (*found.models, found.calibrated)
     rows = [
         [one.name, *(told(one.whole.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)), *map(_share, one.whole.explained)]
-        for one in (*found.models, found.calibrated)
         if one.whole
+        else [one.name, RUNS_AWAY, *[""] * (2 * len(sensors) - 1)]
+        for one in models
     ]
-    return (("model", *labels, *(f"{label} explained" for label in labels)), rows) if rows else None
+    return (("model", *labels, *(f"{label} explained" for label in labels)), rows) if any(one.whole for one in models) else None
 
 
 def print_addition(console: Console, found: Addition, names: Sequence[str], path: Path) -> None:

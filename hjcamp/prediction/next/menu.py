@@ -64,7 +64,7 @@ def _changed(measured: Measured, place: int, samples: int, by_motion: bool) -> I
     most = float(np.min(room[np.ptp(own, axis=0) > 0.0], initial=np.inf))
     sizes = {"half": 0.5} | ({"full": most} if 1.1 < most < np.inf else {})
     # an input that rests in all tests, or is switched, stays as it is
-    rests = np.array([not by_motion and len(np.unique(column)) <= 2 for column in whole.T])
+    rests = np.array([not by_motion and (np.ptp(whole[:, k]) == 0.0 or _switched(measured, k)) for k in range(whole.shape[1])])
     for word, size in sizes.items():
         other = np.where(rests, own, middle + size * (own - middle))
         yield _with(
@@ -81,6 +81,12 @@ def _changed(measured: Measured, place: int, samples: int, by_motion: bool) -> I
         yield replace(
             plain, name=f"{called}_{word}", text=text, inputs=inputs, readings=readings, changes={"speed": factor}
         )
+
+
+def _switched(measured: Measured, k: int) -> bool:
+    """Whether an input has two values alone, and goes from one to the other within a test."""
+    columns = [one.inputs[:, k] for one in measured.tests]
+    return len(np.unique(np.concatenate(columns))) <= 2 and any(np.ptp(one) > 0.0 for one in columns)
 
 
 def _with(plain: Wanted, by_motion: bool, values: Array, name: str, text: str, changes: Mapping[str, float]) -> Wanted:
@@ -117,8 +123,7 @@ def _courses(measured: Measured, place: int, samples: int) -> Iterator[Wanted]:
         if high <= low:
             continue
         item = measured.plant.inputs[name]
-        levels = np.unique(whole[:, k])
-        switched = len(levels) <= 2
+        switched = _switched(measured, k)
 
         def course(
             label: str, text: str, pieces: list[tuple[float, float]], start: int = 0, k: int = k, name: str = name

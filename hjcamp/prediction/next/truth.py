@@ -31,8 +31,9 @@ KEPT = 0.5
 def held_by_loop(analysis: Analysis) -> bool:
     """Whether tests are motions: a loop outside the equations holds them.
 
-    So it is where the plant says it, and where a displaced start is never forgotten: nothing in the equations brings such a plant
-    back. That it misses the readings under its logged inputs is no sign of it: something may be missing.
+    So it is where the plant says it, and where a displaced start stays displaced: nothing in the equations brings such a plant
+    back; one that swings about where it was is brought back, however little it is damped. That it misses the readings under its
+    logged inputs is no sign of it: something may be missing.
     """
     if analysis.measured.plant.loop == "foreign":
         return True
@@ -42,20 +43,15 @@ def held_by_loop(analysis: Analysis) -> bool:
     firsts = windows.starts[np.flatnonzero(layout.begins[:: layout.width] == 1)]
     model = analysis.base.fitted.candidate
     shown, _ = run(windows, model, layout.inputs, layout.begins == 1, firsts)
-    last = _last_quarter(layout)
+    lengths = [count * layout.width for count in layout.counts]
     for k, size in enumerate(windows.sizes):
         moved = firsts.copy()
         moved[:, k] += size
-        apart = np.abs(run(windows, model, layout.inputs, layout.begins == 1, moved)[0] - shown)
-        if np.any(apart[last].mean(axis=0) > KEPT * np.maximum(apart.max(axis=0), 1e-300)):
+        apart = run(windows, model, layout.inputs, layout.begins == 1, moved)[0] - shown
+        kept = [np.abs(one[3 * len(one) // 4 :].mean(axis=0)) for one in np.split(apart, np.cumsum(lengths)[:-1])]
+        if np.any(np.average(kept, axis=0, weights=lengths) > KEPT * np.maximum(np.abs(apart).max(axis=0), 1e-300)):
             return True
     return False
-
-
-def _last_quarter(layout: Layout) -> NDArray[np.bool_]:
-    """Return which rows (n,) lie in the last quarter of their test."""
-    lengths = [count * layout.width for count in layout.counts]
-    return np.concatenate([np.arange(length) >= 0.75 * length for length in lengths])
 
 
 def run(
