@@ -18,6 +18,7 @@ from hjcamp.storage import check_place, shown_path
 if TYPE_CHECKING:
     from rich.console import Console
 
+ALMOST = 0.999
 PICTURES = (".pdf", ".png", ".svg")
 #: ``--json`` of every command that answers.
 AnswerFile = Annotated[
@@ -149,4 +150,5 @@ def progress_of(console: Console) -> Iterator[Callable[[str, float], None]]:
     )
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("reading", total=1.0)
-        yield lambda text, share: progress.update(task, completed=share, description=text)
+        # what has once been whole keeps its clock for ever, though the next step begins anew
+        yield lambda text, share: progress.update(task, completed=min(share, ALMOST), description=text)

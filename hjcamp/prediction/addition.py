@@ -76,7 +76,7 @@ def answer(found: Addition, name: str, path: str) -> dict[str, Any]:
         "error": {"before": found.analysis.base.left_out / least, "after": found.model.left_out / least, "floor": 1.0},
         "removed": removed(found.analysis, found.model),
         "channels": channel_rows(found.analysis, found.model),
-        "whole_tests": whole_rows(found.analysis, found.model),
+        **whole_rows(found.analysis, found.model),
         "parameters": rows,
         "calibration": calibration(found.analysis),
         "ends": end_rows(found.analysis.windows.layout),

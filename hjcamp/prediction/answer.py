@@ -53,7 +53,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "candidates": candidates(analysis, verdict),
         "error": {"baseline": base.left_out / least, "augmented": model.left_out / least, "floor": 1.0},
         "channels": channel_rows(analysis, verdict.shown),
-        "whole_tests": whole_rows(analysis, verdict.shown),
+        **whole_rows(analysis, verdict.shown),
         "calibration": calibration(analysis),
         "calibration_with_effects": calibration(analysis, model) if verdict.effects else {},
         "where": [],
@@ -116,16 +116,19 @@ def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]
     }  # fmt: skip
 
 
-def whole_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]:
-    """Return each channel's error over whole tests, before and after, in the unit of its field; nothing where it is not looked at."""
-    before = _whole_of(analysis, analysis.base)
-    after = before if model is analysis.base else _whole_of(analysis, model)
-    if before is None or after is None:
-        return {}
-    return {
-        one.field: {"unit": one.unit, "baseline": whole_row(before, k, one), "augmented": whole_row(after, k, one)}
+def whole_rows(analysis: Analysis, model: Scored) -> dict[str, Any]:
+    """Return each channel's error over ``whole_tests``, before and after, in the unit of its field, and which of both ``runs_away``.
+
+    There are no rows where either is not looked at; a model alone that is not, beside one that is, runs away or forgets no start.
+    """
+    found = {"baseline": _whole_of(analysis, analysis.base)}
+    found["augmented"] = found["baseline"] if model is analysis.base else _whole_of(analysis, model)
+    seen = {key: one for key, one in found.items() if one is not None}
+    rows = {
+        one.field: {"unit": one.unit, **{key: whole_row(whole, k, one) for key, whole in seen.items()}}
         for k, one in enumerate(analysis.measured.sensors)
     }
+    return {"whole_tests": rows if len(seen) == 2 else {}, "runs_away": sorted(found.keys() - seen.keys()) if seen else []}
 
 
 def _whole_of(analysis: Analysis, model: Scored) -> Whole | None:

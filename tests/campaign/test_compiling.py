@@ -110,6 +110,16 @@ def test_where_no_bar_can_be_seen_a_line_says_now_and_then_what_is_being_done(
     assert capsys.readouterr().err == "  0:50  weighing 150 (20%)\n  0:50  10 of 56 tests\n"
 
 
+def test_the_clock_goes_on_where_a_step_is_whole_and_the_next_begins_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    console = in_terminal(100)[0]
+    bars: list[Progress] = []
+    monkeypatch.setattr("rich.progress.Progress.__enter__", lambda bar: bars.append(bar) or bar)
+    with progress_of(console) as report:
+        report("screening 22 effects", 1.0)
+        report("fitting spring", 0.2)
+    assert bars[0].tasks[0].finished_time is None and bars[0].tasks[0].completed == 0.2
+
+
 def test_no_estimate_while_nothing_advances(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])

@@ -1,12 +1,16 @@
 """What a model errs by over whole tests, against the closed form; windows that begin anew do not see it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from hjcamp.commands.any_plant.words import RUNS_AWAY, run_away_words, whole_table
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.answer import whole_rows
+from hjcamp.prediction.comparison import compared
 from hjcamp.prediction.measured.tests import Measured, measured_tests
 from hjcamp.prediction.residuals.whole import whole_error
 from hjcamp.prediction.selection.analysis import calibrated
@@ -96,3 +100,24 @@ def test_what_does_not_forget_its_start_or_runs_away_is_not_simulated_whole(slab
     # forgotten to 1/e after 200 s / loss: never within 3000 s, and growing
     for loss in (0.01, -5.0):
         assert whole_error(windows, Candidate({"loss": loss}, {})) is None
+
+
+def test_a_model_that_runs_away_beside_one_that_does_not_is_said_to(slab: Measured) -> None:
+    analysis = calibrated(slab, {}, unknowns=False)
+    fitted = analysis.base.fitted
+    wild = replace(analysis.base, fitted=replace(fitted, candidate=Candidate({"loss": -5.0}, {})))
+    found = whole_rows(analysis, wild)
+    assert found == {"whole_tests": {}, "runs_away": ["augmented"]}
+    assert run_away_words(found)[0].startswith("With what was found the model runs away")
+    assert whole_rows(analysis, analysis.base)["runs_away"] == []
+    # where nothing is simulated whole nothing runs away
+    plant = find_plant("slab")
+    plant.loop = "foreign"
+    assert whole_rows(analysis, wild) == {"whole_tests": {}, "runs_away": []}
+
+
+def test_a_comparison_says_which_model_runs_away(slab: Measured) -> None:
+    models = {"wild": Candidate({"loss": -5.0}, {}), "published": Candidate({"loss": 2.0}, {})}
+    table = whole_table(compared(slab, {}, models))
+    assert table is not None and [row[0] for row in table[1]] == ["wild", "published", "published, calibrated here"]
+    assert table[1][0][1:] == [RUNS_AWAY, ""] and table[1][1][1].endswith(" K")

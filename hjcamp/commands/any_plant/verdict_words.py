@@ -20,6 +20,7 @@ from hjcamp.commands.any_plant.words import (
     other_sizes,
     over_windows,
     print_head,
+    run_away_words,
     still_words,
     table,
 )
@@ -201,7 +202,7 @@ class Words:
         late = self.content["calibration_with_effects"] or rows
         found += other_sizes(rows, self.content["candidates"][:SHOWN])
         found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
-        found += still_words(self.content["still"])
+        found += run_away_words(self.content) + still_words(self.content["still"])
         return found + self.telling()
 
     def _most_is_left(self) -> list[str]:

@@ -123,6 +123,15 @@ def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], per
     ]
 
 
+def run_away_words(content: Mapping[str, Any]) -> list[str]:
+    """Say which of two models runs away where the tests are simulated through, and the other does not."""
+    which = {"baseline": "What is calibrated", "augmented": "With what was found the model"}
+    return [
+        f"{which[one]} {RUNS_AWAY} where these tests are simulated from their first sample on: it holds about what was measured alone."
+        for one in content["runs_away"]
+    ]
+
+
 COMPARED = ("baseline", "augmented")
 CHANNELS = ("channel", "calibrated", "with what was found", "floor")
 WHOLE = "each test simulated from its first sample on, begun where it fits best"
@@ -268,7 +277,7 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
     table(console, CHANNELS, channel_table(content["channels"], whole))
     said = f"Error on chapters left out, over the floor: {error['before']:.2f} -> {error['after']:.2f}."
     slow = [WHOLE_NOTE] if whole else []
-    print_wrapped(console, [said, *helped(found, whole), *slow, *end_words(content["ends"])], 8)
+    print_wrapped(console, [said, *helped(found, whole), *run_away_words(content), *slow, *end_words(content["ends"])], 8)
     console.print(f"model   {path}", markup=False)
 
 

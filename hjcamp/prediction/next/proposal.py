@@ -87,7 +87,10 @@ def propose(
         own = (rival.candidate, *rival.draws)
         truths.append(tuple(bench.simulated(analysis, one) for one in own))
     outside = beyond(analysis, bench, [one[0] for one in truths], ranges(analysis))
-    able = [k for k in range(len(wanted)) if all(each.share <= FARTHEST for each in outside[k])]
+    able = [
+        k for k in range(len(wanted))
+        if all(each.share <= FARTHEST for each in outside[k]) and all(_stays(one[0], k) for one in truths)
+    ]  # fmt: skip
     fights = _contests(question, truths, report)
     singles = {k: _pairs(question, fights, [k]) for k in able}
     costs = {k: _cost(wanted[k], outside[k]) for k in able}
@@ -103,6 +106,12 @@ def propose(
     chosen, together = _chosen(analysis, question, truths, fights, found, tests)
     rest = [one for one in found if one not in chosen]
     return Proposal(question, (*chosen, *rest), len(chosen), together, len(able), by_motion, tuple(truths))
+
+
+def _stays(simulated: Windows, test: int) -> bool:
+    """Whether a rival does not run away in a test, not in its last window either."""
+    layout = simulated.layout
+    return bool(np.isfinite(layout.readings[np.repeat(layout.of_test, layout.width) == test]).all())
 
 
 def _contests(
