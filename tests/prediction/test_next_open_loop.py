@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hjcamp.commands.any_plant.next_answer import _left_out, _prediction, no_campaign
+from hjcamp.commands.any_plant.next_answer import _left_out, _prediction, no_campaign, sentences
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.next.menu import menu
 from hjcamp.prediction.next.truth import held_by_loop
@@ -88,6 +88,17 @@ def test_sets_that_are_not_told_apart_and_a_campaign_that_is_not_written_are_sai
     done.diagnosis = {"confidence_set": sets[:4]}
     assert _left_out(done) == []  # type: ignore[arg-type]
     assert "a loop outside the plant's equations" in no_campaign(done.proposal)  # type: ignore[arg-type]
+
+
+def test_where_a_rival_runs_away_in_every_test_that_is_said() -> None:
+    rivals = [SimpleNamespace(name=name, fitted=True) for name in ("cubic_spring", "spring")]
+    proposal = SimpleNamespace(question=SimpleNamespace(rivals=rivals), tried=0, chosen=0, tests=(), together={})
+    done = SimpleNamespace(diagnosis={"unknowns": []}, proposal=proposal, analysis=SimpleNamespace(search=SimpleNamespace(library={})))
+    rivals[0].names, rivals[1].names = (), ()
+    assert sentences(done) == [  # type: ignore[arg-type]
+        "No test is left of those that were made up from these logs: in each a rival runs away, or goes far beyond what the logs "
+        "visited."
+    ]
 
 
 def test_values_of_a_rival_that_run_away_do_not_spoil_its_band() -> None:

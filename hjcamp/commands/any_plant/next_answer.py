@@ -124,7 +124,12 @@ def sentences(done: PlantProposed) -> list[str]:
     hidden = [one.name for one in proposal.question.rivals if not one.fitted]
     if hidden:
         found.append(f"At their usual size these would not stand out in the tests so far: {', '.join(hidden)}.")
-    if not proposal.chosen:
+    if not proposal.tried:
+        found.append(
+            "No test is left of those that were made up from these logs: in each a rival runs away, or goes far beyond what the logs "
+            "visited."
+        )
+    elif not proposal.chosen:
         best = proposal.tests[0].wanted.text if proposal.tests else ""
         apart = f"; the best, {best}, separates one pair by {proposal.best:.1f} standard deviations" if best else ""
         found.append(
