@@ -19,7 +19,7 @@ class DeadBand(Effect):
     """
 
     acts_on = "actuator"
-    width = Parameter("command", 0.05, (0.0, 4.0), text="half of the band: the command that does nothing yet", off=0.0)
+    width = Parameter("command", 0.05, (0.0, 1.7), text="half of the band: the command that does nothing yet", off=0.0)
 
     @staticmethod
     def command(command, width):

@@ -37,15 +37,15 @@ def check_names(names: Collection[str], table: FieldTable, where: str) -> None:
         raise UsageError(f"{where}: neither {neither} is there; a test log needs one of them")
 
 
-def check_finite(columns: Mapping[str, np.ndarray], where: str) -> None:
-    """Raise UsageError at the first value that is not a finite number."""
+def check_finite(columns: Mapping[str, np.ndarray], where: str, hint: str = "") -> None:
+    """Raise UsageError at the first value that is not a finite number, with a ``hint`` for one that is not known."""
     for name, values in columns.items():
         finite = np.isfinite(values)
         if not finite.all():
             first = int(np.argmin(finite))
             raise UsageError(
                 f"{where}: '{name}' is {values[first]} at sample {first}{_at(columns, first)} "
-                f"({len(values) - int(finite.sum())} of {len(values)} values are not finite)"
+                f"({len(values) - int(finite.sum())} of {len(values)} values are not finite){hint if np.isnan(values[first]) else ''}"
             )
 
 

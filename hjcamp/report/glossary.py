@@ -13,6 +13,10 @@ WORDS: Mapping[str, str] = {
     "else (a lower bound) the sensor's noise.",
     "simulated through": "Predicted from the start of a test to its end, not window by window: so it is with short tests of a "
     "plant that forgets its start within them.",
+    "whole tests": "Each test simulated from its first sample to its last, begun where it fits best: what grows slowly shows there, "
+    "and in windows hardly.",
+    "runs away": "What a model does that leaves all bounds, or never comes back from where it began, though the machine did: it "
+    "predicts a window from a start of its own alone.",
     "memory": "The time in which a plant's readings forget where a test began (to 37 %): how long it remembers.",
     "delay": "The time by which an input acts later than its log says, fitted with the base from one sample early to two late; "
     "more of it is an effect (command_delay, sensor_lag).",
@@ -76,7 +80,7 @@ WORDS: Mapping[str, str] = {
     "instant, for it to agree with the measurement.",
 }  # fmt: skip
 ALSO: Mapping[str, str] = {
-    "remembers": "memory",
+    "remembers": "memory", "whole test": "whole tests", "runs_away": "runs away", "run away": "runs away",
     "delays": "delay",
     "driver": "drivers", "law_left": "law left", "heldout": "held-out", "held out": "held-out", "left out": "held-out",
     "chapters left out": "chapter", "posterior": "posterior weight", "weight": "posterior weight", "twins": "twin",

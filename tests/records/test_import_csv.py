@@ -189,6 +189,19 @@ def test_gaps_are_refused_or_interpolated(tmp_path: Path) -> None:
         import_file(source, rules, tmp_path / "out.mcap")
 
 
+@pytest.mark.parametrize(("cell", "said"), [("NaN", True), ("inf", False)])
+def test_a_value_that_is_not_known_is_refused_with_what_would_fill_it_in(tmp_path: Path, cell: str, said: bool) -> None:
+    source, rules = write_case(tmp_path, table(1000))
+    lines = source.read_text().splitlines()
+    first, mark, rest = lines[500].rpartition(";")
+    assert mark and rest
+    lines[500] = f"{first};{cell}"
+    source.write_text("\n".join(lines))
+    with pytest.raises(UsageError, match=r"is (nan|-?inf) at sample 499") as refused:
+        import_file(source, rules, tmp_path / "out.mcap")
+    assert ("gaps: interpolate" in str(refused.value)) is said
+
+
 def test_files_that_cannot_be_used(tmp_path: Path) -> None:
     source, rules = write_case(tmp_path, table(1000))
     with pytest.raises(UsageError, match="cannot be read"):

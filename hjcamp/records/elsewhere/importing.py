@@ -15,7 +15,7 @@ from hjcamp.model.parameter import Parameter, State
 from hjcamp.records.check import check_finite, check_phase
 from hjcamp.records.elsewhere.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, usual_step
 from hjcamp.records.elsewhere.import_map import HIGHEST_SAMPLING_HZ, ImportMap, read_import_map
-from hjcamp.records.elsewhere.tables import read_table
+from hjcamp.records.elsewhere.tables import GAPS, read_table
 from hjcamp.records.glitches import spikes, told_spikes
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, USUAL_PERIOD_S
@@ -141,7 +141,7 @@ def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.n
             fields[name] = (rule.sign * (rule.scale * values + rule.offset) + rule.shift) * rule.factor
     times = fields.get("time_s", table.times)
     filled = _filled(fields, times, [*_held(rules), "phase"]) if rules.interpolate else []
-    check_finite(fields, str(source))
+    check_finite(fields, str(source), f"; {GAPS}")
     if rules.without_spikes:
         filled += _without_spikes(fields, times, rules)
     return fields, times, filled

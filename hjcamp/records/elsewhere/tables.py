@@ -31,6 +31,7 @@ ANY_DAY = "2000-01-01 "
 # Dates that no standard writes, the month before the day or behind it: of those that can be read the shortest test.
 DATES = ("%m/%d/%Y %I:%M:%S%.f %p", "%m/%d/%Y %H:%M:%S%.f", "%d/%m/%Y %H:%M:%S%.f", "%d/%m/%Y %I:%M:%S%.f %p")
 # What is on or off, as programs write it.
+GAPS = "gaps: interpolate in the map draws lines between its neighbours"
 SWITCHED = {"true": 1.0, "false": 0.0, "on": 1.0, "off": 0.0}
 NS_IN = {"ns": 1.0, "us": 1e3, "ms": 1e6}
 
@@ -172,7 +173,7 @@ def _numbers(
             row = int(numbers.is_null().arg_max() or 0)
             said = f"empty in row {row + 1}" if empty[row] else f"no number in row {row + 1}: {column[row]!r:.60}"
             below = column[1:].cast(polars.Float64, strict=False).null_count() if column.dtype == polars.String else row
-            hint = "; gaps: interpolate in the map draws lines between its neighbours" if empty[row] else ""
+            hint = f"; {GAPS}" if empty[row] else ""
             if empty[row] and row == len(column) - 1:
                 hint = ": it is the last, was it cut off? Delete it"
             if row == 0 and len(column) > 1 and not below:
