@@ -254,6 +254,14 @@ def test_coverage_is_judged_where_the_verdict_is_right() -> None:
     assert (found.count, found.spoiled) == (9, (("moving_mass", 1),))
 
 
+def test_the_width_of_intervals_is_that_of_amplitudes_that_can_be_compared() -> None:
+    # of presliding no number means the same in the truth plant
+    rows = {"encoder_bias": {"bias": (0.05, 0.04, 0.06)}, "encoder_lag": {"lag": (0.02, 0.012, 0.028)}, "presliding": None}
+    lines = [made_up("effect", (name,), (name,), parameters=given) for name, given in rows.items()]
+    found = measure(lines, "half width of these intervals of amplitudes, median")
+    assert (found.value, found.count) == (pytest.approx(30.0), 2)
+
+
 def test_shares_have_wilson_intervals_and_say_who_spoils_them() -> None:
     assert wilson(48, 50) == pytest.approx((86.5, 98.9), abs=0.1)
     lines = [made_up("effect", ("leakage",)), made_up("effect", ("leakage",), ("gravity_load",))]
