@@ -10,8 +10,10 @@ from carriage import measured_log
 
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
+from hjcamp.model.candidate import Candidate
+from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.laws.alike import law_of
-from hjcamp.prediction.laws.visited import visited_shapes
+from hjcamp.prediction.laws.visited import largest_commands, visited_shapes
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.screening.screening import amplitudes_of, shape_grid
 from hjcamp.prediction.selection.analysis import calibrated
@@ -30,6 +32,20 @@ def test_a_place_and_a_length_are_tried_over_the_visited_travel(axis: Path) -> N
     friction = visited_shapes(library["position_friction"], plant, HERE)
     periods = {one["period"] for one in shape_grid(library["position_friction"], friction) if one}
     assert min(periods) == pytest.approx(0.18 / 8.0) and max(periods) == pytest.approx(0.18)
+
+
+def test_a_dead_band_keeps_no_more_to_itself_than_was_commanded(axis: Path) -> None:
+    plant = find_plant("axis")
+    library = load_effects(plant=plant)
+    signal = next(port.names["command"] for port in read_vocabulary(plant).ports.values() if port.kind == "actuator")
+    assert largest_commands(library["dead_band"], plant, {signal: (-3.0, 2.0)}) == {"width": 3.0}
+    # of a shape the range is visited, and what is no actuator's commands nothing
+    assert largest_commands(library["saturation"], plant, {signal: (-3.0, 2.0)}) == {}
+    assert largest_commands(library["spring"], plant, HERE) == {} == largest_commands(load_effects()["leakage"], plant, HERE)
+    search = calibrated(measured_tests([measured_log()]), library, unknowns=False).search
+    [free] = [one for one in search.free_of(Candidate({}, {"dead_band": {"width": 0.1}})) if one.effect]
+    low, high = search.ranges[signal]
+    assert free.high == min(max(-low, high), library["dead_band"].parameters["width"].bounds[1])
 
 
 def test_what_one_store_loses_and_another_gains_is_tried_over_the_levels_of_the_one(tanks: Path) -> None:

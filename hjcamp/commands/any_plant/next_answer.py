@@ -232,6 +232,7 @@ def drawn(done: PlantProposed) -> tuple[Any, Any, Any]:
     ]  # fmt: skip
     last = sensors[order[-1]]
     gaps = [value[:, -1] - one.means[names[0]][:, -1] for one in shown for value in one.means.values()]
+    gaps += [2.0 * one.spreads[names[0]][:, -1] for one in shown]
     label, [_, scaled] = readable("difference", last.unit, np.zeros(1), np.concatenate(gaps) / last.scale)
     factor = float(np.max(np.abs(scaled)) / max(np.max(np.abs(np.concatenate(gaps))), 1e-300)) or 1.0
     labels = Labels(

@@ -1,10 +1,11 @@
-"""Where the tests have been: the range of what a shape of an effect is a value of (a threshold, a brim, a period of travel)."""
+"""Where the tests have been: the range of what a parameter of an effect is a value of (a threshold, a brim, a period of travel)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Parameter
 from hjcamp.model.plant import Plant
 from hjcamp.model.vocabulary import read_vocabulary
 
@@ -13,6 +14,22 @@ Range = tuple[float, float]
 
 def visited_shapes(effect: type[Effect], plant: type[Plant], ranges: Mapping[str, Range]) -> dict[str, Range]:
     """Return for each shape of a bound effect that has the unit of a name of its place the range of that in the tests, SI."""
+    return {name: range_ for name, (item, range_) in _visited(effect, plant, ranges).items() if item.shape}
+
+
+def largest_commands(effect: type[Effect], plant: type[Plant], ranges: Mapping[str, Range]) -> dict[str, float]:
+    """Return for each amplitude of an actuator's effect that has the unit of its command the largest command in the tests, SI.
+
+    Where an actuator keeps more than that to itself it does nothing, and nothing is told of it.
+    """
+    generic = getattr(effect, "made_of", (None,))[0]
+    if generic is None or generic.acts_on != "actuator":
+        return {}
+    return {name: max(map(abs, range_)) for name, (item, range_) in _visited(effect, plant, ranges).items() if not item.shape}
+
+
+def _visited(effect: type[Effect], plant: type[Plant], ranges: Mapping[str, Range]) -> dict[str, tuple[Parameter, Range]]:
+    """Return the generic parameter, and the range of that in the tests, of each that has the unit of a name of its place."""
     generic, _, _, _, instance = getattr(effect, "made_of", (None,) * 5)
     if generic is None:
         return {}
@@ -24,6 +41,6 @@ def visited_shapes(effect: type[Effect], plant: type[Plant], ranges: Mapping[str
         called = instance.at.get(port.name, {}) if instance else {}
         for item in generic.parameters.values():
             signal = port.names.get(item.unit, "")
-            if item.shape and signal in ranges:
-                found[called.get(item.name, item.name)] = ranges[signal]
+            if signal in ranges:
+                found[called.get(item.name, item.name)] = (item, ranges[signal])
     return found

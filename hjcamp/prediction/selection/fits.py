@@ -6,7 +6,7 @@ import copy
 import math
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -20,7 +20,7 @@ from hjcamp.prediction.fitting.gauss_newton import TURNS, TURNS_OF_BASE, Fitted,
 from hjcamp.prediction.fitting.likelihood import loss, size
 from hjcamp.prediction.laws.alike import kind_of
 from hjcamp.prediction.laws.unknowns import Unknown
-from hjcamp.prediction.laws.visited import Range, visited_shapes
+from hjcamp.prediction.laws.visited import Range, largest_commands, visited_shapes
 from hjcamp.prediction.levels import FITTED_STARTS, TRIED_ROUNDS, TRIED_STARTS
 from hjcamp.prediction.residuals.windows import Windows
 from hjcamp.prediction.screening.screening import (
@@ -93,7 +93,9 @@ class Fits:
                 continue
             effect = self.library[name]
             whole = name not in self.windows.forms or not effect.claimed
-            found += [one for one in free_of_effect(effect) if whole or one.name == effect.granted]
+            most = largest_commands(effect, self.windows.layout.measured.plant, self.ranges)
+            free = [replace(one, high=min(one.high, most.get(one.name, one.high))) for one in free_of_effect(effect)]
+            found += [one for one in free if whole or one.name == effect.granted]
         return found
 
     def fitted(self, start: Candidate, near: Fitted | None = None) -> Scored:
