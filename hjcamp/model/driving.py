@@ -78,7 +78,8 @@ def run_free(  # type: ignore[no-untyped-def]
     ``ends`` has a row for each row of ``starts``: the plant's states one sample after the last of that test or window.
 
     ``begins`` (n) is 1 where a test begins, with the states in the next row of ``starts``, and 2 where a window of a test
-    begins, for which the plant's states alone are set; ``given`` (n, inputs) holds from each sample to the next.
+    begins, for which the states alone are set that ``starts`` has, the plant's at least: where one is infinite it goes on.
+    ``given`` (n, inputs) holds from each sample to the next.
     After ``work[3, 0]`` steps, unless that is 0, nothing is simulated any more: all further samples are no numbers.
     """
     a, before, counter = work[0], work[1], work[2]
@@ -94,7 +95,8 @@ def run_free(  # type: ignore[no-untyped-def]
             u[i] = given[k, i]
         if begins[k] > 0:
             for i in range(starts.shape[1]):
-                z[i] = starts[row, i]
+                if starts[row, i] != np.inf:
+                    z[i] = starts[row, i]
             row += 1
             for i in range(CONTACTS):
                 direction = faced(direction, i, np.sign(z[VELOCITIES[i]]))

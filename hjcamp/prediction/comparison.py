@@ -88,7 +88,7 @@ def predicted_errors(analysis: Analysis, candidate: Candidate) -> tuple[Array, A
     They begin as measured, whatever other models were looked at before.
     """
     windows = replace(analysis.windows)
-    windows.starts = analysis.begun.copy()
+    windows.starts, windows.remembered = analysis.begun.copy(), {}
     windows.move_starts(candidate, rounds=1)
     return settled(windows, candidate, (), turns=TURNS_OF_BASE).features, windows.errors(candidate)
 

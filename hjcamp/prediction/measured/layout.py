@@ -149,6 +149,12 @@ class Layout:
         return found
 
     @cached_property
+    def fresh(self) -> NDArray[np.bool_]:
+        """Whether nothing tells what an effect remembers where a window begins (windows,)."""
+        found = self.begins[:: self.width] == 1
+        return found if self.apart or self.memory else found | ~self.goes_on
+
+    @cached_property
     def names(self) -> list[str]:
         """The names of the given inputs."""
         return [name for name in self.measured.plant.inputs if name not in ("time", "direction")]

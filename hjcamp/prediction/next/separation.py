@@ -74,7 +74,7 @@ def contests(drawn: Sequence[Windows], truth: Rival, other: Rival) -> list[Conte
         # windows that begin at the same states have the same slopes, whatever was read in them
         same = place > 0 and np.array_equal(simulated.starts, drawn[place - 1].starts)
         if same:
-            simulated.place = simulated.starts, drawn[place - 1].place[1]
+            simulated.place = drawn[place - 1].place._replace(starts=simulated.starts)
         else:
             simulated.renew(other.candidate)
         features = simulated.features(other.candidate)
@@ -90,7 +90,7 @@ def contests(drawn: Sequence[Windows], truth: Rival, other: Rival) -> list[Conte
 
 def refitted(analysis: Analysis, simulated: Windows, truth: Rival, other: Rival, tests: Sequence[int]) -> float:
     """Return the separation by these tests after B has been fitted to them and all measured tests together."""
-    windows, new = joined_with(analysis, other.model.place[0], simulated, tests)
+    windows, new = joined_with(analysis, other.model.place.starts, simulated, tests)
     free = other.model.fitted.free
     windows.renew(other.candidate)
     before = windows.features(other.candidate)[~new] @ whitener(truth.model.features)

@@ -26,7 +26,8 @@ class Passage:
     ``shifts`` (windows, states, coefficients) are the starts' shifts by the readings' errors, ``told`` (windows, states, states) the
     part of a shift that readings tell, ``passed`` (windows, states, states) how a shift changes a window's end, ``jumps``
     (windows, coefficients, unseen states) what a jump changes, in units of what the noise of the window before makes of it, ``unseen``
-    (states,) and ``goes_on`` (windows,) where there is one. ``own`` (windows, coefficients, k) is an orthonormal basis of what the
+    (states,) and ``goes_on`` (windows,) where there is one. ``recalls`` (windows, k, coefficients) are the shifts of what effects
+    remember where nothing tells it. ``own`` (windows, coefficients, k) is an orthonormal basis of what the
     states of sensors explain with which they begin: it tells nothing of where the plant begins, as a lag reads what it has caught up
     with, and that goes on from the window before.
     """
@@ -38,39 +39,47 @@ class Passage:
     jumps: Array
     unseen: NDArray[np.bool_]
     goes_on: NDArray[np.bool_]
+    recalls: Array
     own: Array | None = None
 
     @classmethod
     def of(
-        cls, readings: Array, ends: Array, unseen: NDArray[np.bool_], goes_on: NDArray[np.bool_], own: Array | None = None
-    ) -> Passage:
+        cls, readings: Array, ends: Array, unseen: NDArray[np.bool_], goes_on: NDArray[np.bool_], own: Array | None = None,
+        first: Array | None = None,
+    ) -> Passage:  # fmt: skip
         """Return it for sensitivities of the readings (windows, coefficients, states) and of the ends (windows, states, states).
 
-        ``own`` (windows, coefficients, k) are those of the readings to the states of sensors. Where any are not finite nothing is
-        explained.
+        ``own`` (windows, coefficients, k) are those of the readings to the states of sensors, ``first`` those to what effects remember
+        where nothing tells it, which is explained as a start is. Where any are not finite nothing is explained.
         """
         finite = np.all(np.isfinite(readings), axis=(1, 2)) & np.all(np.isfinite(ends), axis=(1, 2))
         slopes, passed = (np.where(finite[:, None, None], one, 0.0) for one in (readings, ends))
         if own is not None:
             own = _basis(own)
             slopes = slopes - own @ (own.transpose(0, 2, 1) @ slopes)
-        u, s, v = np.linalg.svd(slopes, full_matrices=False)
-        keep = _telling(s)
+        u, s, v = np.linalg.svd(_with(slopes, first), full_matrices=False)
+        keep, plain = _telling(s), slopes.shape[2]
         spans, inverse = u * keep[:, None, :], keep / np.where(keep, s, 1.0)
-        shifts = np.einsum("wks,wk,wfk->wsf", v, inverse, u)
+        moves, v = np.einsum("wks,wk,wfk->wsf", v, inverse, u), v[:, :, :plain]
+        shifts = moves[:, :plain]
         told = np.einsum("wks,wk,wkt->wst", v, keep.astype(float), v)
         known = goes_on & finite
         known[1:] &= finite[:-1]
         jumps = np.zeros((*slopes.shape[:2], int(unseen.sum())))
         if unseen.any() and known.any():
             jumps = _weighed(_beside(slopes, unseen), _spread(shifts, told, passed, known)[:, unseen][:, :, unseen])
-        return cls(spans, shifts, told, passed, jumps, unseen, known, own)
+        return cls(spans, shifts, told, passed, jumps, unseen, known, moves[:, plain:], own)
 
     def less(self, left: Array) -> Array:
         """Return errors (windows, coefficients) without what the states of sensors explain."""
         if self.own is None:
             return left
         return np.asarray(left - np.einsum("wfk,wk->wf", self.own, np.einsum("wfk,wf->wk", self.own, left)))
+
+    def recalled(self, left: Array) -> Array:
+        """Return by how much more effects remember (windows, k) where nothing tells it, in usual sizes."""
+        found = np.einsum("wkf,wf->wk", self.recalls, left)
+        return np.where(np.isfinite(found), found, 0.0)
 
     def begun(self, left: Array, starts: Array, ends: Array) -> tuple[Array, Array]:
         """Return where windows begin and end best (windows, states) for errors (windows, coefficients) from ``starts``, with ``ends``.
@@ -107,16 +116,22 @@ class Through:
     """What the start of each test explains where tests are simulated through.
 
     ``spans`` (windows, coefficients, states) is an orthonormal basis of it over all windows of a test, ``shifts`` (windows, states,
-    coefficients) is each window's share of the start's shift, ``of_test`` (windows,) the test that a window belongs to.
+    coefficients) is each window's share of the start's shift, ``recalls`` (windows, k, coefficients) that of what effects remember
+    then, ``of_test`` (windows,) the test that a window belongs to.
     """
 
     spans: Array
     shifts: Array
+    recalls: Array
     of_test: NDArray[np.int64]
 
     @classmethod
-    def of(cls, readings: Array, of_test: NDArray[np.int64]) -> Through:
-        """Return it for sensitivities of the readings (windows, coefficients, states) to the start of the test."""
+    def of(cls, readings: Array, of_test: NDArray[np.int64], first: Array | None = None) -> Through:
+        """Return it for sensitivities of the readings (windows, coefficients, states) to the start of the test.
+
+        ``first`` (windows, coefficients, k) are those to what effects remember then.
+        """
+        plain, readings = readings.shape[2], _with(readings, first)
         spans, shifts = np.zeros_like(readings), np.zeros_like(readings).transpose(0, 2, 1)
         for rows in _tests(of_test):
             slopes = readings[rows]
@@ -127,11 +142,15 @@ class Through:
             spans[rows] = (u * keep).reshape(slopes.shape)
             whole = (v.T * (keep / np.where(keep, s, 1.0))) @ u.T
             shifts[rows] = whole.reshape(len(v), *slopes.shape[:2]).transpose(1, 0, 2)
-        return cls(spans, shifts, of_test)
+        return cls(spans, shifts[:, :plain], shifts[:, plain:], of_test)
 
     def less(self, left: Array) -> Array:
         """Return errors (windows, coefficients) as they are: one start of a test settles what its sensors begin with, too."""
         return left
+
+    def recalled(self, left: Array) -> Array:
+        """Return by how much more effects remember at the start of each test (windows, k), in usual sizes."""
+        return self._summed(np.einsum("wkf,wf->wk", self.recalls, left))
 
     def begun(self, left: Array, starts: Array, ends: Array) -> tuple[Array, Array]:
         """Return where tests begin best for errors (windows, coefficients) from ``starts`` (windows, states); ``ends`` as given."""
@@ -155,6 +174,13 @@ class Through:
             whole = each[rows].sum(axis=0)
             found[rows] = np.where(np.isfinite(whole), whole, 0.0)
         return found
+
+
+def _with(slopes: Array, more: Array | None) -> Array:
+    """Return slopes (windows, coefficients, k) with more columns, none in windows in which these are not finite."""
+    if more is None:
+        return slopes
+    return np.concatenate([slopes, np.where(np.isfinite(more).all(axis=(1, 2), keepdims=True), more, 0.0)], axis=2)
 
 
 def _basis(slopes: Array) -> Array:

@@ -30,8 +30,12 @@ def through(windows: Windows) -> Windows:
     layout = replace(old, share=1.0, apart=False, memory=len(old.readings))
     starts = np.tile(windows.sizes, (len(layout.of_test), 1))
     # the first window of a test is always looked at
-    starts[layout.begins[:: layout.width] == 1] = windows.starts[old.begins[:: old.width] == 1]
-    return replace(windows, layout=layout, starts=starts, slides=None)
+    new, first = (one.begins[:: one.width] == 1 for one in (layout, old))
+    starts[new] = windows.starts[first]
+    remembered = {name: np.zeros(len(starts)) for name in windows.remembered}
+    for name, one in remembered.items():
+        one[new] = windows.remembered[name][first]
+    return replace(windows, layout=layout, starts=starts, slides=None, remembered=remembered)
 
 
 def whole_errors(windows: Windows, candidate: Candidate) -> tuple[Layout, Array, int] | None:

@@ -9,7 +9,8 @@ Legendre polynomials in units of the sensor's noise. States that nothing measure
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
+from hjcamp.model.parameter import State
 from hjcamp.prediction.measured.at_once import passed_on, passed_to
 from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.residuals.kernels import Kernels
@@ -32,6 +34,14 @@ ZERO = "zero."
 STIFF = 10.0
 # Without a state of its own an effect may take so many: a strong cubic spring takes 50 where the plant takes one.
 BENT = 64.0
+
+
+class Place(NamedTuple):
+    """Where windows begin: their starts, what these explain, and by how much more effects remember there, by state."""
+
+    starts: Array
+    passage: Passage | Through
+    remembered: dict[str, Array]
 
 
 class Predicted(NamedTuple):
@@ -54,7 +64,8 @@ class Windows:
     ``unseen`` (states,): what nothing measures; such states go on from window to window. ``usual_steps`` are what the integrator
     takes a sample; a model that needs far more, where that is not 0, is not simulated to its end. ``forms`` are effects that
     change nothing where a contact slides, in the windows of which ``slides`` (windows,) is true: they are left out there, and the
-    time that they take.
+    time that they take. ``remembered`` (windows,) says by how much more than declared, in usual sizes, an effect's state is where
+    nothing tells with what it begins.
     """
 
     layout: Layout
@@ -66,15 +77,16 @@ class Windows:
     usual_steps: float = 0.0
     forms: frozenset[str] = frozenset()
     slides: NDArray[np.bool_] | None = None
+    remembered: dict[str, Array] = field(default_factory=dict)
 
     @property
-    def place(self) -> tuple[Array, Passage | Through]:
-        """The starts and what they explain, to come back to."""
-        return self.starts, self._passage
+    def place(self) -> Place:
+        """Where they begin, to come back to."""
+        return Place(self.starts, self._passage, self.remembered)
 
     @place.setter
-    def place(self, one: tuple[Array, Passage | Through]) -> None:
-        self.starts, self._passage = one
+    def place(self, one: Place) -> None:
+        self.starts, self._passage, self.remembered = one
 
     def readings(self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0) -> tuple[Array, Array]:
         """Return the predicted readings (n, sensors) and states (n, states of the plant), SI; may hold NaN where it diverges.
@@ -94,8 +106,31 @@ class Windows:
         if friction != 1.0:
             inputs = inputs.copy()
             inputs[:, layout.names.index("friction_scatter")] *= friction
+        kept = self._kept(candidate, begin, inputs) if kept is None else kept
         begin = begin if kept is None else np.concatenate([begin, kept], axis=1)
         return self._read_at_once(candidate, self._run(candidate, begin, inputs, layout.width))
+
+    def _kept(self, candidate: Candidate, begin: Array, inputs: Array) -> Array | None:
+        """Return the effects' states (windows, k) windows begin with, infinite where they go on; none where all are as declared."""
+        shifts = {name: self.remembered[name] for name in self._memories(candidate) if name in self.remembered}
+        found = self._run(candidate, begin, inputs, 1).kept if shifts else None
+        if found is None:
+            return None
+        fresh, places = self.layout.fresh, self._places(candidate)
+        found[~fresh] = np.inf
+        for name, shift in shifts.items():
+            found[fresh, places[name]] += shift[fresh] * self._memories(candidate)[name].typical
+        return found
+
+    def _memories(self, candidate: Candidate) -> dict[str, State]:
+        """Return the states of effects by name, without those of the forms of contacts."""
+        effects = [self.kernels.effects[name] for name in candidate.effects if name not in self.forms]
+        return {f"{one.name}.{name}": item for one in effects for name, item in one.states.items()}
+
+    def _places(self, candidate: Candidate) -> dict[str, int]:
+        """Return the columns of the effects' states, by name."""
+        states = list(self.kernels.model(candidate)[0].composition.states)[len(self.sizes) :]
+        return {name: k for k, name in enumerate(states)}
 
     def _read_at_once(self, candidate: Candidate, found: Predicted) -> Predicted:
         """Return what is predicted with what sensors read at once of inputs that run linearly, of which a run holds the mean."""
@@ -156,7 +191,9 @@ class Windows:
             model, values = self.kernels.model(simpler)
             marks, begun = layout.begins.copy(), layout.begun.copy()
             alone = part & ~np.concatenate([[False], part[:-1]])
+            # where the states of effects are given nothing is begun for them
             marks[:: layout.width][alone] = 1
+            marks[marks == 1] = 1 if begin.shape[1] == plain else 2
             begun |= alone
             for given, group in layout.groups:
                 windows = group & part
@@ -211,21 +248,30 @@ class Windows:
             tried = np.maximum(self.starts + np.clip(moved, -FARTHEST_MOVED, FARTHEST_MOVED) * self.sizes, self.lowest)
             before = self._of_starts(passage.less(left))
             kept, self.starts = self.starts, tried
+            known, self.remembered = self.remembered, self._recalled(candidate, passage.recalled(left))
             seen = self._predicted(candidate)
             # what readings do not tell of a start changes them by less than their noise
             better = self._of_starts(passage.less(self._left(seen))) < before + passage.open
             self.starts = np.where(better[:, None], tried, kept)
+            self.remembered = {name: np.where(better, one, known.get(name, 0.0)) for name, one in self.remembered.items()}
             if better.any():
                 found = seen if better.all() else self._predicted(candidate)
         self._passage = self._passage_of(candidate, found)
         return self._unexplained(found)
+
+    def _recalled(self, candidate: Candidate, shift: Array) -> dict[str, Array]:
+        """Return by how much more effects remember, moved by shifts (windows, k)."""
+        moved = np.clip(shift, -FARTHEST_MOVED, FARTHEST_MOVED).T
+        return self.remembered | {
+            name: self.remembered.get(name, 0.0) + one for name, one in zip(self._memories(candidate), moved, strict=False)
+        }
 
     def _of_starts(self, left: Array) -> Array:
         """Return the squares (windows,) of errors (windows, coefficients), summed over all windows that share a start."""
         squares, shared = np.sum(left**2, axis=1), np.cumsum(self.layout.begun) - 1
         return np.asarray(np.bincount(shared, squares)[shared])
 
-    def begun_for(self, candidate: Candidate, place: tuple[Array, Passage | Through]) -> Windows:
+    def begun_for(self, candidate: Candidate, place: Place) -> Windows:
         """Return these windows where they meet a model's readings best, moved there from a ``place``."""
         own = replace(self)
         own.place = place
@@ -268,22 +314,25 @@ class Windows:
                 change = self.layout.coefficients((changed.readings - base.readings) / STEP)
                 ends.append((changed.ends - base.ends) / (STEP * self.sizes))
             readings.append(change.reshape(len(self.starts), -1))
+        states = self._memories(candidate)
+        first = self._of_states(candidate, base, states)
         if self.layout.memory:
-            return Through.of(np.stack(readings, axis=2), self.layout.of_test)
-        own = self._of_sensors(candidate, base)
-        return Passage.of(np.stack(readings, axis=2), np.stack(ends, axis=2), self.unseen, self.layout.goes_on, own)
-
-    def _of_sensors(self, candidate: Candidate, base: Predicted) -> Array | None:
-        """Return what each state of a sensor's effect changes of the readings (windows, coefficients, k); none where there is none."""
+            return Through.of(np.stack(readings, axis=2), self.layout.of_test, first)
         effects = on_sensors(self.layout.measured.plant, [self.kernels.effects[name] for name in candidate.effects])
-        states = {f"{one.name}.{name}": item for one in effects for name, item in one.states.items()}
+        own = self._of_states(candidate, base, {f"{one.name}.{name}": item for one in effects for name, item in one.states.items()})
+        for known, rows in ((first, ~self.layout.fresh), (own, self.layout.fresh)):
+            if known is not None:
+                known[rows] = 0.0
+        return Passage.of(np.stack(readings, axis=2), np.stack(ends, axis=2), self.unseen, self.layout.goes_on, own, first)
+
+    def _of_states(self, candidate: Candidate, base: Predicted, states: Mapping[str, State]) -> Array | None:
+        """Return what states of effects change of the readings (windows, coefficients, k), in usual sizes; none where there is none."""
         if base.kept is None or not states:
             return None
-        places = list(self.kernels.model(candidate)[0].composition.states)[len(self.sizes) :]
-        found = []
+        places, found = self._places(candidate), []
         for name, item in states.items():
             moved = base.kept.copy()
-            moved[:, places.index(name)] += STEP * item.typical
+            moved[:, places[name]] += STEP * item.typical
             changed = self._predicted(candidate, kept=moved)
             with np.errstate(over="ignore", invalid="ignore"):
                 change = self.layout.coefficients((changed.readings - base.readings) / STEP)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hjcamp.prediction.fitting.gauss_newton import Fitted
 from hjcamp.prediction.levels import LEVEL
-from hjcamp.prediction.residuals.passage import Passage, Through
+from hjcamp.prediction.residuals.windows import Place
 from hjcamp.prediction.screening.chance import DRAWS
 
 Array = NDArray[np.float64]
@@ -27,7 +27,7 @@ class Scored:
     fitted: Fitted
     features: Array
     left_out: float
-    place: tuple[Array, Passage | Through]
+    place: Place
 
     def beyond(self, other: Scored) -> tuple[str, ...]:
         """Return the names of effects that another model lacks."""

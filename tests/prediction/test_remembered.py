@@ -1,0 +1,111 @@
+"""A log that begins where a drive has not caught up with its command: what an effect remembers there is told by the test itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete
+
+from hjcamp.effects import load_effects
+from hjcamp.prediction.measured.tests import Measured, measured_tests
+from hjcamp.prediction.residuals.whole import whole_error
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.verdict import judged
+from hjcamp.records.log import TestLog
+
+GAIN, INERTIA, VISCOUS, LAG, PERIOD, NOISE = 0.02, 1.0e-3, 4e-3, 0.15, 0.01, 0.02
+PLANT = '''"""A motor with a flywheel."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, outside, sensor
+
+
+class Motor(Plant):
+    """A motor turns a flywheel."""
+
+    speed = State("rad/s", typical=8.0)
+    voltage = Input("V", typical=3.0)
+    gain = Parameter("N*m/V", 0.02)
+    inertia = Parameter("kg*m**2", 1.2e-3, (1e-6, 1e-1), "log-uniform", base=True)
+    viscous = Parameter("N*m*s", 5e-3, (0.0, 0.1), base=True)
+    period = 0.01
+    speed_rad_per_s = Measured("tacho", of="speed")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        command = actuator(drive.voltage)
+        load = outside("N*m")
+        push = parameter.gain * command + load - parameter.viscous * state.speed
+        rate.speed = body(push, mass=parameter.inertia, load=load)
+        tacho = sensor(state.speed)
+'''
+
+
+@pytest.fixture
+def motor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Measured:
+    """Two logs of a motor behind a lag, at rest where its voltage is on already, solved exactly from sample to sample."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "motor.py").write_text(PLANT, encoding="utf-8")
+    generator, count = np.random.default_rng(3), 1200
+    rates = np.array([[-1.0 / LAG, 0.0], [GAIN / INERTIA, -VISCOUS / INERTIA]])
+    step, push, *_ = cont2discrete((rates, np.array([[1.0 / LAG], [0.0]]), np.eye(2), np.zeros((2, 1))), PERIOD)
+    logs = []
+    for name in ("a", "b"):
+        voltage = np.repeat(generator.uniform(-3.0, 3.0, count // 40), 40)
+        state, shown = np.zeros(2), np.empty(count)
+        for k in range(count):
+            shown[k] = state[1]
+            state = step @ state + push[:, 0] * voltage[k]
+        shown += NOISE * generator.standard_normal(count)
+        columns = {"time_s": PERIOD * np.arange(count), "voltage_v": voltage, "speed_rad_per_s": shown}
+        logs.append(TestLog(columns, {"plant": "motor", "period_s": str(PERIOD), "condition": name}))
+    return measured_tests(logs)
+
+
+def test_a_drive_that_has_not_caught_up_leaves_no_more_than_noise(motor: Measured) -> None:
+    library = load_effects(plant=motor.plant)
+    analysis = calibrated(motor, {name: library[name] for name in ("command_delay", "sensor_lag", "dead_band")})
+    found = judged(analysis)
+    assert found.effects == ("command_delay",) and found.word == "effect"
+    model = found.model
+    # the base's own delay, the drive's lag and the share of it that is a dead time are hardly told apart; their sum is
+    late = model.fitted.candidate.base["delay.voltage"] + model.fitted.candidate.effects["command_delay"]["delay"]
+    assert late == pytest.approx(LAG, rel=0.02)
+    layout, windows = analysis.windows.layout, replace(analysis.windows)
+    size = np.linalg.norm(model.fitted.features, axis=1)
+    assert size[layout.fresh].max() < 2.0 * np.median(size) and layout.fresh.sum() == 2
+    # with the true parameters what is remembered is known by hand
+    true = model.fitted.candidate.with_base({"inertia": INERTIA, "viscous": VISCOUS, "delay.voltage": 0.0})
+    true = true.with_effect("command_delay", {"delay": LAG, "dead_share": 0.0})
+    windows.place = model.place
+    windows.move_starts(true)
+    [(state, shift)] = windows.remembered.items()
+    item = library["command_delay"].states[state.split(".")[1]]
+    first = layout.inputs[:: layout.width, 0][layout.fresh]
+    # its own start, which is as free, leaves it this uncertain
+    assert shift[layout.fresh] * item.typical == pytest.approx(-first, abs=0.4)
+    whole = whole_error(windows, model.fitted.candidate)
+    assert whole is not None and whole.rms[0] < 1.1 * NOISE
+
+
+def test_windows_begin_with_what_effects_remember_and_go_on_from_there(motor: Measured) -> None:
+    library = load_effects(plant=motor.plant)
+    analysis = calibrated(motor, {"command_delay": library["command_delay"]})
+    windows, base = analysis.windows, analysis.base.fitted.candidate
+    candidate = base.with_effect("command_delay", {"delay": LAG, "dead_share": 0.0})
+    plain = windows.readings(candidate)[0][:, 0]
+    windows.remembered = {"command_delay.followed": np.ones(len(windows.starts))}
+    change = windows.readings(candidate)[0][:, 0] - plain
+    layout, item = windows.layout, library["command_delay"].states["followed"]
+    width, time = layout.width, PERIOD * np.arange(layout.width)
+    rate = base.base["viscous"] / base.base["inertia"]
+    # of a first-order lag before a first-order plant, by hand
+    by_hand = GAIN / base.base["inertia"] * item.typical * (np.exp(-time / LAG) - np.exp(-rate * time)) / (rate - 1.0 / LAG)
+    assert change[:width] == pytest.approx(by_hand, rel=1e-3, abs=1e-4)
+    # the window behind it begins at its own start, and with what is left of it
+    left = np.exp(-width * PERIOD / LAG)
+    assert change[width : 2 * width] == pytest.approx(left * by_hand, rel=1e-3, abs=1e-4)
+    assert layout.fresh[0] and not layout.fresh[1]
