@@ -13,6 +13,7 @@ from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.laws.alike import alike_laws
+from hjcamp.prediction.laws.unknown_laws import CommandOverDemand
 from hjcamp.prediction.laws.unknowns import Unknown, unknowns_of
 from hjcamp.prediction.measured.floor import _alike_by_no_means
 from hjcamp.prediction.selection.forward import Search
@@ -69,11 +70,56 @@ def test_a_further_name_is_none_where_the_law_of_the_first_is_off(known, free: s
         return SimpleNamespace(fitted=SimpleNamespace(candidate=candidate), left_out=error, names=tuple(candidate.effects))
 
     model, further = scored(first, 1.67), scored(first.with_effect("sensor_offset", {"offset": 0.1}), 1.53)
-    step = SimpleNamespace(unknown=(scored(first.with_effect(free, {}), left),), level_of_unknown=0.025)
+    step = SimpleNamespace(unknown=(scored(first.with_effect(free, {}), left),), claims=0.05)
     search = Search.__new__(Search)
     search.library, search.unknowns, search.windows = library, unknowns, SimpleNamespace(forms=frozenset())  # type: ignore[assignment]
     search.matters = lambda model, before, level=0.05: True  # type: ignore[method-assign]
+    search.promised_beside = lambda model, among: []  # type: ignore[method-assign]
     assert search.mends(further, model, step) == mends  # type: ignore[arg-type]
+
+
+def test_the_form_of_a_law_is_fitted_where_the_step_did_not(known) -> None:  # type: ignore[no-untyped-def]
+    library, unknowns = known
+    asked: list[set[str]] = []
+
+    def scored(error: float, *names: str) -> SimpleNamespace:
+        candidate = Candidate({})
+        for name in names:
+            candidate = candidate.with_effect(name, {})
+        return SimpleNamespace(fitted=SimpleNamespace(candidate=candidate), left_out=error, names=names)
+
+    def promised(model: object, among: set[str]) -> list[SimpleNamespace]:
+        asked.append(set(among))
+        return [SimpleNamespace(effect="unknown_command_over_demand")]
+
+    search = Search.__new__(Search)
+    search.library, search.unknowns, search.windows = library, unknowns, SimpleNamespace(forms=frozenset())  # type: ignore[assignment]
+    search.matters = lambda model, before, level=0.05: level == 0.05  # type: ignore[method-assign]
+    search.promised_beside = promised  # type: ignore[method-assign,assignment]
+    search.begun_unknown = lambda before, promise: SimpleNamespace(candidate=None)  # type: ignore[method-assign,assignment,return-value]
+    search.fitted = lambda start, near=None: scored(2.4, "dead_band", "unknown_command_over_demand")  # type: ignore[method-assign,assignment,return-value]
+    step = SimpleNamespace(unknown=(), claims=0.05)
+    assert search.mends(scored(2.5, "dead_band", "saturation"), scored(4.2, "dead_band"), step)  # type: ignore[arg-type]
+    assert asked == [{"unknown_command_over_demand"}]
+    assert not search.mends(scored(2.3, "dead_band", "saturation"), scored(4.2, "dead_band"), step)  # type: ignore[arg-type]
+    # what has a memory is no law that another one mends
+    assert not search.mends(scored(2.5, "command_delay", "dead_band"), scored(4.2, "command_delay"), step)  # type: ignore[arg-type]
+    assert len(asked) == 2
+
+
+def test_a_free_law_of_a_drive_bends_what_arrives_behind_a_lag(known) -> None:  # type: ignore[no-untyped-def]
+    library, unknowns = known
+    law = unknowns["unknown_command_over_demand"]
+    assert alike_laws(law, library["dead_band"]) and alike_laws(law, library["saturation"])
+    # a gain that depends on a state is none of them
+    assert not any(alike_laws(one, library["dead_band"]) for name, one in unknowns.items() if one.quantity == "gain")
+    knots = {name: 0.1 * k for k, name in enumerate(law.amplitudes)}
+    [(slot, term)] = law.effect.terms.items()
+    width = 1.0 / (len(knots) - 1)
+    for arrived, share in ((0.0, 0.0), (2.5 * width, 0.25), (1.0, 0.5)):
+        given = {"low": 0.0, "high": 1.0, **knots, slot: arrived}
+        assert set(term.arguments) == set(given)
+        assert CommandOverDemand.command(arrived, 0.0, 1.0, *knots.values()) == pytest.approx(arrived + share)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(

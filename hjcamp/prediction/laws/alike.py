@@ -18,14 +18,21 @@ def law_of(effect: type[Effect]) -> frozenset[tuple[str, frozenset[str]]] | None
 def alike_laws(free: Unknown, named: type[Effect]) -> bool:
     """Whether a free law is another form of a named one: over what drives it, in the same slot or in what a store gains and loses.
 
-    Dry friction, which nothing drives, is a form of every law of that friction.
+    Dry friction, which nothing drives, is a form of every law of that friction. What bends a value as it arrives, such as a limit, is
+    a form of a free law of that value.
     """
     own = {*named.parameters, *named.terms}
     drivers = [set(term.arguments) - own for term in named.terms.values()]
     dry = kind_of(named) == "contact" and not (named.states or any(drivers))
-    driven = dry or any(free.signal in one for one in drivers)
+    driven = dry or any(free.signal in one for one in drivers) or _bends(named) & _bends(free.effect)
     kinds = {kind_of(free.effect), kind_of(named)}
-    return driven and (not set(free.effect.terms).isdisjoint(named.terms) or kinds == {"store", "path"})
+    return bool(driven) and (not set(free.effect.terms).isdisjoint(named.terms) or kinds == {"store", "path"})
+
+
+def _bends(effect: type[Effect]) -> frozenset[str]:
+    """Return the slots whose value a law without memory changes depending on that alone."""
+    own = set(effect.parameters)
+    return frozenset(slot for slot, term in effect.terms.items() if not effect.states and set(term.arguments) - own == {slot})
 
 
 def kind_of(effect: type[Effect]) -> str:

@@ -170,8 +170,8 @@ class FlowOverHead(_Hats, Effect, on="flow", over="head", knots=6, changes=True)
     acts_on = "path"
 
 
-class CommandOverDemand(_Hats, Effect, on="command", over="demand", knots=6, changes=True):
-    r"""A drive that delivers another amount than its demand, depending on the demand.
+class CommandOverDemand(_Hats, Effect, on="command", over="command", knots=6, changes=True):
+    r"""A drive that delivers another amount than its demand, depending on the demand as it arrives, behind a lag.
 
     .. math:: u \mathrel{+}= h(u)
     """
@@ -188,8 +188,8 @@ class OutputOverInput(_Hats, Effect, on="output", over="input", knots=12, change
     acts_on = "transmission"
 
 
-class ReadingOverTrue(_Hats, Effect, on="reading", over="true", knots=12, changes=True):
-    r"""A sensor whose error depends on the value.
+class ReadingOverTrue(_Hats, Effect, on="reading", over="reading", knots=12, changes=True):
+    r"""A sensor whose error depends on the value, behind a lag.
 
     .. math:: y \mathrel{+}= h(x)
     """

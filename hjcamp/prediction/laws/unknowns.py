@@ -98,13 +98,13 @@ def unknowns_of(
         except UsageError:
             continue
         for effect in bound:
+            port = _port(plant, law, effect)
             signal = next(
                 (name for term in effect.terms.values() for name in term.arguments if _drives(term, name, driver)),
-                driver,
+                port.names.get(driver, driver),
             )
             low, high = ranges.get(signal, (0.0, 0.0))
             if high - low > 1e-9 * max(abs(low), abs(high)):
-                port = _port(plant, law, effect)
                 usual = ranges.get(port.size_of(next(iter(law.terms))), (0.0, 1.0))
                 size = max(abs(usual[0]), abs(usual[1])) or 1.0
                 levels = _levels((courses or {}).get(signal, np.zeros(0)), low, high, len(amplitudes_of_law(effect)))

@@ -13,7 +13,7 @@ from hjcamp.prediction.laws.unknowns import Unknown, values_of
 from hjcamp.prediction.levels import FITTED, FITTED_BY_CHANCE, FITTED_UNKNOWNS, LEVEL, MATTERS, MOST_OF_IT, STEPS
 from hjcamp.prediction.measured.floor import motion_of
 from hjcamp.prediction.screening.chance import chance_gains, moved_orders, p_value
-from hjcamp.prediction.screening.screening import Projection, best_promises
+from hjcamp.prediction.screening.screening import Projection, Promise, best_promises
 from hjcamp.prediction.selection.claims import Claims
 from hjcamp.prediction.selection.scored import Scored, Step
 
@@ -153,13 +153,22 @@ class Search(Claims):
             return None
         further = self.look(hidden)
         found = [one for one in further.named if self.matters(one, hidden, further.level)] if further.p_value <= self.claims else []
-        for both in found[:1]:
+        for both in found[:1] if found and not self.mends(found[0], hidden, further) else []:
             alone = self.fitted(both.fitted.candidate.without(hidden.beyond(before)), both.fitted)
             if self.matters(both, alone, step.level) and self.matters(both, before, step.level):
                 return both
         self.steps.pop()
         self.windows.place = before.place
         return None
+
+    def promised_beside(self, model: Scored, among: Iterable[str]) -> list[Promise]:
+        """Return the best promise of each of some effects and unknowns beside a model, what promises most first."""
+        fitted, self.windows.place = model.fitted, model.place
+        self.windows.kernels.hold(fitted.candidate.effects)
+        projection = Projection(fitted)
+        probes = [probe for name in among for probe in self.probes(fitted, name)]
+        effects = {**self.library, **{name: one.effect for name, one in self.unknowns.items()}}
+        return list(best_promises([projection.promise(probe, effects[probe.effect]) for probe in probes]).values())
 
     def exchanged(self, model: Scored, base: Scored) -> Scored:
         """Return the model with each of several names exchanged for another law of the same driver where that leaves less.
@@ -190,13 +199,17 @@ class Search(Claims):
 
         Then the law of that one is off in form, which the answer says, and is no second thing that is missing.
         """
-        there = [self.library[name] for name in model.names if name in self.library and name not in self.windows.forms]
-        for one in step.unknown:
-            free = self.unknowns[_added(one.fitted.candidate, model.fitted.candidate)]
-            other_form = one.left_out <= further.left_out and any(alike_laws(free, name) for name in there)
-            if other_form and self.matters(one, model, step.level_of_unknown):
-                return True
-        return False
+        named = (self.library[name] for name in model.names if name in self.library and name not in self.windows.forms)
+        there = [one for one in named if not one.states]
+        forms = [name for name, one in self.unknowns.items() if any(alike_laws(one, law) for law in there)]
+        fitted = {_added(one.fitted.candidate, model.fitted.candidate): one for one in step.unknown}
+        promised = [one for one in self.promised_beside(model, forms) if one.effect not in fitted] if forms else []
+        for promise in promised[:FITTED_UNKNOWNS]:
+            begun = self.begun_unknown(model.fitted, promise)
+            fitted[promise.effect] = self.fitted(begun.candidate, begun)
+        level = step.claims / max(len(fitted), 1)
+        shown = (one for name, one in fitted.items() if name in forms and one.left_out <= further.left_out)
+        return any(self.matters(one, model, level) for one in shown)
 
     def better_than_free_laws(self, before: Scored, step: Step) -> Scored | None:
         """Return the effect that leaves less than every free law of the step, where one of these is shown to take what matters.
@@ -225,12 +238,7 @@ class Search(Claims):
         found = [one for one in step.named if self.error_ratio(one, before) <= 1.0 - MATTERS]
         level = self.claims / max(FITTED_UNKNOWNS * len(found), 1)
         for one in found:
-            self.windows.place = one.place
-            self.windows.kernels.hold(one.fitted.candidate.effects)
-            projection = Projection(one.fitted)
-            probes = [probe for name in self.unknowns for probe in self.probes(one.fitted, name)]
-            promises = best_promises([projection.promise(probe, self.unknowns[probe.effect].effect) for probe in probes])
-            for promise in list(promises.values())[:FITTED_UNKNOWNS]:
+            for promise in self.promised_beside(one, self.unknowns)[:FITTED_UNKNOWNS]:
                 begun = self.begun_unknown(one.fitted, promise)
                 both = self.fitted(begun.candidate, begun)
                 if not self.matters(both, one, level) or not self.matters(both, before, level):
