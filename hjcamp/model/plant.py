@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping
+from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 # Whose controller holds the measured motion: one in the tests themselves, or somebody else's.
 LOOPS = ("own", "foreign")
+# What a user's file says of its plant beside states, inputs, parameters and readings.
+SETTABLE = ("period", "loop", "controlled", "one_of", "subsystems", "labels", "rooms")
 # What every plant's equations may use: the regime of its contact, the time, and what friction scatters by.
 # Of several contacts each has a regime of its own, ``drive.direction_NAME``.
 ALWAYS = {
@@ -92,6 +95,10 @@ class Plant:
             raise UsageError(
                 f"{cls.__name__}: period is {shown(cls.period)}; the seconds between two samples are needed"
             )
+        for name in vars(cls):
+            meant = [] if hasattr(Plant, name) else get_close_matches(name, SETTABLE, n=1, cutoff=0.75)
+            if meant and isinstance(getattr(cls, name), str | int | float | tuple | dict):
+                raise UsageError(f"{cls.__name__}: a plant has no '{name}'; did you mean '{meant[0]}'?")
         if cls.loop not in LOOPS:
             raise unknown("loop", str(cls.loop), LOOPS, cls.__name__)
         for name in cls.rooms:

@@ -63,7 +63,9 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "unknowns": unknown_rows(analysis, verdict),
         "false_claims": {} if analysis.measured.repeated else _false_claims(analysis, verdict),
         "swings": swing_row(verdict.swing) if verdict.swing else {},
-        "follows_motion": {"share": verdict.follows, "quantities": _leading(analysis, verdict)},
+        "follows_motion": {
+            "share": verdict.follows, "quantities": _leading(analysis, verdict), "beside_law": _beside_law(analysis, verdict),
+        },
         "confidence_set": [list(names) for names in verdict.confidence_set],
         "floor": floor_rows(analysis),
         "ends": end_rows(analysis.windows.layout),
@@ -99,6 +101,11 @@ def _leading(analysis: Analysis, verdict: Verdict) -> list[str]:
     if not verdict.follows:
         return []
     return leading(search.windows.layout, base.features, search.chapters, search.predicted(base))
+
+
+def _beside_law(analysis: Analysis, verdict: Verdict) -> float:
+    """Return which share of the rms that a free law leaves follows from the motion all the same; 0 where no such law is the answer."""
+    return analysis.search.follows_motion(verdict.unknown).share if verdict.unknown and not verdict.effects else 0.0
 
 
 def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]:

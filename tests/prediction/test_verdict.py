@@ -16,12 +16,13 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.effects import load_effects
-from hjcamp.prediction.answer import answer
+from hjcamp.prediction.answer import _beside_law, answer
 from hjcamp.prediction.fitting.intervals import Interval
 from hjcamp.prediction.measured.floor import Floor
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.prediction.selection.claims import Claims
+from hjcamp.prediction.selection.scored import Follows
 from hjcamp.prediction.verdict import doubts, verdict
 from hjcamp.prediction.verdict.verdict import Verdict, agreed, judged
 
@@ -62,7 +63,7 @@ def test_the_hidden_effect_is_named(axis: Path, name: str) -> None:
 def test_nothing_is_missing(axis: Path) -> None:
     found = asked(HIDDEN["nothing"])
     assert found["verdict"] == "nothing_missing" and found["effects"] == [] and found["unknowns"] == []
-    assert found["follows_motion"] == {"share": 0.0, "quantities": []}
+    assert found["follows_motion"] == {"share": 0.0, "quantities": [], "beside_law": 0.0}
 
 
 def test_what_no_law_has_is_outside_and_its_curve_is_drawn(axis: Path) -> None:
@@ -71,6 +72,19 @@ def test_what_no_law_has_is_outside_and_its_curve_is_drawn(axis: Path) -> None:
     assert found["drivers"][0] in ("velocity_position", "friction_travel")
     curve = found["unknowns"][0]["curve"]
     assert len(curve["x"]) == len(curve["y"]) and curve["x_unit"] == "m" and curve["y_unit"] == "N"
+    # the law takes all that can be told
+    assert found["follows_motion"]["beside_law"] == 0.0
+
+
+def test_what_can_be_told_beside_a_free_law_is_in_the_answer() -> None:
+    base, law = SimpleNamespace(), SimpleNamespace()
+    search = SimpleNamespace(follows_motion=lambda model: Follows(0.4 if model is law else 0.9, 1.0))
+    analysis = SimpleNamespace(search=search, base=base)
+
+    def asked_of(unknown: object, effects: tuple[str, ...]) -> float:
+        return _beside_law(analysis, SimpleNamespace(unknown=unknown, effects=effects))  # type: ignore[arg-type]
+
+    assert (asked_of(law, ()), asked_of(law, ("spring",)), asked_of(None, ())) == (0.4, 0.0, 0.0)
 
 
 def test_a_force_that_repeats_many_times_along_the_travel_is_outside(axis: Path) -> None:

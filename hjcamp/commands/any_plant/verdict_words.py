@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.commands.any_plant.plant_hints import far_states, without_contact
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
     FLOORS,
@@ -142,6 +143,11 @@ class Words:
                 f"{_a(free_law(self.content['unknowns'][0]), begins=True)}, of a form that no effect of the library has, predicts "
                 f"better: it leaves {100.0 * self.content['unknowns'][0]['left']:.0f} % of the error. Its curve is on the page."
             )
+        if beside := self.content["follows_motion"]["beside_law"]:
+            found.append(
+                f"Of what it leaves {100.0 * beside:.0f} % can be told from the motion and the inputs of its moment all the same (a "
+                "regression, on chapters left out): something else is missing as well, or what was before matters."
+            )
         if self.content["swings"]:
             found.append(swing_words(self.content["swings"]))
         if verdict.follows:
@@ -203,6 +209,7 @@ class Words:
         found += other_sizes(rows, self.content["candidates"][:SHOWN])
         found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
         found += run_away_words(self.content) + still_words(self.content["still"])
+        found += without_contact(self.analysis.measured.plant, self.content["unknowns"]) + far_states(self.analysis.windows)
         return found + self.telling()
 
     def _most_is_left(self) -> list[str]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.commands.any_plant.plant_hints import far_states
 from hjcamp.model.base_values import DELAY
 from hjcamp.report.units import told, told_interval
 
@@ -189,7 +190,8 @@ def notes_on(found: Comparison) -> list[str]:
     """Return in words where sensors end, and where the last model is the worse for being calibrated."""
     from hjcamp.prediction.answer import end_rows
 
-    return [*end_words(end_rows(found.analysis.windows.layout)), *further_off(found)]
+    windows = found.analysis.windows
+    return [*end_words(end_rows(windows.layout)), *further_off(found), *far_states(windows)]
 
 
 def further_off(found: Comparison) -> list[str]:
@@ -277,7 +279,7 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
     table(console, CHANNELS, channel_table(content["channels"], whole))
     said = f"Error on chapters left out, over the floor: {error['before']:.2f} -> {error['after']:.2f}."
     slow = [WHOLE_NOTE] if whole else []
-    print_wrapped(console, [said, *helped(found, whole), *run_away_words(content), *slow, *end_words(content["ends"])], 8)
+    print_wrapped(console, [said, *helped(found, content), *run_away_words(content), *slow, *end_words(content["ends"])], 8)
     console.print(f"model   {path}", markup=False)
 
 
@@ -286,8 +288,8 @@ def bound_word(row: Mapping[str, Any]) -> str:
     return "  at its bound" if row["at_bound"] else ""
 
 
-def helped(found: Addition, whole: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Return in words that a model explains the tests no better, where it is not shown to; or ``whole`` tests alone."""
+def helped(found: Addition, content: Mapping[str, Any]) -> list[str]:
+    """Return in words that a model explains the tests no better, where it is not shown to; or whole tests alone."""
     from hjcamp.prediction.fitting.chapters import critical
     from hjcamp.prediction.levels import MATTERS
 
@@ -295,7 +297,13 @@ def helped(found: Addition, whole: Mapping[str, Mapping[str, Any]]) -> list[str]
         return []
     search, base = found.analysis.search, found.analysis.base
     if search.error_ratio(found.model, base) > 1.0 - MATTERS:
-        if any(row["augmented"]["whole_rms"] <= (1.0 - MATTERS) * row["baseline"]["whole_rms"] for row in whole.values()):
+        whole = content["whole_tests"].values()
+        if content["runs_away"] == ["baseline"]:
+            return [
+                "The error of windows does not fall by a share that matters; but over whole tests this model goes on with what was "
+                "measured, where the calibrated one does not."
+            ]
+        if any(row["augmented"]["whole_rms"] <= (1.0 - MATTERS) * row["baseline"]["whole_rms"] for row in whole):
             return ["The error of windows does not fall by a share that matters; that of whole tests does."]
         return ["The error does not fall by a share that matters: this model explains these tests no better."]
     t, chapters = search.t(found.model, base)

@@ -1,0 +1,47 @@
+"""What a plant's file could say, and does not, that an answer stands on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hjcamp.report.units import told
+
+if TYPE_CHECKING:
+    from hjcamp.model.plant import Plant
+    from hjcamp.prediction.residuals.windows import Windows
+
+# So many times its usual size a state lies elsewhere than its file says.
+ELSEWHERE = 10.0
+
+
+def without_contact(plant: type[Plant], unknowns: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return that no friction was looked for where what is missing depends on the velocity of a body that no contact brakes."""
+    from hjcamp.model.vocabulary import read_vocabulary
+
+    ports = read_vocabulary(plant).ports.values()
+    braked = {port.names.get("velocity") for port in ports if port.kind == "contact"}
+    free = {port.names.get("velocity", "") for port in ports if port.kind == "body"} - braked
+    found = sorted(free & {str(one["signal"]) for one in unknowns} & set(plant.states))
+    return [
+        f"No friction was looked for at {name}, which no contact brakes: write what brakes it as contact(state.{name}, viscous=...)."
+        for name in found
+    ]
+
+
+def far_states(windows: Windows) -> list[str]:
+    """Return which states that nothing measures lie many times their usual size from 0, and what to write."""
+    plant = windows.layout.measured.plant
+    usual = dict(zip(plant.states, np.sqrt(np.mean(windows.starts**2, axis=0)), strict=True))
+    far = [
+        name for k, name in enumerate(plant.states) if windows.unseen[k] and usual[name] > ELSEWHERE * windows.sizes[k]
+    ]  # fmt: skip
+    if not far:
+        return []
+    values = ", ".join(told(float(usual[name]), plant.states[name].unit) for name in far)
+    return [
+        f"{', '.join(far)}, which nothing measures, began at 0 and came to {values}, many times what is typical by the plant's file: "
+        "write typical= and, where there is one, low= of such states there, and ask again."
+    ]

@@ -1,0 +1,77 @@
+"""What a plant's file could say: that a state lies far from 0, that a body has no contact, and lines that are misspelt."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hjcamp.commands.any_plant.plant_hints import far_states, without_contact
+from hjcamp.errors import UsageError
+from hjcamp.model.parameter import Input, Measured, Parameter, State
+from hjcamp.model.plant import Plant
+from hjcamp.plant import actuator, body, contact, outside, sensor
+
+
+class Wheel(Plant):
+    """A wheel on a motor that warms."""
+
+    speed = State("rad/s", typical=8.0)
+    warmth = State("K", typical=1.0)
+    voltage = Input("V", typical=3.0)
+    gain = Parameter("N*m/V", 0.02)
+    inertia = Parameter("kg*m^2", 1e-3, (1e-6, 1.0), base=True)
+    viscous = Parameter("N*m*s", 4e-3, (0.0, 1.0), base=True)
+    pace = Parameter("1/s", 0.1)
+    speed_rad_per_s = Measured("tacho", of="speed")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):  # type: ignore[no-untyped-def]
+        command = actuator(drive.voltage)
+        load = outside("N*m")
+        push = parameter.gain * command + load - parameter.viscous * state.speed
+        rate.warmth = -parameter.pace * state.warmth
+        rate.speed = body(push, mass=parameter.inertia, load=load)
+        tacho = sensor(state.speed)  # noqa: F841
+
+
+class Braked(Wheel):
+    """The same with a contact."""
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):  # type: ignore[no-untyped-def]
+        command = actuator(drive.voltage)
+        load = outside("N*m")
+        friction = contact(state.speed, viscous=parameter.viscous)
+        rate.warmth = -parameter.pace * state.warmth
+        rate.speed = body(parameter.gain * command + load - friction, mass=parameter.inertia, load=load)
+        tacho = sensor(state.speed)  # noqa: F841
+
+
+def test_a_body_without_a_contact_is_told_where_its_velocity_drives_what_is_missing() -> None:
+    [said] = without_contact(Wheel, [{"signal": "speed"}, {"signal": "time"}])
+    assert "contact(state.speed, viscous=...)" in said
+    assert not without_contact(Wheel, [{"signal": "command_demand"}])
+    assert not without_contact(Braked, [{"signal": "speed"}])
+
+
+@pytest.mark.parametrize(("warm", "told"), [(9.0, False), (46.0, True)])
+def test_states_that_lie_far_from_where_they_begin_are_told(warm: float, told: bool) -> None:
+    windows = SimpleNamespace(
+        layout=SimpleNamespace(measured=SimpleNamespace(plant=Wheel)), sizes=np.array([8.0, 1.0]),
+        unseen=np.array([False, True]), starts=np.array([[800.0, warm], [800.0, -warm]]),
+    )  # fmt: skip
+    said = far_states(windows)  # type: ignore[arg-type]
+    assert bool(said) == told
+    assert not said or ("46 K" in said[0] and "speed" not in said[0])
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "meant"), [("perod", 0.02, "period"), ("lop", "foreign", "loop"), ("contoled", "speed", "controlled")]
+)
+def test_a_misspelt_line_of_a_plant_is_refused_with_what_it_means(name: str, value: object, meant: str) -> None:
+    with pytest.raises(UsageError, match=f"'{name}'; did you mean '{meant}'"):
+        type("Odd", (Wheel,), {"__doc__": "A wheel.", "__module__": __name__, name: value})
+    # what is like no line of a plant is the file's own
+    type("Own", (Wheel,), {"__doc__": "A wheel.", "__module__": __name__, "TEETH": 12, "table": (1, 2)})
