@@ -13,6 +13,7 @@ from carriage import PERIOD, measured_log
 from hjcamp.analyses.data import Data
 from hjcamp.backends.plant_simulation import reference_of
 from hjcamp.campaign.campaign_file import read_campaign
+from hjcamp.commands.any_plant.next_answer import no_campaign
 from hjcamp.commands.any_plant.next_campaign import written_campaign
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.next.menu import menu
@@ -60,3 +61,5 @@ def test_a_measured_test_made_smaller_is_no_campaign(axis: Path) -> None:
     done = SimpleNamespace(proposal=proposal, analysis=SimpleNamespace(measured=measured))
     assert written_campaign(done, Data.__new__(Data), None) is None  # type: ignore[arg-type]
     assert not Path("campaigns").exists()
+    proposal.by_motion = False
+    assert f"'{half.text}' is a measured test that is changed" in no_campaign(proposal)  # type: ignore[arg-type]

@@ -168,7 +168,10 @@ def no_campaign(proposal: Proposal) -> str:
     """Return why the proposed tests are no campaign of `hjcamp run`."""
     if proposal.by_motion:
         return "none: motions are asked of a loop outside the plant's equations, and hjcamp run gives an input"
-    return "none: hjcamp run gives one input alone, and these tests change another as well, or no input"
+    changed = [one.wanted.text for one in proposal.tests[: proposal.chosen] if not one.wanted.pieces]
+    if changed:
+        return f"none: hjcamp run holds an input at levels, and '{changed[0]}' is a measured test that is changed"
+    return "none: hjcamp run gives one input alone while all others rest, and these tests do not"
 
 
 def rows(proposal: Proposal) -> list[list[str]]:

@@ -154,7 +154,7 @@ def measured_tests(logs: Sequence[TestLog]) -> Measured:
         if abs(log.period / period - 1.0) > RATE_TOLERANCE:
             raise UsageError(
                 f"{log.path}: one sample each {log.period:g} s, but each {period:g} s in {logs[0].path}; "
-                "analyse tests of one sampling period together"
+                f"analyse tests of one sampling period together, or import them with resample_s: {max(log.period, period):g} in the map"
             )
     # effects have their times in samples of the logs, whatever the plant's file says of its own
     if abs(period / plant.period - 1.0) > RATE_TOLERANCE:
