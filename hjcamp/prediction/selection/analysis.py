@@ -385,7 +385,8 @@ def begin_hidden(windows: Windows, candidate: Candidate) -> None:
         starts, moved = windows.starts / windows.sizes, np.zeros_like(ends)
         for w in following:
             jump = (ends[w - 1] + passed[w - 1] @ moved[w - 1] - starts[w])[unseen]
-            moved[w, unseen] = np.clip(np.where(np.isfinite(jump), jump, 0.0), -FARTHEST_MOVED, FARTHEST_MOVED)
+            most = FARTHEST_MOVED * np.maximum(1.0, np.abs(starts[w][unseen]))
+            moved[w, unseen] = np.clip(np.where(np.isfinite(jump), jump, 0.0), -most, most)
         windows.starts = np.maximum(windows.starts + moved * windows.sizes, windows.lowest)
 
 
