@@ -194,25 +194,6 @@ def test_nothing_is_missing_is_not_said_of_a_base_that_its_bounds_hold(axis: Pat
     assert found.word == "cannot_tell" and found.lacking[0].startswith("mass stands at its bound, far from what is declared")
 
 
-@pytest.mark.parametrize(("late", "doubted"), [(0.6, True), (3.0, False)])
-def test_a_late_drive_that_acts_before_its_log_is_doubted(
-    axis: Path, monkeypatch: pytest.MonkeyPatch, late: float, doubted: bool
-) -> None:
-    measured = measured_tests([measured_log()])
-    library = {"command_delay": load_effects(plant=measured.plant)["command_delay"]}
-    analysis = calibrated(measured, library, unknowns=False)
-    period = measured.period
-    candidate = analysis.base.fitted.candidate.with_effect("command_delay", {"delay": late * period, "dead_share": 0.5})
-    model = replace(analysis.base, fitted=replace(analysis.base.fitted, candidate=candidate))
-    early = Interval("", "delay.voltage", -0.8 * period, -0.9 * period, -0.7 * period, False)
-    monkeypatch.setattr(doubts, "intervals", lambda fitted, chapters: [early])
-    said = Verdict("effect", ("command_delay",), model, 0.001, (("command_delay",),), 0.0, None, ())
-    monkeypatch.setattr(verdict, "judged", lambda one: said)
-    found = verdict.agreed(analysis, lambda width: analysis)[1]
-    assert found.word == ("cannot_tell" if doubted else "effect")
-    assert not doubted or "together it is not late" in found.lacking[0]
-
-
 @pytest.mark.parametrize(
     ("at_bound", "told", "pushed"),
     [(True, False, False), (True, True, False), (False, False, False), (True, True, True), (False, True, True)],

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
+from hjcamp.model.source_text import names_in
+from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.fitting.chapters import left_out
 from hjcamp.prediction.fitting.gauss_newton import TURNS, TURNS_OF_BASE, Fitted, Free, fit, settled
 from hjcamp.prediction.fitting.likelihood import loss, size
@@ -86,7 +88,8 @@ class Fits:
 
     def free_of(self, candidate: Candidate) -> list[Free]:
         """Return all free parameters of a candidate: of the form of a contact that could be an effect how far it gives way, no more."""
-        found = list(self.base_free)
+        late = self.late_inputs(candidate)
+        found = [one for one in self.base_free if one.name not in late]
         for name in candidate.effects:
             if name in self.unknowns:
                 found += free_of_unknown(self.unknowns[name])
@@ -108,6 +111,7 @@ class Fits:
 
     def settled(self, start: Candidate, near: Fitted | None = None, windows: Windows | None = None) -> Fitted:
         """Return the fit of a model from ``start`` with the starts of ``windows``, or those of a copy, moved along."""
+        start = self.on_time(start)
         return settled(windows or copy.copy(self.windows), start, self.free_of(start), near, self.turns)
 
     def to_the_end(self, model: Scored) -> Scored:
@@ -170,6 +174,27 @@ class Fits:
         late = any(value > 0.0 for key, value in candidate.base.items() if key.startswith(DELAY))
         return late and bool(effect.states) and kind_of(effect) in ("actuator", "sensor")
 
+    def late_inputs(self, candidate: Candidate) -> set[str]:
+        """Return the delays of inputs that the base has no more, since an effect of the drive makes them late.
+
+        Both would say the same, one early where the other is later.
+        """
+        vocabulary = read_vocabulary(self.windows.layout.measured.plant)
+        demands = {port.names["command"]: port.names["demand"] for port in vocabulary.ports.values() if port.kind == "actuator"}
+        lines = {one.target: one.expression for one in vocabulary.statements}
+        found = set()
+        for name in candidate.effects:
+            effect = self.library.get(name)
+            if effect is not None and effect.states and kind_of(effect) == "actuator":
+                for slot in demands.keys() & effect.terms.keys():
+                    found |= {DELAY + one.removeprefix("u_") for one in names_in(lines.get(demands[slot], "")) if one.startswith("u_")}
+        return found
+
+    def on_time(self, candidate: Candidate) -> Candidate:
+        """Return a candidate without the delays of inputs that an effect of its drive makes late."""
+        late = self.late_inputs(candidate) & set(candidate.base)
+        return candidate.with_base(dict.fromkeys(late, 0.0)) if late else candidate
+
     def begun_unknown(self, before: Fitted, promise: Promise) -> Fitted:
         """Return the better of two starts of an unknown: what is promised, and nothing."""
         name, knots = promise.effect, self.unknowns[promise.effect].amplitudes
@@ -181,6 +206,7 @@ class Fits:
 
         Of short tests, and where it is asked, all are fitted to the end: what is best as it is often leads nowhere.
         """
+        starts = [self.on_time(one) for one in starts]
         distinct = {one.key: one for one in starts}
         if self.windows.layout.short or to_the_end:
             best = min((self.settled(one) for one in distinct.values()), key=lambda one: one.loss)

@@ -1,4 +1,4 @@
-"""What speaks against a verdict: bounds that hold the base, errors that no floor explains, an input that would act before its log."""
+"""What speaks against a verdict: bounds that hold the base, errors that no floor explains, a delay that stands at its most."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.fitting.chapters import critical
 from hjcamp.prediction.fitting.intervals import intervals
-from hjcamp.prediction.laws.alike import kind_of
 from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
 from hjcamp.prediction.residuals.windows import ZERO
 from hjcamp.prediction.selection.analysis import Analysis
@@ -44,11 +43,9 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
 
 
 def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> str:
-    """Return in words that a drive which is named late acts, with the delay of the base, no later than its log, or what else
-    speaks against a name; else nothing.
+    """Return in words what speaks against a name; empty where nothing does.
 
-    So looks an input that runs on between samples where it was declared to be held: its mean over a sample is early and smooth.
-    Nor is an effect named that stands at a bound, and of which the tests tell nothing, or whose gain is that of where windows begin.
+    Not named is an effect that stands at a bound, and of which the tests tell nothing.
     """
     rows = intervals(model.fitted, analysis.search.chapters)
     # of a gain whose sign is wrong next to nothing is left, of which the tests tell nothing
@@ -61,18 +58,6 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> s
                 f"what is left is taken by {name} at a value that its bounds tell, not these tests: columns of the logs may be "
                 "exchanged, or a unit or a sign be wrong"
             )
-        effect = analysis.search.library[name]
-        times = [one for one, item in effect.parameters.items() if item.unit == "s"]
-        if not times or not effect.states or kind_of(effect) != "actuator" or name not in model.fitted.candidate.effects:
-            continue
-        late = model.fitted.candidate.effects[name][times[0]]
-        for one in rows:
-            if not one.effect and one.name.startswith(DELAY) and one.told and one.high < 0.0 and one.value + late <= 0.0:
-                given = one.name.removeprefix(DELAY).replace("_", " ")
-                return (
-                    f"the base takes {given} to act {-one.value:.2g} s before its log, and {name} makes it late by {late:.2g} s: "
-                    'together it is not late. It may run on between samples (hold="linear" in the plant\'s file), or be logged late'
-                )
     return ""
 
 
