@@ -209,7 +209,7 @@ class Words:
         found += other_sizes(rows, self.content["candidates"][:SHOWN])
         found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
         found += run_away_words(self.content) + still_words(self.content["still"])
-        found += without_contact(self.analysis.measured.plant, self.content["unknowns"]) + far_states(self.analysis.windows)
+        found += without_contact(self.analysis.measured.plant, self.content["unknowns"][:1]) + far_states(self.analysis.windows)
         return found + self.telling()
 
     def _most_is_left(self) -> list[str]:
