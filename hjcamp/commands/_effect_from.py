@@ -92,7 +92,7 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.effects._curve_template import Begun, Table, even_steps
     from hjcamp.known_plants import find_plant
     from hjcamp.model.vocabulary import read_vocabulary
-    from hjcamp.prediction.laws.unknowns import SHARES, times_of
+    from hjcamp.prediction.laws.unknowns import BENT, SHARES, times_of
 
     found = find_plant(plant)
     vocabulary, curve = read_vocabulary(found), row["curve"]
@@ -107,9 +107,13 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
         # a gain is so many times what is asked; what a law reads of its own slot it must hand on
         slot, times = times_of(port) if port else (row["port"], row["port"])
         factor = f"{slot} + {times} * " if slot == times else f"{times} * "
+    expression = signal
+    if quantity in BENT:
+        [expression] = row["slots"]
+        factor = f"{expression} + "
     table = Table("amplitude", tuple(row["slots"]), values, curve["y_unit"], text, factor)
     subsystem = (port.subsystem or port.kind) if port else next(iter(found.subsystems), "parameter")
     return Begun(
-        plant, subsystem, signal.replace("_", " "), signal, (signal,), curve["x_unit"], first, last,
+        plant, subsystem, signal.replace("_", " "), expression, (expression,), curve["x_unit"], first, last,
         (table,), f"the diagnosis {file}",
     )  # fmt: skip

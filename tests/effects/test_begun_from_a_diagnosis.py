@@ -105,6 +105,20 @@ def test_a_gain_becomes_a_share_of_what_is_asked(here: Path, capsys: pytest.Capt
     assert "mine passes" in capsys.readouterr().out
 
 
+def test_what_bends_a_command_bends_it_as_it_arrives(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    row = {
+        "driver": "force_demand", "quantity": "command", "port": "force", "signal": "force_demand", "slots": ["force"],
+        "curve": {"x_unit": "N", "y_unit": "N"}, "knots": {"x": [-40.0, 0.0, 40.0], "y": [8.0, 0.0, -4.0]},
+    }  # fmt: skip
+    effect = begun(SPRING | {"unknowns": [row]}, "axis")
+    check_units(effect, find_plant("axis"))
+    assert set(effect.terms["force"].arguments) == {"force", *effect.parameters}
+    for arrived, less in ((-40.0, 8.0), (-10.0, 2.0), (20.0, -2.0), (90.0, -4.0)):
+        assert at_defaults(effect, "force", force=arrived) == pytest.approx(arrived + less, abs=1e-2)
+    assert cli.run(["effects", "test", "mine", "--plant", "axis"]) == 0
+    assert "mine passes" in capsys.readouterr().out
+
+
 def test_a_gain_of_a_path_is_handed_on(here: Path) -> None:
     Path("plants/basin.py").write_text(BASIN, encoding="utf-8")
     flow = "drain"

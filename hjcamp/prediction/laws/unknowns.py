@@ -30,6 +30,8 @@ TIMES = {"actuator": ("command", "demand"), "path": ("flow", "flow"), "store": (
 RUBS = ("static", "coulomb")
 # What is a share of its slot's own value.
 SHARES = ("gain", "capacity", "stiffness", "value")
+# What is a law of its slot's value as that arrives.
+BENT = ("command", "reading")
 
 
 def times_of(port: Port) -> tuple[str, str]:
