@@ -39,8 +39,8 @@ WORDS: Mapping[str, str] = {
     "law left": "The share of what a free law explains, or of the error above what chance may leave, that the named effect's own "
     "law leaves; 0 where its form is right (law_left in the answer for programs).",
     "candidate": "An effect that was fitted beside the calibrated model, with its parameters and what it explains.",
-    "posterior weight": "How probable it is, from tests that it was not fitted to, that an effect is what is missing among those that "
-    "were weighed (pump joint), or that a model with it predicts better than without (other plants, where it may be so of several).",
+    "posterior weight": "How probable it is, from tests that it was not fitted to, that a model with an effect predicts better than "
+    "one without; it may be near 1 of several effects, unless the weights of those that were weighed add up to 1.",
     "held-out": "Not used for the fit: the error on held-out tests is what a model is judged by, since a fit alone can only fall.",
     "left": "The share of the calibrated model's held-out error that stays with an effect added: 30 % left is 70 % explained.",
     "chapter": "A part of the measurements that is left out as a whole to judge a fit of the others: a condition, a test, or a "

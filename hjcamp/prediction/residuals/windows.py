@@ -27,7 +27,7 @@ from hjcamp.prediction.residuals.starts import erring_sensors, on_sensors
 
 Array = NDArray[np.float64]
 STEP = 1e-3
-# In its usual sizes, or in its own size where that is more: how far a start is moved at once.
+# In its usual sizes, or in its own size where that is more and nothing measures it: how far a start is moved at once.
 FARTHEST_MOVED = 3.0
 ZERO = "zero."
 # So many times the steps of the plant itself: what is stiffer than that costs time for nothing that samples show.
@@ -245,7 +245,7 @@ class Windows:
         for _ in range(rounds):
             left, passage, starts = self._left(found), self._passage_of(candidate, found), self.starts / self.sizes
             moved = passage.begun(left, starts, found.ends / self.sizes)[0] - starts
-            most = FARTHEST_MOVED * np.maximum(1.0, np.abs(starts))
+            most = FARTHEST_MOVED * np.where(self.unseen, np.maximum(1.0, np.abs(starts)), 1.0)
             tried = np.maximum(self.starts + np.clip(moved, -most, most) * self.sizes, self.lowest)
             before = self._of_starts(passage.less(left))
             kept, self.starts = self.starts, tried
