@@ -112,14 +112,15 @@ class Windows:
 
     def _kept(self, candidate: Candidate, begin: Array, inputs: Array) -> Array | None:
         """Return the effects' states (windows, k) windows begin with, infinite where they go on; none where all are as declared."""
-        shifts = {name: self.remembered[name] for name in self._memories(candidate) if name in self.remembered}
+        states = self._memories(candidate)
+        shifts = {name: self.remembered[name] * item.typical for name, item in states.items() if name in self.remembered}
         found = self._run(candidate, begin, inputs, 1).kept if shifts else None
         if found is None:
             return None
         fresh, places = self.layout.fresh, self._places(candidate)
         found[~fresh] = np.inf
         for name, shift in shifts.items():
-            found[fresh, places[name]] += shift[fresh] * self._memories(candidate)[name].typical
+            found[fresh, places[name]] += shift[fresh]
         return found
 
     def _memories(self, candidate: Candidate) -> dict[str, State]:
@@ -319,11 +320,12 @@ class Windows:
         first = self._of_states(candidate, base, states)
         if self.layout.memory:
             return Through.of(np.stack(readings, axis=2), self.layout.of_test, first)
-        effects = on_sensors(self.layout.measured.plant, [self.kernels.effects[name] for name in candidate.effects])
-        own = self._of_states(candidate, base, {f"{one.name}.{name}": item for one in effects for name, item in one.states.items()})
-        for known, rows in ((first, ~self.layout.fresh), (own, self.layout.fresh)):
-            if known is not None:
-                known[rows] = 0.0
+        own = None
+        if first is not None:
+            effects = on_sensors(self.layout.measured.plant, [self.kernels.effects[name] for name in candidate.effects])
+            of_sensors = [name.rpartition(".")[0] in {one.name for one in effects} for name in states]
+            own = np.where(self.layout.fresh[:, None, None], 0.0, first[:, :, of_sensors]) if any(of_sensors) else None
+            first[~self.layout.fresh] = 0.0
         return Passage.of(np.stack(readings, axis=2), np.stack(ends, axis=2), self.unseen, self.layout.goes_on, own, first)
 
     def _of_states(self, candidate: Candidate, base: Predicted, states: Mapping[str, State]) -> Array | None:
