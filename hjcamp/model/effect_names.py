@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.amount_formula import MATHEMATICS
-from hjcamp.model.effect import Effect
+from hjcamp.model.effect import Effect, Term
 from hjcamp.model.part import whole_code
 from hjcamp.model.plant import Plant
 from hjcamp.model.term_checks import check_calls
@@ -59,18 +57,18 @@ def check_functions(effect: type[Effect]) -> None:
     """Refuse an effect with a method that calls what a kernel cannot, or that gives no number."""
     where = f"effect {effect.name or effect.__name__}"
     for term in (*effect.terms.values(), *effect.rates.values(), *effect.updates.values(), *effect.starts.values()):
-        _check_globals(term.function, where)
+        _check_globals(term, where)
     check_calls(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
 
 
-def _check_globals(function: Callable[..., float], where: str) -> None:
-    for name in whole_code(function).co_names:
+def _check_globals(term: Term, where: str) -> None:
+    for name in whole_code(term.function).co_names:
         if name not in MATHEMATICS and name not in BUILTINS:
             raise unknown(
-                "function or constant",
+                "argument, function or constant",
                 name,
-                [*MATHEMATICS, *BUILTINS, "part"],
-                f"{where}, method '{function.__name__}'",
+                [*term.arguments, *MATHEMATICS, *BUILTINS, "part"],
+                f"{where}, method '{term.function.__name__}'",
             )
 
 

@@ -191,7 +191,8 @@ MISTAKES = {
     "an unknown unit": ('"1"', '"true/speed"', "unknown unit 'speed'"),
     "a name of the kind": ("share", "true", "is a name of every sensor|duplicate argument"),
     "a list": ("return share * true", "return [share]", "it gives a list"),
-    "a function of its own": ("return share * true", "return open(true)", "unknown function or constant 'open'"),
+    "a function of its own": ("return share * true", "return open(true)", "unknown argument, function or constant 'open'"),
+    "a misspelt argument": ("return share * true", "return shar * true", "constant 'shar'.*did you mean 'share'.*, share,"),
 }
 
 
