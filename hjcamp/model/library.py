@@ -10,7 +10,7 @@ from hjcamp.model.binding import Unfit, bind, bind_instance, wanted_names
 from hjcamp.model.effect import Effect
 from hjcamp.model.effect_names import check_functions, check_names
 from hjcamp.model.plant import Plant
-from hjcamp.model.user_file import is_users
+from hjcamp.model.user_file import file_of, is_users
 from hjcamp.model.vocabulary import read_vocabulary
 
 
@@ -55,6 +55,9 @@ def library_for(
         except Unfit as problem:
             unfit[name] = str(problem)
             continue
+        except UsageError as problem:
+            file = file_of(effect.__module__)
+            raise UsageError(f"{file}: {problem}") if file and file not in str(problem) else problem from None
         names[name] = tuple(one.name for one in bound)
         for one in bound:
             if one.name in found:

@@ -26,6 +26,11 @@ def is_users(module: str) -> bool:
     return module.startswith(PREFIX)
 
 
+def file_of(module: str) -> str:
+    """Return the path of the user's file that a module of that name is; empty where it is none."""
+    return str(sys.modules[module].__file__) if is_users(module) and module in sys.modules else ""
+
+
 def load_module(path: Path) -> types.ModuleType:
     """Import the file at ``path`` under a name of its own; a mistake in it is one clear message."""
     check_name(path)

@@ -206,6 +206,14 @@ def test_a_faulty_generic_file_is_refused_on_every_plant(folder: Path, mistake: 
             find_effect("louder", plant)
 
 
+def test_a_faulty_file_is_named_where_another_effect_is_asked_for(folder: Path) -> None:
+    (folder / "effects").mkdir()
+    path = folder / "effects" / "louder.py"
+    path.write_text(LOUDER.replace("return share", "return shar"))
+    with pytest.raises(UsageError, match=f"^{path}: .*did you mean 'share'"):
+        find_effect("sensor_lag", "axis")
+
+
 THEIRS = '''from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter
 
