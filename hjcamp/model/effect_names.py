@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.effect import Effect, Term

@@ -24,6 +24,9 @@ PUSHED = 20
 # Push and rates are sums of the same terms.
 ROUNDING = 1e-6
 SEVERAL = 5.0
+# A clock that was taken for one in s: its unit's size.
+CLOCKS = {"ms": 1e-3, "us": 1e-6}
+NEARLY = 0.1
 
 
 def check_equations(plant: type[Plant]) -> str:
@@ -203,8 +206,12 @@ def other_period(plant: type[Plant], period: float) -> str:
     """Return a note where logs are sampled several times faster or slower than the plant says; empty where they are not."""
     if 1.0 / SEVERAL <= period / plant.period <= SEVERAL:
         return ""
+    times = period / plant.period
+    declared = "period" in {name for one in plant.__mro__[: plant.__mro__.index(Plant)] for name in vars(one)}
+    fits = [unit for unit, size in CLOCKS.items() if declared and abs(size * times - 1.0) < NEARLY]
+    asked = f" (is the unit of time_s {fits[0]}?)" if fits else ""
     return (
-        f"plant {plant.name}: the logs have one sample each {period:g} s, the plant says {plant.period:g} s: they are "
+        f"plant {plant.name}: the logs have one sample each {period:g} s, the plant says {plant.period:g} s{asked}: they are "
         f"analysed as they are; write 'period = {period:g}' beside its parameters, so that it is simulated alike"
     )
 

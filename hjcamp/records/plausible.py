@@ -12,6 +12,7 @@ import numpy as np
 from hjcamp.errors import UsageError
 from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.field_unit import field_of, unit_of_field
+from hjcamp.model.parameter import Input, State
 from hjcamp.model.plant import Plant
 from hjcamp.records.glitches import FEW, ROW, frozen, spikes, told_spikes
 from hjcamp.records.log import TestLog
@@ -25,6 +26,8 @@ LEAST_GEARED, MOST_GEARED = 0.05, 4.0
 MOVES = math.radians(20)
 NEARLY = 5.0
 LEAST_SIZE = 0.02
+# A column that goes to so many times what its plant's file calls typical, or so small a part of it, may be in another unit.
+FAR = 10.0
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,7 @@ def findings(log: TestLog) -> list[Finding]:
             scale = unit_of_field(name, plant.name).scale
             low, high = (end * scale for end in known.plausible)
             found += _outside(name, log, table, low, high, refused=False)
+    found += _untypical(log, plant, {one.field for one in found})
     found += _geared(log, plant, {one.field for one in found})
     found += _configuration(log.attachments)
     return sorted(found, key=lambda one: not one.refused)
@@ -158,6 +162,37 @@ def _likely(table: FieldTable, name: str, values: np.ndarray, low: float, high: 
         if not one.shift and low <= float(values.min()) * one.factor and LEAST_SIZE * high <= size * one.factor <= high
     ]
     return f"looks like {' or '.join(fits)}" if fits else "looks like another quantity"
+
+
+def _untypical(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Finding]:
+    """Say which columns are as large as a wrong unit makes them beside what the plant's file calls typical.
+
+    A file that says nothing is not heeded, nor one whose typical size no other unit explains.
+    """
+    table = fields_of(plant)
+    shown = () if plant.channels else [one for one in plant.measured.values() if one.of in plant.states]
+    sizes: dict[str, State | Input] = {one.name: plant.states[one.of] for one in shown}
+    sizes |= {one.field or field_of(one.name, one.unit, plant.name): one for one in plant.given_inputs().values()}
+    for name, known in sizes.items():
+        # a ratio is about 1 where the file does not say it
+        declared = known.typical != type(known).typical or name.endswith("_ratio")
+        if name not in log.columns or name in wrong or not declared:
+            continue
+        typical = abs(known.typical) * unit_of_field(name, plant.name).scale
+        times = float(np.quantile(np.abs(log.columns[name]), 0.99)) / typical
+        if times == 0.0 or 1.0 / FAR < times < FAR:
+            continue
+        fits = {
+            unit: one.factor
+            for unit, one in units_of(table.field(name)).items()
+            if not one.shift and 1.0 / NEARLY < one.factor * times < NEARLY
+        }
+        if fits:
+            unit = min(fits, key=lambda one: abs(math.log(fits[one] * times)))
+            small = fits[unit] > 1.0
+            off = f"{fits[unit] if small else 1.0 / fits[unit]:.4g} times too {'small' if small else 'large'}"
+            goes = f"'{name}' goes to {times * typical:.4g} {table.field(name).unit}, {times:.3g} times what is typical by the"
+            yield Finding(name, f"{goes} plant's file; if that is right, look at its unit: it looks like {unit}, {off}", False)
 
 
 def _geared(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Finding]:

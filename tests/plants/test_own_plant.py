@@ -178,6 +178,8 @@ def test_a_line_may_read_a_rate_above_it_at_rest_too(folder: Path) -> None:
 def test_logs_of_another_period_are_told_which_line_to_write(folder: Path) -> None:
     plant = find_plant("tanks")
     assert "write 'period = 4'" in other_period(plant, 4.0)
+    assert "unit of time_s ms?" in other_period(plant.sampled(4.0), 3990.0)
+    assert "unit" not in other_period(plant, 1.0) + other_period(plant.sampled(4.0), 300.0)
     assert other_period(plant, plant.period * 4.9) == other_period(plant, plant.period / 4.9) == ""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import struct
 from pathlib import Path
 
@@ -52,6 +53,7 @@ def log_of(plant: str, samples: int = 300) -> TestLog:
     names = [name for name in fields_of(find_plant(plant)).names if name not in ("time_s", "phase")]
     columns = {"time_s": np.arange(samples) * PERIODS[plant]}
     columns |= {name: 2.0 + np.sin(np.arange(samples) / 30.0) + generator.normal(0.0, 1e-3, samples) for name in names}
+    columns |= {name: 0.1 * columns[name] for name in names if name.endswith("position_m")}  # as its plant's file says
     return TestLog(columns, metadata_of(plant))
 
 
@@ -273,3 +275,16 @@ def test_an_analysis_says_which_periods_it_knows(plants: Path, capsys: pytest.Ca
     assert read_log(plants / "logs" / "a.mcap").duration == pytest.approx(0.8)
     assert cli.run(["compare", "logs"]) == 2
     assert "a.mcap: one sample each 4 ms; the diagnosis knows only one each 1 ms so far" in capsys.readouterr().err
+
+
+def test_a_column_far_from_what_is_typical_may_be_in_another_unit(plants: Path) -> None:
+    log = log_of("tanks")
+    assert findings(log) == []
+    for factor, told in ((1e3, "goes to 3000 V, 600 times.*looks like mV, 1000 times too large"), (30.0, ""), (1e-3, "looks like kV")):
+        wrong = TestLog({**log.columns, "level_v": log.columns["level_v"] * factor}, log.metadata)
+        found = [one for one in findings(wrong) if not one.refused]
+        assert bool(found) == bool(told)
+        assert not found or re.search(told, found[0].text), found[0].text
+    # its inputs are said to be about 1 by no file: that is no reason to doubt
+    axis = log_of("axis")
+    assert findings(TestLog({**axis.columns, "voltage_v": axis.columns["voltage_v"] * 1e3}, axis.metadata)) == []

@@ -44,6 +44,8 @@ def test_what_cannot_be_analysed_is_refused(axis: Path) -> None:
         measured_tests([replace(log, columns={k: v for k, v in log.columns.items() if k != "voltage_v"})])
     with pytest.raises(UsageError, match="one sample each"):
         measured_tests([log, replace(log, metadata={**log.metadata, "period_s": "0.004"})])
+    with pytest.raises(UsageError, match=r"with resample_s: 0\.002 in the map"):
+        measured_tests([log, replace(log, metadata={**log.metadata, "period_s": "0.0020071"})])
     short = {name: values[:20] for name, values in log.columns.items()}
     with pytest.raises(UsageError, match="20 samples"):
         measured_tests([replace(log, columns=short)])

@@ -129,3 +129,11 @@ def test_a_table_as_windows_writes_it_is_read(tmp_path: Path) -> None:
         (tmp_path / "map.yaml").write_text(yaml.safe_dump(MAPPING | {"fields": fields}))
         import_file(tmp_path / "bench.csv", tmp_path / "map.yaml", tmp_path / f"{name}.mcap")
         assert read_log(tmp_path / f"{name}.mcap").columns["arm_deg"][-1] == pytest.approx(0.05 * 399)
+
+
+def test_a_few_missing_rows_are_no_reason_for_a_longer_period(tmp_path: Path) -> None:
+    stamps = 40.0 * np.arange(400)
+    for lost in ([100, 101], [50, *range(200, 230)]):
+        with pytest.raises(UsageError, match=r"gap of .* as tests of their own$") as caught:
+            brought(tmp_path, np.delete(stamps, lost), resample_s="0.04")
+        assert "resample_s" not in str(caught.value)

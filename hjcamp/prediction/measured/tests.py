@@ -23,6 +23,7 @@ from hjcamp.records.of_plant import plant_of
 
 Array = NDArray[np.float64]
 RATE_TOLERANCE = 1e-3
+ROUNDED = 0.01
 FEWEST_SAMPLES = 64
 # A held input may act so many samples later than its log says.
 MOST_DELAY = 2
@@ -152,9 +153,12 @@ def measured_tests(logs: Sequence[TestLog]) -> Measured:
     period = logs[0].period
     for log in logs:
         if abs(log.period / period - 1.0) > RATE_TOLERANCE:
+            longer = max(log.period, period)
+            # as round as rows that are hardly uneven allow
+            common = next(own for own in (float(f"{longer:.{digits}g}") for digits in (2, 3, 6)) if abs(own / longer - 1.0) < ROUNDED)
             raise UsageError(
                 f"{log.path}: one sample each {log.period:g} s, but each {period:g} s in {logs[0].path}; "
-                f"analyse tests of one sampling period together, or import them with resample_s: {max(log.period, period):g} in the map"
+                f"analyse tests of one sampling period together, or import them with resample_s: {common:g} in the map"
             )
     # effects have their times in samples of the logs, whatever the plant's file says of its own
     if abs(period / plant.period - 1.0) > RATE_TOLERANCE:

@@ -12,6 +12,8 @@ from hjcamp.records.log import COMMAND_PHASE
 from hjcamp.records.of_plant import LONGEST_PERIOD_S, span
 
 LONGEST_STEP = 1.5  # of the usual one
+# Rows are uneven all along, and have no gaps, where such a share of the steps is that long, and none by far longer.
+UNEVEN, FARTHEST_STEP = 0.05, 4.0
 RATE_TOLERANCE = 0.01
 STEADY = 0.01  # of a period: rows this near to a steady clock are taken as they are
 DIGITS = 9  # of a period that is read off the rows
@@ -43,11 +45,18 @@ def usual_step(time: np.ndarray, where: str, most: float = HIGHEST_SAMPLING_HZ, 
         raise UsageError(f"{where}: resample_s is {wanted:g}, rows are {span(usual)} apart: samples between rows would be made up")
     longest = LONGEST_STEP * max(usual, wanted)
     if (steps - rounding > longest).any():
-        row = int(np.argmax(steps - rounding > longest))
+        long = steps - rounding > longest
+        row, number = int(np.argmax(long)), int(long.sum())
+        # a longer period mends rows that are uneven all along, and loses what the others tell where a few are missing
+        everywhere = number > UNEVEN * len(steps) and steps.max() < FARTHEST_STEP * usual
+        uneven = (
+            f", or, as the rows are uneven all along, say in the map resample_s: {float(steps.max()) / LONGEST_STEP:.3g}"
+            if everywhere else ""
+        )  # fmt: skip
+        more = f", the first of {number}" if number > 1 else ""
         raise UsageError(
-            f"{where}: gap of {span(steps[row])} after row {row + 1} (time {time[row]:.9g} s), where rows are {span(usual)} apart; "
-            "import what is before and after it as tests of their own, or, where the rows are uneven all along, say in the map "
-            f"resample_s: {float(steps.max()) / LONGEST_STEP:.3g}"
+            f"{where}: gap of {span(steps[row])} after row {row + 1} (time {time[row]:.9g} s){more}, where rows are {span(usual)} "
+            f"apart; import what is before and after it as tests of their own{uneven}"
         )
     return usual
 
