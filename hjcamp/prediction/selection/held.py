@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 def held_away(analysis: Analysis) -> tuple[str, ...]:
     """Return the base parameters that stand at a bound, far from what is declared.
 
-    Where the tests tell a parameter, its interval leaves out what is declared. Where they do not, as of two gains whose
-    product alone is told, the base with that parameter as declared fits worse (likelihood ratio at the level of all claims).
+    So it is where its interval leaves out what is declared. Else, as of two gains whose product alone is told, the base with that
+    parameter as declared has to fit worse (likelihood ratio at the level of all claims): at a bound an interval tells little.
     """
     parameters, fitted = analysis.measured.plant.parameters, analysis.base.fitted
     names = set(analysis.measured.plant.base_parameters)
@@ -31,8 +31,10 @@ def held_away(analysis: Analysis) -> tuple[str, ...]:
 def _away(analysis: Analysis, one: Interval, declared: float) -> bool:
     from scipy.special import chdtri
 
-    if one.told or one.value == declared:
-        return not one.low <= declared <= one.high
+    if one.value == declared:
+        return False
+    if one.told and not one.low <= declared <= one.high:
+        return True
     fitted = analysis.base.fitted
     start, free = fitted.candidate.with_base({one.name: declared}), [each for each in fitted.free if each.name != one.name]
     own = analysis.windows.begun_for(start, analysis.base.place)
