@@ -31,11 +31,12 @@ class Comparison(Result):
     @property
     def title(self) -> str:
         """The scores in one line."""
-        return "error over floor: " + ", ".join(f"{name} {value:.2f}" for name, value in self.scores.items())
+        shown = {name: "runs away" if value is None else f"{value:.2f}" for name, value in self.scores.items()}
+        return "error over floor: " + ", ".join(f"{name} {value}" for name, value in shown.items())
 
     @property
-    def scores(self) -> dict[str, float]:
-        """The error of each model over the floor, geometric mean of the channels."""
+    def scores(self) -> dict[str, float | None]:
+        """The error of each model over the floor, geometric mean of the channels; nothing of one that runs away."""
         return {one["name"]: one["score"] for one in self.answer["models"]}
 
     @property

@@ -121,6 +121,11 @@ def shown_of(analysis: Analysis, name: str, features: Array, errors: Array) -> S
     return Shown(name, rms, by_test, explained, size(features) / floor_size(analysis), errors)
 
 
+def _number(value: float) -> float | None:
+    """Return a number as JSON has it: nothing where a model runs away."""
+    return float(value) if np.isfinite(value) else None
+
+
 def answer(found: Comparison) -> dict[str, Any]:
     """Return the comparison for programs, by the keys of ``hjcamp.comparison/1``."""
     layout = found.analysis.windows.layout
@@ -129,13 +134,13 @@ def answer(found: Comparison) -> dict[str, Any]:
     for one in (*found.models, found.calibrated):
         error = {
             sensor.field: {
-                "rms": float(one.rms[k] * sensor.scale), "floor": float(floor[k] * sensor.scale), "r2": float(one.explained[k]),
+                "rms": _number(one.rms[k] * sensor.scale), "floor": float(floor[k] * sensor.scale), "r2": _number(one.explained[k]),
                 **(whole_row(one.whole, k, sensor) if one.whole else {}),
             }
             for k, sensor in enumerate(layout.measured.sensors)
         }  # fmt: skip
         models.append(
-            {"name": one.name, "tests": len(layout.measured.tests), "error": error, "score": float(one.score)}
+            {"name": one.name, "tests": len(layout.measured.tests), "error": error, "score": _number(one.score)}
         )
     return {
         "schema": "hjcamp.comparison/1", "plant": layout.measured.plant.name, "models": models[:-1], "calibrated": models[-1],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -217,6 +218,11 @@ def _share(explained: float) -> str:
     return f"{100.0 * explained:.2f} %" if explained > -100.0 else "far below 0"
 
 
+def _error(value: float, unit: str) -> str:
+    """Return an error, or that there is none."""
+    return told(value, unit) if math.isfinite(value) else "runs away"
+
+
 def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:
     """Return the head and rows of a comparison: model, each channel's rms with the share explained, over the floor."""
     from hjcamp.report.exploration import channel_label
@@ -230,8 +236,8 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
         "over the floor",
     )
     rows = [
-        [one.name, *(told(one.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
-         *(_share(one.explained[k]) for k in range(len(sensors))), f"{one.score:.2f}"]
+        [one.name, *(_error(one.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
+         *(_share(one.explained[k]) for k in range(len(sensors))), f"{one.score:.2f}" if math.isfinite(one.score) else ""]
         for one in (*found.models, found.calibrated)
     ]  # fmt: skip
     floor = found.analysis.floor.of_sensors(layout)

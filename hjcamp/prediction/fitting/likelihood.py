@@ -35,6 +35,11 @@ def whitener(features: Array) -> Array:
 
 
 def size(features: Array) -> float:
-    """Return one size of the features: the geometric mean of their standard deviations along independent directions."""
+    """Return one size of the features: the geometric mean of their standard deviations along independent directions.
+
+    Infinite where a model runs away.
+    """
+    if not np.all(np.isfinite(features)):
+        return float("inf")
     d = features.shape[1]
     return float(np.exp(0.5 * np.linalg.slogdet(covariance(features))[1] / d))

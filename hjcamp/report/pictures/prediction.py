@@ -14,6 +14,7 @@ from hjcamp.report.pictures.drawing import draw, dress
 from hjcamp.report.units import shown
 
 Array = NDArray[np.float64]
+FARTHEST = 3.0
 SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -36,8 +37,11 @@ def draw_windows(
 ) -> str:
     """Return a stretch of one channel: measured and predicted above, residuals below; gaps at the windows' ``edges``."""
     colours = itertools.cycle(itertools.product(("-", "--", ":"), (RED, GREEN, BLUE)))
-    label, scaled = readable(name, unit, measured, *(values for _, values in models))
-    residual, left = readable("residual", unit, *(measured - values for _, values in models))
+    # of a model that runs away no more is drawn than shows what was measured
+    most = FARTHEST * float(np.ptp(measured)) or np.inf
+    left_over = [np.clip(measured - values, -most, most) for _, values in models]
+    label, scaled = readable(name, unit, measured, *(measured - one for one in left_over))
+    residual, left = readable("residual", unit, *left_over)
 
     def paint(figure: Any) -> None:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
@@ -63,7 +67,8 @@ def draw_model_bars(quantity: str, unit: str, rows: Sequence[tuple[str, float]],
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         names = [name for name, _ in rows][::-1]
-        axis.barh(names, bars[::-1], color=BLUE, height=0.6)
+        drawn = axis.barh(names, np.where(np.isfinite(bars), bars, 0.0)[::-1], color=BLUE, height=0.6)
+        axis.bar_label(drawn, ["" if np.isfinite(one) else "runs away" for one in bars[::-1]], padding=6, fontsize=8, color=INK)
         axis.axvline(line[0], color=INK, linewidth=0.9, linestyle="--")
         axis.text(line[0], len(rows) - 0.45, " floor", fontsize=8, color=INK)
         dress(axis, "")
