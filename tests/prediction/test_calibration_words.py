@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from hjcamp.commands.any_plant.words import calibration_table, held_by_bounds, late_inputs, other_sizes
+from hjcamp.commands.any_plant.words import calibration_table, ends_of_laws, held_by_bounds, late_inputs, other_sizes
+from hjcamp.effects import effect_files
 
 
 def row(value: float, low: float, high: float, at_bound: bool) -> dict[str, dict[str, object]]:
@@ -76,3 +77,14 @@ def test_bounds_that_follow_from_declared_sizes_are_told(value: float, told: boo
     assert not said or ("gain is" in found[0] and "dead_band may stand at a bound" in found[0])
     # of what predicts worse than nothing no bound is of interest
     assert other_sizes(base, [{"effect": "dead_band", "heldout_error_ratio": 1.04, "parameters": {"width": row}}]) == []
+
+
+@pytest.mark.parametrize(("at_bound", "told", "named", "said"), [
+    (True, True, "stribeck_excess", 1), (False, True, "stribeck_excess", 0), (True, False, "stribeck_excess", 0), (True, True, "spring", 0),
+])  # fmt: skip
+def test_a_shape_at_its_bound_asks_for_another_law(at_bound: bool, told: bool, named: str, said: int) -> None:
+    shape = {"value": 250.0, "unit": "rad/s", "ci95": [205.0, 250.0], "at_bound": at_bound, **({} if told else {"told": False})}
+    excess = {"value": 0.04, "unit": "N*m", "ci95": [0.03, 0.05], "at_bound": True}
+    rows = [{"effect": "stribeck_excess", "parameters": {"excess": excess, "stribeck_speed": shape}}]
+    found = ends_of_laws([named], rows, effect_files())
+    assert len(found) == said and all(one.startswith("stribeck speed of stribeck_excess stands at the end") for one in found)

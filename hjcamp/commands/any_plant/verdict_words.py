@@ -16,6 +16,7 @@ from hjcamp.commands.any_plant.words import (
     calibration_table,
     channel_table,
     end_words,
+    ends_of_laws,
     held_by_bounds,
     late_inputs,
     other_sizes,
@@ -207,6 +208,7 @@ class Words:
         # beside a lag that is named the base is as late as that model has it
         late = self.content["calibration_with_effects"] or rows
         found += other_sizes(rows, self.content["candidates"][:SHOWN])
+        found += ends_of_laws(verdict.effects, self.content["candidates"], self.analysis.search.library)
         found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
         found += run_away_words(self.content) + still_words(self.content["still"])
         found += without_contact(self.analysis.measured.plant, self.content["unknowns"][:1]) + far_states(self.analysis.windows)

@@ -102,6 +102,17 @@ def other_sizes(rows: Mapping[str, Mapping[str, Any]], candidates: Sequence[Mapp
     ]
 
 
+def ends_of_laws(named: Sequence[str], candidates: Sequence[Mapping[str, Any]], library: Mapping[str, Any]) -> list[str]:
+    """Return a sentence for each shape of a named law that the tests want farther than the law may have it."""
+    return [
+        f"{parameter.replace('_', ' ')} of {one['effect']} stands at the end of what this law may have, "
+        f"{told(row['value'], row['unit'])}: another law of the same place may be what is missing."
+        for one in candidates if one["effect"] in named
+        for parameter, row in one["parameters"].items()
+        if row["at_bound"] and row.get("told", True) and library[one["effect"]].parameters[parameter].shape
+    ]  # fmt: skip
+
+
 def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], period: float) -> list[str]:
     """Return what delays of the base say that stand at their bound, or are longer than a log may be off: one sample of ``period``."""
     late = {
