@@ -1,4 +1,4 @@
-"""Say what a word of the answers means, in one sentence: floor, surrogate data, posterior weight, ..."""
+"""Say what a word of the answers means (floor, surrogate data, ...), and what a word of a plant's file takes (path, State, ...)."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ def register(app: typer.Typer) -> None:
 def explain(
     word: Annotated[
         list[str] | None,
-        typer.Argument(help="A word, such as floor or 'posterior weight'; none for all of them.", show_default=False),
+        typer.Argument(help="A word, such as floor, 'posterior weight' or path; none for all of the answers.", show_default=False),
     ] = None,
     json: AnswerFile = None,
 ) -> None:
-    """Say what a word of the answers means, in one sentence."""
+    """Say what a word of the answers means, in one sentence, or what one of a plant's file takes: path, contact, State."""
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.commands._wrapped import print_wrapped
@@ -34,10 +34,26 @@ def explain(
     found = plain_word(asked)
     if asked and found not in WORDS and (name := asked.replace(" ", "_")) in effect_files():
         raise UsageError(f"'{name}' is an effect, no word of the answers: hjcamp effects {name}")
-    if asked and found not in WORDS:
-        raise unknown("word", asked, {*WORDS, *ALSO})
-    told = {found: WORDS[found]} if asked else dict(WORDS)
+    files = _of_files()
+    if asked and found not in WORDS and asked.lower() not in files:
+        raise unknown("word", asked, {*WORDS, *ALSO, *files})
+    told = dict([(found, WORDS[found]) if found in WORDS else files[asked.lower()]]) if asked else dict(WORDS)
     write_answer(json, {"schema": "hjcamp.words/1", "words": told})
     console = make_console()
     for name, said in told.items():
         print_wrapped(console, [f"{name}: {said}"], 2)
+
+
+def _of_files() -> dict[str, tuple[str, str]]:
+    """Return what a plant's file is written with, by its name in small letters: the name, what it takes, and what it is."""
+    from inspect import Parameter, getdoc, signature
+
+    import hjcamp.plant as words
+
+    ours = {name: getattr(words, name) for name in words.__all__}
+    found = {}
+    for name, one in ours.items():
+        if getattr(one, "__module__", "").startswith("hjcamp.") and name != "Plant":
+            takes = [str(item.replace(annotation=Parameter.empty)) for item in signature(one).parameters.values()]
+            found[name.lower()] = name, f"{name}({', '.join(takes)})  {' '.join((getdoc(one) or '').split())}"
+    return found

@@ -80,7 +80,8 @@ def test_bounds_that_follow_from_declared_sizes_are_told(value: float, told: boo
 
 
 @pytest.mark.parametrize(("at_bound", "told", "named", "said"), [
-    (True, True, "stribeck_excess", 1), (False, True, "stribeck_excess", 0), (True, False, "stribeck_excess", 0), (True, True, "spring", 0),
+    (True, True, "stribeck_excess", 1), (False, True, "stribeck_excess", 0), (True, False, "stribeck_excess", 0),
+    (True, True, "spring", 0),
 ])  # fmt: skip
 def test_a_shape_at_its_bound_asks_for_another_law(at_bound: bool, told: bool, named: str, said: int) -> None:
     shape = {"value": 250.0, "unit": "rad/s", "ci95": [205.0, 250.0], "at_bound": at_bound, **({} if told else {"told": False})}

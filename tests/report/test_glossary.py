@@ -49,6 +49,18 @@ def test_a_page_explains_its_words_once_each_and_no_others() -> None:
     assert "<dl>" not in discrepancy_page("Another", "", [note("nothing of this")])
 
 
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [("path", "path: path(flow, upstream=None, downstream=None"), ("state", "State: State(unit, resolution=0.0, typical=1.0"),
+     ("contact", "``load`` are what effects may let friction depend on"), ("PART", "part: part(function, *given, **named)")],
+)  # fmt: skip
+def test_explain_says_what_a_word_of_a_plants_file_takes(asked: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", asked]) == 0
+    assert said in " ".join(capsys.readouterr().out.split())
+    assert cli.run(["explain", "pth"]) == 2
+    assert "did you mean 'path'" in capsys.readouterr().err
+
+
 def test_an_effect_is_no_word_of_the_answers(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["explain", "spill", "over"]) == 2
     assert "hjcamp effects spill_over" in capsys.readouterr().err
