@@ -36,7 +36,7 @@ def before_moving(config: Mapping[str, Any]) -> list[str]:
 def watches(config: Mapping[str, Any]) -> list[Watch]:
     """Return the limits that a test stays within, as quantities of its log: those of its rig, else what its plant finds plausible."""
     plant = plant_of(config)
-    own = plant.room("watches")
+    own = plant.room_of("watches")
     if own is not None and config["rig"].get("limits"):
         return list(own.rig_watches(config))
     return plausible_watches(plant)

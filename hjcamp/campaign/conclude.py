@@ -31,7 +31,7 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> Report |
     console.print(f"[bold]{folder.path}[/bold]   {counted(total, 'test')}, {len(result.failures)} failed{kept}")
     for text, count in grouped(result.warnings)[:SHOWN]:
         console.print(f"  note    {text} ({count} test{'s' * (count != 1)})", style="yellow", markup=False)
-    configs = [(plant_of(one.config).room("run"), one.config) for one in folder.plan.conditions]
+    configs = [(plant_of(one.config).room_of("run"), one.config) for one in folder.plan.conditions]
     for note in dict.fromkeys(room.note(config) for room, config in configs if room):
         if note:
             console.print(f"  note    {note}", style="yellow", markup=False)
@@ -84,4 +84,4 @@ def next_commands(folder: RunFolder, report: Report) -> list[str]:
 def _room_of(folder: RunFolder) -> ModuleType | None:
     """Return the module of the plant that all conditions of a run are of, where it has one for runs."""
     plants = {plant_called(one.choices.get("plant") or DEFAULT) for one in folder.plan.conditions}
-    return plants.pop().room("run") if len(plants) == 1 else None
+    return plants.pop().room_of("run") if len(plants) == 1 else None

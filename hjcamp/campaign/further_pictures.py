@@ -25,7 +25,7 @@ FEWEST = 3  # values of a parameter that make an axis
 
 def further_pictures(logs: Sequence[TestLog]) -> dict[str, tuple[str, str]]:
     """Return heading -> (SVG, caption) of every further picture that the logs of a run give."""
-    room = plant_of(logs[0].metadata, str(logs[0].path)).room("run") if logs else None
+    room = plant_of(logs[0].metadata, str(logs[0].path)).room_of("run") if logs else None
     return {**(room.pictures(logs) if room else {}), **map_pictures(logs)}
 
 

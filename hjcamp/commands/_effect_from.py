@@ -80,7 +80,7 @@ def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
         raise UsageError(f"{file}: this diagnosis says {verdict.upper()} and holds no curve of an unknown; {advice}")
     try:
         plant = str(content.get("plant", DEFAULT))
-        own = plant_called(plant).room("curve")
+        own = plant_called(plant).room_of("curve")
         return own.begun(known, file) if own else _of_any_plant(plant, known, file)
     except (KeyError, TypeError, ValueError, IndexError) as problem:
         raise UsageError(

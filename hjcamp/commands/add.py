@@ -39,4 +39,4 @@ def add(
         return
     there = [Path(word) for word in effects_and_paths if Path(word).exists()]
     plant = Data(there).plant if there else usual_plant()
-    (plant.room("add") or calls).add(there, effects_and_paths, name, model, json)
+    (plant.room_of("add") or calls).add(there, effects_and_paths, name, model, json)

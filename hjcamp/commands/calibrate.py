@@ -34,4 +34,4 @@ def calibrate(
     check_answer_file(json)
     check_name(name, conf, replace)
     data = Data(paths)
-    (data.plant.room("calibrate") or calls).calibrate(data, name, only or [], conf, replace, json)
+    (data.plant.room_of("calibrate") or calls).calibrate(data, name, only or [], conf, replace, json)

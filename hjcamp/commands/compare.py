@@ -51,4 +51,4 @@ def compare(
     if mcap is not None:
         check_place(mcap, "--mcap", folder=True)
     data = Data(paths)
-    (data.plant.room("compare") or calls).compare(data, names, json, into, mcap)
+    (data.plant.room_of("compare") or calls).compare(data, names, json, into, mcap)

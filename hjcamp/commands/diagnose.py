@@ -62,4 +62,4 @@ def diagnose(
     asked = Asked(model, effort, seed, only, without, workers, cluster, ask)
     asked.check()
     data = Data(paths)
-    (data.plant.room("diagnose") or calls).diagnose(data, asked, json)
+    (data.plant.room_of("diagnose") or calls).diagnose(data, asked, json)

@@ -88,7 +88,7 @@ def effects(
             from hjcamp.commands._session import check_picture
             from hjcamp.known_plants import plant_called
 
-            own = plant_called(plant or DEFAULT).room("effects")
+            own = plant_called(plant or DEFAULT).room_of("effects")
             pictured = not no_figure and is_pictured(name, plant or DEFAULT)
             if not pictured and (figure or overrides) and not no_figure:
                 raise UsageError(f"effect {name}: pictures are of tests of {DEFAULT}; leave out --figure and overrides")
@@ -250,7 +250,7 @@ def test_effect(name: str, plant: str = "") -> dict[str, Any]:
     from hjcamp.model.effect_units import check_units
 
     library = library_of(plant or DEFAULT)
-    own = library.plant.room("effects")
+    own = library.plant.room_of("effects")
     console = make_console()
     passed: list[dict[str, Any]] = []
     for one in library.names.get(name, (name,)):

@@ -54,4 +54,4 @@ def next_(
     new_campaign(name)
     logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
     plant = Data(logs).plant if logs else usual_plant()
-    (plant.room("next") or calls).propose(logs, words or [], rivals or [], tests, asked, name, json)
+    (plant.room_of("next") or calls).propose(logs, words or [], rivals or [], tests, asked, name, json)

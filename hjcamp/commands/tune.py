@@ -60,7 +60,7 @@ def tune_campaign(
     from hjcamp.known_plants import plant_of
 
     plan = compose_plan(lines, config_dir)
-    room = plant_of(plan.conditions[0].config).room("tune")
+    room = plant_of(plan.conditions[0].config).room_of("tune")
     if room is None:
         return tune_laws(plan, lines, name, replace, console)
     return list(room.tune_campaign(plan, lines, name, start, replace, config_dir, console))

@@ -81,6 +81,9 @@ FIELD_UNITS: dict[str, FieldUnit] = {
     )
 }
 
+# Ends of names that people give to temperatures.
+CELSIUS = ("c", "degc", "celsius")
+
 
 def unit_of_field(name: str, where: str) -> FieldUnit:
     """Return the unit that a field's name ends with; the longest that fits. Raises ``UsageError`` where there is none."""
@@ -94,6 +97,9 @@ def unit_of_field(name: str, where: str) -> FieldUnit:
         if suffix in FIELD_UNITS:
             meant = "_".join([*parts[:first], suffix])
             raise UsageError(f"{where}: '{name}' ends with no unit; did you mean '{meant}', in {FIELD_UNITS[suffix].shown}?")
+    if len(parts) > 1 and parts[-1] in CELSIUS:
+        meant = "_".join([*parts[:-1], "k"])
+        raise UsageError(f"{where}: '{name}': a log holds kelvins; write '{meant}', and 'unit: degC' in the map of an import")
     raise unknown("unit at the end of the field", name, [f"{parts[0]}_{suffix}" for suffix in FIELD_UNITS], where)
 
 

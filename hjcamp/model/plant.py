@@ -156,14 +156,14 @@ class Plant:
         return {}
 
     @classmethod
-    def room(cls, name: str) -> ModuleType | None:
+    def room_of(cls, name: str) -> ModuleType | None:
         """Return the plant's own module for what is called ``name``, None where that of any plant does it."""
         return open_room(name, cls.rooms[name], Path(inspect.getfile(cls)), cls.name) if name in cls.rooms else None
 
     @classmethod
     def own_room(cls, name: str) -> ModuleType:
         """Return the plant's own module for what no other plant has; refuse a plant without one."""
-        found = cls.room(name)
+        found = cls.room_of(name)
         if found is None:
             raise UsageError(f"plant {cls.name} has no {name}")
         return found

@@ -20,7 +20,7 @@ OVER_FLOOR = "error over floor"
 
 def said_of(data: Data) -> Any:
     """Return the module that speaks of these tests: the plant's own, else this one."""
-    return data.plant.room("python") or importlib.import_module(__name__)
+    return data.plant.room_of("python") or importlib.import_module(__name__)
 
 
 def compared(data: Data, names: Sequence[str], report: Report) -> tuple[Any, dict[str, Any]]:

@@ -86,7 +86,7 @@ class OneEffect(Result):
         from hjcamp.errors import UsageError
         from hjcamp.known_plants import plant_called
 
-        own = plant_called(self.plant).room("effects")
+        own = plant_called(self.plant).room_of("effects")
         if own is None or not is_pictured(self.name, self.plant):
             raise UsageError(f"effect {self.name}: pictures are of tests of {DEFAULT}")
         figure = Picture(layout="constrained")

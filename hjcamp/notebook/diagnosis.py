@@ -92,7 +92,7 @@ class Diagnosis(Result):
         """
         from hjcamp.notebook.proposal import Proposal
 
-        if self.data.plant.room("next"):
+        if self.data.plant.room_of("next"):
             raise UsageError(f"tests of {self.data.plant_name} are proposed by hjcamp.command('next', PATH)")
         from hjcamp.analyses.proposing import propose_after
         from hjcamp.commands.any_plant.next_answer import answer

@@ -36,6 +36,7 @@ MISTAKES = {
     "an unknown element": ("actuator(parameter", "actuater(parameter", "unknown name 'actuater'"),
     "a sensor that measures nothing": ('Measured("encoder"', 'Measured("encodr"', "did you mean 'encoder'"),
     "a field in another unit": ("position_m =", "position_v =", "says V, but 'encoder' is in m"),
+    "a field in degrees Celsius": ("position_m =", "position_degc =", "write 'position_k', and 'unit: degC' in the map"),
     "friction of a force": ("            state.velocity,\n", "            force,\n", "must be a state"),
     "friction that drives": ("coulomb=parameter", "coulomb=-parameter", "drives the motion instead of braking it"),
     "a loop": ("        force =", "        for i in range(3):\n            pass\n        force =", "assignments only"),
@@ -44,7 +45,7 @@ MISTAKES = {
     "mixed units": ("gain * drive.voltage)", "gain * drive.voltage + state.position)", "adds"),
     "two places of one name": ("sensor(state.position)", 'sensor(state.position, name="force")', "two places"),
     "a name of the compiled model": ('load = outside("N")', 'load = outside("N")\n        out = outside("N")', "'out' is a name"),
-    "a name of every plant": ("    gain = Parameter", "    room = Parameter", "'room' is a name that every plant has for itself"),
+    "a name of every plant": ("    gain = Parameter", "    cut = Parameter", "'cut' is a name that every plant has for itself"),
     "a state's name in it": ('load = outside("N")', 'load = outside("N")\n        s_position = load + 0.0', "call this line otherwise"),
     "a line twice": ('load = outside("N")', 'load = outside("N")\n        load = outside("N")', "assigned twice"),
     "a root out of its range": (
@@ -173,6 +174,13 @@ def test_a_line_may_read_a_rate_above_it_at_rest_too(folder: Path) -> None:
     for direction, acceleration in ((1.0, (70.0 - 20.0 - 200.0 * 0.1) / 95.0), (0.0, 0.0)):
         rates(-1, 0.0, direction, np.array([0.3, 0.1, 0.0]), u, p, out)
         assert out[2] == pytest.approx(2.0 * acceleration)
+
+
+def test_a_heater_may_stand_in_a_room(folder: Path) -> None:
+    path = folder / "plants" / "axis.py"
+    path.write_text(path.read_text().replace("    gain =", '    room = Input("K", typical=295.0)\n    gain =', 1))
+    check_plant(plant := find_plant("axis"))
+    assert "room" in plant.given_inputs() and plant.room_of("compare") is None
 
 
 def test_logs_of_another_period_are_told_which_line_to_write(folder: Path) -> None:

@@ -50,7 +50,7 @@ def test_a_room_answers_the_calls_of_any_plant(room: str, anybody: ModuleType) -
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_the_usual_plant_has_every_room_with_what_it_must_hold(room: str) -> None:
-    assert usual_plant().room(room) is not None
+    assert usual_plant().room_of(room) is not None
 
 
 OWN = """from rich.console import Console
@@ -84,7 +84,7 @@ def test_a_users_plant_has_a_room_in_its_folder(folder: Path, capsys: pytest.Cap
 
 def test_a_plant_without_rooms_is_done_by_what_does_any() -> None:
     plant = plant_called("two_pumps")
-    assert plant.room("compare") is None
+    assert plant.room_of("compare") is None
     with pytest.raises(UsageError, match="plant two_pumps has no tables"):
         plant.own_room("tables")
     config = {"plant": {"name": "two_pumps"}, "backend": {"name": "nidaqmx"}}
