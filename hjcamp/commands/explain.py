@@ -34,10 +34,12 @@ def explain(
     found = plain_word(asked)
     if asked and found not in WORDS and (name := asked.replace(" ", "_")) in effect_files():
         raise UsageError(f"'{name}' is an effect, no word of the answers: hjcamp effects {name}")
-    files = _of_files()
-    if asked and found not in WORDS and asked.lower() not in files:
-        raise unknown("word", asked, {*WORDS, *ALSO, *files})
-    told = dict([(found, WORDS[found]) if found in WORDS else files[asked.lower()]]) if asked else dict(WORDS)
+    told = {found: WORDS[found]} if found in WORDS else dict(WORDS)
+    if asked and found not in WORDS:
+        files = _of_files()
+        if asked.lower() not in files:
+            raise unknown("word", asked, {*WORDS, *ALSO, *files})
+        told = dict([files[asked.lower()]])
     write_answer(json, {"schema": "hjcamp.words/1", "words": told})
     console = make_console()
     for name, said in told.items():
