@@ -13,7 +13,7 @@ class CommandDelay(Effect):
 
     late by T for every slow command; a first-order lag at beta = 0, a dead time (its Pade approximant) at beta = 1/2.
     Seen as: an error in proportion to the rate of the command, whatever the motion is.
-    Not for: a late sensor, which shows the motion itself late (see sensor_lag).
+    Not for: a late sensor, which shows the motion itself late (see sensor_lag), or what is late behind a bend (see action_lag).
     Source: Pade approximants of a dead time, e.g. Franklin, Powell & Emami-Naeini (2010), Feedback Control of Dynamic
     Systems, section 5.6.3.
     """

@@ -175,6 +175,8 @@ def _bound(
             called |= {own: new for own, new in instance.at[port.name].items() if own in called}
         if effect.granted:
             body["granted"] = called[effect.granted]
+        if effect.behind:
+            body["behind"] = port.names[effect.behind]
         quantities = Quantities(plant, port)
         for parameter in (one for one in effect.parameters.values() if one.name not in unread):
             own = called[parameter.name]

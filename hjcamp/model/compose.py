@@ -187,18 +187,20 @@ class Composition:
 
     def _effects_on(self, slot: str, local: str) -> list[str]:
         """Return what the effects make of a slot, which is called ``local`` in the lines."""
-        adding, changing = [], []
+        adding, changing, last = [], [], []
         for effect in self.effects:
             if slot not in effect.terms:
                 continue
             term = effect.terms[slot]
             call = self._call(effect, slot, term)
             gate = f"if {self._gate(effect)}: " if self.gated else ""
-            if slot in term.arguments:
+            if slot == effect.behind:
+                last += [f"{_arriving(effect)} = {local}", f"{gate}{local} = {call}"]
+            elif slot in term.arguments:
                 changing.append(f"{gate}{local} = {call}")
             else:
                 adding.append(f"{gate}{local} = {local} + {call}")
-        return adding + changing
+        return adding + changing + last
 
     def _gate(self, effect: type[Effect]) -> str:
         return f"{GATES} & {self._bit(effect)}"
@@ -228,6 +230,8 @@ class Composition:
             return f"s_{effect.name}_{argument}"
         if argument in effect.parameters:
             return f"p_{effect.name}_{argument}"
+        if argument == effect.behind:
+            return _arriving(effect)
         if argument in self.vocabulary.signals:
             return argument
         if argument in self.plant.states:
@@ -250,6 +254,11 @@ def term_functions(effects: Sequence[type[Effect]]) -> dict[str, Callable[..., f
 def _held_up(value: str, state: State) -> str:
     """Return the value that equations see of a state: a step may end a rounding error below what it cannot fall below."""
     return f"max({value}, {state.low!r})" if math.isfinite(state.low) else value
+
+
+def _arriving(effect: type[Effect]) -> str:
+    """Return the name of what arrives at an effect that changes its slot last."""
+    return f"arriving_{effect.name}"
 
 
 def _local(name: str) -> str:

@@ -14,7 +14,7 @@ from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.parameter import Parameter, State, declared
 from hjcamp.model.port import KINDS
 
-RESERVED = ("subsystem", "same_as", "examples", "acts_on", "together", "plant", "only_in")
+RESERVED = ("subsystem", "same_as", "examples", "acts_on", "together", "plant", "only_in", "behind")
 
 
 @functools.cache
@@ -80,6 +80,8 @@ class Effect:
     brings: ClassVar[str] = ""
     # A slot that it works on: it is bound where the plant has something in it, or a base parameter would put it there.
     works_on: ClassVar[str] = ""
+    # A slot that it changes last: to its methods that is what all others make of it. It is looked for where one of them bends it.
+    behind: ClassVar[str] = ""
     # Whether a diagnosis may name it; if not, it is the form of a contact within what is granted, and nothing beyond.
     claimed: ClassVar[bool] = True
     # Whether it is friction that differs from place to place or in time, as every contact's does by a little.

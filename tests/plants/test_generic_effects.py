@@ -21,10 +21,10 @@ PLANTS = ("axis", "tanks", "rotor")
 # where alone some have a place: stores that no path joins, a contact without dry friction
 ALONE = {"internal_leakage": ("two_pumps",), "dry_friction": ("wheel",)}
 FITS = {
-    "axis": "command_delay constant_force contact_creep coulomb_asymmetry cubic_spring dead_band friction_drift "
+    "axis": "action_lag command_delay constant_force contact_creep coulomb_asymmetry cubic_spring dead_band friction_drift "
     "hard_stop position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag sensor_offset "
     "soft_stop spring static_friction_ageing stribeck_excess viscous_asymmetry",
-    "tanks": "command_delay cross_leakage dead_band flow_exponent_at_between flow_exponent_at_outflow leakage_at_lower "
+    "tanks": "action_lag command_delay cross_leakage dead_band flow_exponent_at_between flow_exponent_at_outflow leakage_at_lower "
     "leakage_at_upper overflow_at_lower overflow_at_upper saturation sensor_drift sensor_gain sensor_lag sensor_offset spill_over",
 }
 

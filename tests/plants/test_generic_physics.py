@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import exp, log, pi, sin, sqrt, tanh
 from pathlib import Path
 
@@ -75,6 +76,20 @@ def test_a_lag_answers_a_step_by_its_time_constant() -> None:
     found = seen(model("axis", "command_delay", delay=10 * MILLI, dead_share=0.0), steps, "force")
     # the step itself is a ramp of one sample here
     assert 1.0 - found[21] / GAIN == pytest.approx(exp(-2.0) * (1.0 - exp(-0.1)) / 0.1, rel=5e-3)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_what_builds_up_late_does_so_behind_all_that_bends_a_command(share: float) -> None:
+    steps = [{"voltage": 0.0}] + [{"voltage": 1.0}] * 40
+    values = {"action_lag.lag": 10 * MILLI, "action_lag.dead_share": share, "dead_band.width": 10.0}
+    effects = [find_effect(name, "axis") for name in ("dead_band", "action_lag")]
+    made = [PlainModel(find_plant("axis"), tuple(order), values) for order in (effects, effects[::-1])]
+    found = [seen(one, steps, "force") for one in made]
+    assert found[0] == found[1]
+    # the band is taken from the step, and what is left of it builds up by the lag's own time
+    missing = [GAIN - 10.0 - force for force in found[0][1:]]
+    time = 10 * MILLI * (1.0 - share)
+    assert [after / before for before, after in pairwise(missing)] == pytest.approx([exp(-MILLI / time)] * 39, rel=1e-3)
 
 
 # --- Bodies

@@ -262,6 +262,7 @@ COVERS = {
     "dead_band": "its own position loop moves the pump, and the pump's encoder shows what it does",
     "saturation": "pump_speed_limit and pump_acceleration_limit limit the pump",
     "command_delay": "pump_delay holds it",
+    "action_lag": "its motor and its water are lags of their own",
     "constant_force": "static, Coulomb and viscous friction of each direction are base parameters of their own",
     "contact_creep": "its contacts stick: static friction is a base parameter of its own",
     "coulomb_asymmetry": "Coulomb and static friction of each direction are base parameters of their own",

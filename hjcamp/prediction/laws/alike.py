@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from hjcamp.model.effect import Effect
 from hjcamp.prediction.laws.unknowns import Unknown
 
@@ -33,6 +35,16 @@ def _bends(effect: type[Effect]) -> frozenset[str]:
     """Return the slots whose value a law without memory changes depending on that alone."""
     own = set(effect.parameters)
     return frozenset(slot for slot, term in effect.terms.items() if not effect.states and set(term.arguments) - own == {slot})
+
+
+def is_of_its_own(effect: type[Effect], others: Iterable[type[Effect]]) -> bool:
+    """Whether an effect is not the same as one before all others in its slot: where it acts behind them one bends what it takes."""
+    return not effect.behind or any(effect.behind in _bends(one) for one in others)
+
+
+def is_lag(effect: type[Effect]) -> bool:
+    """Whether an effect makes a drive or a sensor late: it remembers what arrives there."""
+    return bool(effect.states) and kind_of(effect) in ("actuator", "sensor")
 
 
 def kind_of(effect: type[Effect]) -> str:
