@@ -17,7 +17,7 @@ from hjcamp.prediction.measured.floor import in_units, shared
 from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.measured.tests import Measured, Sensor
 from hjcamp.prediction.residuals.whole import Whole, whole_error
-from hjcamp.prediction.residuals.windows import ZERO
+from hjcamp.prediction.residuals.simulated import ZERO
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.free_curve import curve_of, knots_of

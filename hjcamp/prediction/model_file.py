@@ -13,7 +13,7 @@ from hjcamp.model.base_values import checked_base, period_of
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Effect
 from hjcamp.model.plant import Plant
-from hjcamp.prediction.residuals.windows import ZERO
+from hjcamp.prediction.residuals.simulated import ZERO
 from hjcamp.storage import named_file
 from hjcamp.yaml_file import read_yaml
 

@@ -36,7 +36,7 @@ def fitted_parameters(words: Words) -> tuple[list[Estimate], Any]:
 def _unit(words: Words, effect: str, name: str) -> str | None:
     """Return the SI unit of a fitted parameter, None for the zeros of sensors and for laws without a name."""
     from hjcamp.model.base_values import DELAY
-    from hjcamp.prediction.residuals.windows import ZERO
+    from hjcamp.prediction.residuals.simulated import ZERO
 
     if effect:
         known = words.analysis.search.library.get(effect)

@@ -114,7 +114,7 @@ def slopes_of(windows: Windows, candidate: Candidate, free: Sequence[Free], base
         if abs(one.of(moved) - x) < 0.5 * step:
             moved = one.into(candidate, x - step)
         change = one.of(moved) - x
-        columns.append((windows.features(moved) - base) / change if change else np.zeros_like(base))
+        columns.append((windows.along(moved) - base) / change if change else np.zeros_like(base))
     # a parameter on the edge of where the model diverges is not moved
     return np.nan_to_num(np.stack(columns, axis=2), posinf=0.0, neginf=0.0) if columns else np.zeros((*base.shape, 0))
 
@@ -138,7 +138,7 @@ def fit(
     for one in free:
         candidate = one.within(candidate)
     if features is None or candidate is not start:
-        features = windows.features(candidate)
+        features = windows.along(candidate)
     current = whole_loss(features, candidate, free)
     slopes, fresh = _lent(windows, candidate, free, features, near)
     close = fresh  # whether no step since they were computed has gained much
@@ -156,7 +156,7 @@ def fit(
         while damping < WORST_DAMPING:
             step = bounded_step(curvature + damping * np.diag(size), downhill, *room_of(free, candidate))
             tried = moved_by(candidate, free, step)
-            seen = windows.features(tried)
+            seen = windows.along(tried)
             value = whole_loss(seen, tried, free)
             if value < current:
                 gained = current - value

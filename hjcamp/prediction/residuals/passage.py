@@ -10,6 +10,7 @@ doi:10.1016/S1474-6670(17)61205-9).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,31 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 # A start is free in directions that the window tells at all.
 TOLD = 1e-6
+
+
+class Memory(NamedTuple):
+    """What effects remember, in usual sizes: k states of theirs, which go on from window to window.
+
+    ``readings`` (windows, coefficients, k) is what they change of a window's readings where it begins with more of them, ``by_starts``
+    (windows, k, states) and ``by_memory`` (windows, k, k) what starts and they change of what is remembered when it ends,
+    ``of_sensors`` (k,) those of sensors, ``fresh`` (windows,) the windows with which tests begin.
+    """
+
+    readings: Array
+    by_starts: Array
+    by_memory: Array
+    of_sensors: NDArray[np.bool_]
+    fresh: NDArray[np.bool_]
+
+    @property
+    def first(self) -> Array:
+        """What is changed of the readings (windows, coefficients, k) where nothing tells what is remembered."""
+        return np.where(self.fresh[:, None, None], _finite(self.readings), 0.0)
+
+    @property
+    def later(self) -> Array:
+        """What is changed of the readings (windows, coefficients, k) where the window before tells what is remembered."""
+        return np.where(self.fresh[:, None, None], 0.0, _finite(self.readings))
 
 
 @dataclass(frozen=True)
@@ -41,23 +67,23 @@ class Passage:
     goes_on: NDArray[np.bool_]
     recalls: Array
     own: Array | None = None
+    unsure: Array | None = None
 
     @classmethod
     def of(
-        cls, readings: Array, ends: Array, unseen: NDArray[np.bool_], goes_on: NDArray[np.bool_], own: Array | None = None,
-        first: Array | None = None,
-    ) -> Passage:  # fmt: skip
+        cls, readings: Array, ends: Array, unseen: NDArray[np.bool_], goes_on: NDArray[np.bool_], memory: Memory | None = None
+    ) -> Passage:
         """Return it for sensitivities of the readings (windows, coefficients, states) and of the ends (windows, states, states).
 
-        ``own`` (windows, coefficients, k) are those of the readings to the states of sensors, ``first`` those to what effects remember
-        where nothing tells it, which is explained as a start is. Where any are not finite nothing is explained.
+        What effects remember where nothing tells it is explained as a start is. Where any are not finite nothing is explained.
         """
         finite = np.all(np.isfinite(readings), axis=(1, 2)) & np.all(np.isfinite(ends), axis=(1, 2))
         slopes, passed = (np.where(finite[:, None, None], one, 0.0) for one in (readings, ends))
-        if own is not None:
-            own = _basis(own)
+        whole, own = slopes, None
+        if memory is not None and memory.of_sensors.any():
+            own = _basis(memory.later[:, :, memory.of_sensors])
             slopes = slopes - own @ (own.transpose(0, 2, 1) @ slopes)
-        u, s, v = np.linalg.svd(_with(slopes, first), full_matrices=False)
+        u, s, v = np.linalg.svd(_with(slopes, memory), full_matrices=False)
         keep, plain = _telling(s), slopes.shape[2]
         spans, inverse = u * keep[:, None, :], keep / np.where(keep, s, 1.0)
         moves, v = np.einsum("wks,wk,wfk->wsf", v, inverse, u), v[:, :, :plain]
@@ -68,13 +94,14 @@ class Passage:
         jumps = np.zeros((*slopes.shape[:2], int(unseen.sum())))
         if unseen.any() and known.any():
             jumps = _weighed(_beside(slopes, unseen), _spread(shifts, told, passed, known)[:, unseen][:, :, unseen])
-        return cls(spans, shifts, told, passed, jumps, unseen, known, moves[:, plain:], own)
+        unsure = None if memory is None else _unsure(memory, whole - slopes, spans, moves, known)
+        return cls(spans, shifts, told, passed, jumps, unseen, known, moves[:, plain:], own, unsure)
 
     def less(self, left: Array) -> Array:
         """Return errors (windows, coefficients) without what the states of sensors explain."""
         if self.own is None:
             return left
-        return np.asarray(left - np.einsum("wfk,wk->wf", self.own, np.einsum("wfk,wf->wk", self.own, left)))
+        return _without(left, self.own)
 
     def recalled(self, left: Array) -> Array:
         """Return by how much more effects remember (windows, k) where nothing tells it, in usual sizes."""
@@ -96,9 +123,11 @@ class Passage:
 
     def unexplained(self, left: Array, starts: Array, ends: Array) -> Array:
         """Return what no start explains of errors (windows, coefficients) from ``starts``, which lead to ``ends`` (windows, states)."""
-        found = left - np.einsum("wfs,ws->wf", self.spans, np.einsum("wfs,wf->ws", self.spans, left))
+        found = _without(left, self.spans)
+        if self.unsure is not None:
+            found = _without(found, self.unsure)
         if not self.unseen.any() or not self.goes_on.any():
-            return np.asarray(found)
+            return found
         begun, ended = self.begun(left, starts, ends)
         jump = np.zeros_like(begun)
         jump[1:] = begun[1:] - ended[:-1]
@@ -126,12 +155,11 @@ class Through:
     of_test: NDArray[np.int64]
 
     @classmethod
-    def of(cls, readings: Array, of_test: NDArray[np.int64], first: Array | None = None) -> Through:
-        """Return it for sensitivities of the readings (windows, coefficients, states) to the start of the test.
-
-        ``first`` (windows, coefficients, k) are those to what effects remember then.
-        """
-        plain, readings = readings.shape[2], _with(readings, first)
+    def of(cls, readings: Array, of_test: NDArray[np.int64], memory: Memory | None = None) -> Through:
+        """Return it for sensitivities of the readings (windows, coefficients, states) to a test's start, and to what is remembered."""
+        plain = readings.shape[2]
+        if memory is not None:
+            readings = np.concatenate([readings, _finite(memory.readings)], axis=2)
         spans, shifts = np.zeros_like(readings), np.zeros_like(readings).transpose(0, 2, 1)
         for rows in _tests(of_test):
             slopes = readings[rows]
@@ -176,17 +204,42 @@ class Through:
         return found
 
 
-def _with(slopes: Array, more: Array | None) -> Array:
-    """Return slopes (windows, coefficients, k) with more columns, none in windows in which these are not finite."""
-    if more is None:
-        return slopes
-    return np.concatenate([slopes, np.where(np.isfinite(more).all(axis=(1, 2), keepdims=True), more, 0.0)], axis=2)
+def _unsure(memory: Memory, own: Array, spans: Array, moves: Array, goes_on: NDArray[np.bool_]) -> Array:
+    """Return directions (windows, coefficients, coefficients) that noise of other windows has a share of, each by its root.
+
+    ``own`` (windows, coefficients, states) is what starts change of what sensors begin with, of which they are not told.
+    """
+    plain, later = own.shape[2], memory.later
+    by_starts, by_memory = (np.where(np.append(goes_on[1:], False)[:, None, None], _finite(one), 0.0) for one in memory[1:3])
+    noise = np.concatenate([by_starts, by_memory], axis=2) @ moves
+    rest = by_memory - by_starts @ moves[:, :plain] @ later
+    spread = np.zeros_like(by_memory)
+    for w in np.flatnonzero(goes_on):
+        spread[w] = noise[w - 1] @ noise[w - 1].T + rest[w - 1] @ spread[w - 1] @ rest[w - 1].T
+    later = later - spans @ (spans.transpose(0, 2, 1) @ later)
+    moved = own @ moves[:, :plain]
+    share, found = np.linalg.eigh(later @ spread @ later.transpose(0, 2, 1) + moved @ moved.transpose(0, 2, 1))
+    return np.asarray(found * np.sqrt(1.0 - 1.0 / np.sqrt(1.0 + np.maximum(share, 0.0)))[:, None, :])
+
+
+def _without(left: Array, directions: Array) -> Array:
+    """Return errors (windows, coefficients) without what directions (windows, coefficients, k) have of them."""
+    return np.asarray(left - np.einsum("wfk,wk->wf", directions, np.einsum("wfk,wf->wk", directions, left)))
+
+
+def _finite(slopes: Array) -> Array:
+    """Return sensitivities (windows, ...) with 0 in windows in which they are not finite."""
+    return np.where(np.isfinite(slopes).all(axis=(1, 2), keepdims=True), slopes, 0.0)
+
+
+def _with(slopes: Array, memory: Memory | None) -> Array:
+    """Return slopes (windows, coefficients, states) with those to what is remembered where nothing tells it."""
+    return slopes if memory is None else np.concatenate([slopes, memory.first], axis=2)
 
 
 def _basis(slopes: Array) -> Array:
-    """Return an orthonormal basis (windows, coefficients, k) of columns (windows, coefficients, k); 0 where they are not finite."""
-    finite: NDArray[np.bool_] = np.all(np.isfinite(slopes), axis=(1, 2))
-    u, s, _ = np.linalg.svd(np.where(finite[:, None, None], slopes, 0.0), full_matrices=False)
+    """Return an orthonormal basis (windows, coefficients, k) of columns (windows, coefficients, k)."""
+    u, s, _ = np.linalg.svd(slopes, full_matrices=False)
     return np.asarray(u * _telling(s)[:, None, :])
 
 

@@ -23,8 +23,9 @@ from hjcamp.prediction.measured.floor import Floor, floor_of
 from hjcamp.prediction.measured.layout import SHORTEST, SHORTEST_OF_ALL, WINDOWS, Layout
 from hjcamp.prediction.measured.tests import MOST_DELAY, Measured
 from hjcamp.prediction.residuals.kernels import Kernels
+from hjcamp.prediction.residuals.simulated import ZERO
 from hjcamp.prediction.residuals.starts import estimated
-from hjcamp.prediction.residuals.windows import FARTHEST_MOVED, ZERO, Windows
+from hjcamp.prediction.residuals.windows import FARTHEST_MOVED, Windows
 from hjcamp.prediction.selection.contact_form import with_contact_forms
 from hjcamp.prediction.selection.forward import Search
 from hjcamp.prediction.selection.held import held_away

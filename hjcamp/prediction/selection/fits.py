@@ -20,7 +20,7 @@ from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.fitting.chapters import left_out
 from hjcamp.prediction.fitting.gauss_newton import TURNS, TURNS_OF_BASE, Fitted, Free, fit, settled
 from hjcamp.prediction.fitting.likelihood import loss, size
-from hjcamp.prediction.laws.alike import kind_of
+from hjcamp.prediction.laws.alike import is_lag, kind_of
 from hjcamp.prediction.laws.unknowns import Unknown
 from hjcamp.prediction.laws.visited import Range, largest_commands, visited_shapes
 from hjcamp.prediction.levels import FITTED_STARTS, TRIED_ROUNDS, TRIED_STARTS
@@ -112,7 +112,7 @@ class Fits:
     def settled(self, start: Candidate, near: Fitted | None = None, windows: Windows | None = None) -> Fitted:
         """Return the fit of a model from ``start`` with the starts of ``windows``, or those of a copy, moved along."""
         start = self.on_time(start)
-        return settled(windows or copy.copy(self.windows), start, self.free_of(start), near, self.turns)
+        return settled(windows or copy.copy(self.windows), start, self.free_of(start), near, self.turns(start))
 
     def to_the_end(self, model: Scored) -> Scored:
         """Return a model fitted on with its windows' starts moved along, a few times while it leaves less of chapters left out."""
@@ -125,10 +125,9 @@ class Fits:
             model = found
         return model
 
-    @property
-    def turns(self) -> int:
-        """How often a fit and the windows' starts follow one another: of short tests until they agree."""
-        return TURNS_OF_BASE if self.windows.layout.short else TURNS
+    def turns(self, candidate: Candidate) -> int:
+        """How often a fit and the windows' starts follow one another: until they agree in short tests, and where effects remember."""
+        return TURNS_OF_BASE if self.windows.layout.short or self.windows.remembers(candidate) else TURNS
 
     def beside(self, fitted: Fitted) -> Beside:
         """Return the model beside which effects are probed, made once for each fit."""
@@ -172,26 +171,28 @@ class Fits:
         """Whether the base has the delay of an input in the place of a lag."""
         effect = self.library[name]
         late = any(value > 0.0 for key, value in candidate.base.items() if key.startswith(DELAY))
-        return late and bool(effect.states) and kind_of(effect) in ("actuator", "sensor")
+        return late and is_lag(effect)
 
     def late_inputs(self, candidate: Candidate) -> set[str]:
-        """Return the delays of inputs that the base has no more, since an effect of the drive makes them late.
+        """Return the delays of inputs that the base has no more, since an effect of the drive makes them late, or effects all sensors.
 
         Both would say the same, one early where the other is later.
         """
-        vocabulary = read_vocabulary(self.windows.layout.measured.plant)
+        measured = self.windows.layout.measured
+        vocabulary = read_vocabulary(measured.plant)
+        late = [self.library[name] for name in candidate.effects if name in self.library and self.library[name].states]
+        shown = {measured.plant.measured[one.field].sensor for one in measured.sensors}
+        if shown <= {slot for one in late if kind_of(one) == "sensor" for slot in one.terms}:
+            return {one.name for one in self.base_free if one.name.startswith(DELAY)}
         demands = {port.names["command"]: port.names["demand"] for port in vocabulary.ports.values() if port.kind == "actuator"}
         lines = {one.target: one.expression for one in vocabulary.statements}
         found = set()
-        for name in candidate.effects:
-            effect = self.library.get(name)
-            if effect is not None and effect.states and kind_of(effect) == "actuator":
-                for slot in demands.keys() & effect.terms.keys():
-                    found |= {DELAY + one.removeprefix("u_") for one in names_in(lines.get(demands[slot], "")) if one.startswith("u_")}
+        for slot in {slot for one in late if kind_of(one) == "actuator" for slot in demands.keys() & one.terms.keys()}:
+            found |= {DELAY + one.removeprefix("u_") for one in names_in(lines.get(demands[slot], "")) if one.startswith("u_")}
         return found
 
     def on_time(self, candidate: Candidate) -> Candidate:
-        """Return a candidate without the delays of inputs that an effect of its drive makes late."""
+        """Return a candidate without the delays of inputs that its effects make late."""
         late = self.late_inputs(candidate) & set(candidate.base)
         return candidate.with_base(dict.fromkeys(late, 0.0)) if late else candidate
 

@@ -11,7 +11,7 @@ from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.fitting.chapters import critical
 from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
-from hjcamp.prediction.residuals.windows import ZERO
+from hjcamp.prediction.residuals.simulated import ZERO
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored
 from hjcamp.prediction.verdict.borne_out import not_in_windows

@@ -14,7 +14,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.place_checks import PlainModel
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.laws.unknowns import Unknown
-from hjcamp.prediction.residuals.windows import ZERO
+from hjcamp.prediction.residuals.simulated import ZERO
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored
 
