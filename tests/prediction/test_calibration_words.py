@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from hjcamp.commands.any_plant.words import calibration_table, ends_of_laws, held_by_bounds, late_inputs, other_sizes
+from hjcamp.commands.any_plant.words import (
+    calibration_table,
+    ends_of_laws,
+    held_by_bounds,
+    late_inputs,
+    other_sizes,
+    seldom,
+)
 from hjcamp.effects import effect_files
 
 
@@ -89,3 +96,15 @@ def test_a_shape_at_its_bound_asks_for_another_law(at_bound: bool, told: bool, n
     rows = [{"effect": "stribeck_excess", "parameters": {"excess": excess, "stribeck_speed": shape}}]
     found = ends_of_laws([named], rows, effect_files())
     assert len(found) == said and all(one.startswith("stribeck speed of stribeck_excess stands at the end") for one in found)
+
+
+def test_what_acts_in_few_parts_of_the_tests_is_said_though_it_is_not_shown() -> None:
+    rows = [
+        {"effect": "leakage", "heldout_error_ratio": 0.88, "t": 4.5, "t_needed": 83.0},
+        {"effect": "overflow", "heldout_error_ratio": 0.856, "t": 4.2, "t_needed": 85.0},
+    ]
+    [said] = seldom(rows)
+    assert said.startswith("overflow would take 14 %, but in too few parts of the tests")
+    # too little, no better than none, and shown
+    others = ({"heldout_error_ratio": 0.95}, {"t": -0.5}, {"t": 90.0})
+    assert not any(seldom([rows[1] | other]) for other in others)

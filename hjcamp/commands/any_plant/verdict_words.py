@@ -23,6 +23,7 @@ from hjcamp.commands.any_plant.words import (
     over_windows,
     print_head,
     run_away_words,
+    seldom,
     still_words,
     table,
 )
@@ -169,10 +170,12 @@ class Words:
             )
         if verdict.word == "nothing_missing":
             found.append(
-                "No effect and no unknown takes a share of the error that matters (10 %) on chapters left out."
+                "No effect and no unknown is shown to take a share of the error that matters (10 %) on chapters left out."
                 if verdict.p_value <= LEVEL
                 else f"No effect and no unknown promises more than chance does (p = {plain(verdict.p_value, 2)})."
             )
+            if verdict.p_value <= LEVEL:
+                found += seldom(self.content["candidates"])
         if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
             first = self.content["unknowns"][0] if self.content["unknowns"] else None
             left = 100.0 * min(verdict.law_left, 1.0)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.commands.any_plant.plant_hints import far_states
 from hjcamp.model.base_values import DELAY
+from hjcamp.prediction.levels import MATTERS
 from hjcamp.report.units import told, told_interval
 
 if TYPE_CHECKING:
@@ -113,6 +114,16 @@ def ends_of_laws(named: Sequence[str], candidates: Sequence[Mapping[str, Any]], 
     ]  # fmt: skip
 
 
+def seldom(candidates: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return which effect would take most of the error, a share that matters, but in too few parts of the tests to be shown."""
+    found = [one for one in candidates if one["heldout_error_ratio"] <= 1.0 - MATTERS and 0.0 < one["t"] < one["t_needed"]]
+    return [
+        f"{one['effect']} would take {100.0 * (1.0 - one['heldout_error_ratio']):.0f} %, but in too few parts of the tests to be "
+        "shown: record more of the motion in which it acts."
+        for one in sorted(found, key=lambda one: float(one["heldout_error_ratio"]))[:1]
+    ]
+
+
 def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], period: float) -> list[str]:
     """Return what delays of the base say that stand at their bound, or are longer than a log may be off: one sample of ``period``."""
     late = {
@@ -121,7 +132,7 @@ def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], per
     }  # fmt: skip
     most = [name for name, row in late.items() if row["at_bound"]]
     longer = [name for name, row in late.items() if (row["ci95"][0] or 0.0) > period]
-    if {"command_delay", "sensor_lag"} & {name.split("_at_")[0] for name in named}:
+    if {"command_delay", "action_lag", "sensor_lag"} & {name.split("_at_")[0] for name in named}:
         own = [f"{name} by {late[name]['value']:.3g} s" for name in dict.fromkeys(most + longer)]
         return [f"The base is late by itself, too ({', '.join(own)}): both together are what is late."] if own else []
     if most:
@@ -208,7 +219,6 @@ def notes_on(found: Comparison) -> list[str]:
 
 def further_off(found: Comparison) -> list[str]:
     """Return in words where the last model is the worse for being calibrated, and where one errs less in a channel."""
-    from hjcamp.prediction.levels import MATTERS
     from hjcamp.report.floor_words import worse_calibrated
 
     last, here = found.models[-1], found.calibrated
@@ -308,7 +318,6 @@ def bound_word(row: Mapping[str, Any]) -> str:
 def helped(found: Addition, content: Mapping[str, Any]) -> list[str]:
     """Return in words that a model explains the tests no better, where it is not shown to; or whole tests alone."""
     from hjcamp.prediction.fitting.chapters import critical
-    from hjcamp.prediction.levels import MATTERS
 
     if found.helps:
         return []
