@@ -16,8 +16,8 @@ from hjcamp.prediction.fitting.intervals import Interval, intervals
 from hjcamp.prediction.measured.floor import in_units, shared
 from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.measured.tests import Measured, Sensor
-from hjcamp.prediction.residuals.whole import Whole, whole_error
 from hjcamp.prediction.residuals.simulated import ZERO
+from hjcamp.prediction.residuals.whole import Whole, whole_error
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.free_curve import curve_of, knots_of
@@ -251,10 +251,15 @@ def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
     """Return every named effect that was fitted, those of the model first, then by how well they did in the last look."""
     search, base = analysis.search, analysis.base
     rows, seen = [], set()
-    for name in verdict.model.beyond(base):
-        seen.add(name)
-        without = next(step for step in search.steps if name not in step.before.names)
-        rows.append(_candidate(analysis, verdict, name, verdict.model, without, named=name in verdict.effects))
+    for model in (verdict.model, *verdict.rivals):
+        own = [name for name in model.beyond(base) if name in search.library and name not in seen]
+        # beside a free law a rival was compared with the model beside the same law, which its row has no part of
+        laws = [name for name in model.names if name in search.unknowns] if own and model is not verdict.model else []
+        model = search.fitted(model.fitted.candidate.without(laws), model.fitted) if laws else model
+        for name in own:
+            seen.add(name)
+            without = next(step for step in search.steps if name not in step.before.names)
+            rows.append(_candidate(analysis, verdict, name, model, without, named=name in verdict.effects))
     for step in search.steps:
         for one in step.named:
             [name] = one.beyond(step.before)

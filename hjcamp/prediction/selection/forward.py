@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.laws.alike import alike_laws, law_of
+from hjcamp.prediction.laws.alike import alike_laws, is_lag, is_of_its_own, law_of
 from hjcamp.prediction.laws.unknowns import Unknown, values_of
 from hjcamp.prediction.levels import FITTED, FITTED_BY_CHANCE, FITTED_UNKNOWNS, LEVEL, MATTERS, MOST_OF_IT, STEPS
 from hjcamp.prediction.measured.floor import motion_of
@@ -101,11 +102,15 @@ class Search(Claims):
     def may_be_added(self, name: str, present: Iterable[str]) -> bool:
         """Whether an effect is looked for and not there yet, and no other one that says the same of the same driver.
 
-        Two laws of one driver in one place are one law of another form: the second would only mend the first.
+        Two laws of one driver in one place are one law of another form: the second would only mend the first. What acts behind all
+        others in a slot is looked for where one of them bends it.
         """
         law = law_of(self.library[name]) if name in self.library else None
-        return name not in (*present, *self.unnamed) and not any(
-            law and law == law_of(self.library[one]) for one in present if one in self.library
+        named = [self.library[one] for one in present if one in self.library]
+        return (
+            name not in (*present, *self.unnamed)
+            and not any(law and law == law_of(one) for one in named)
+            and (name not in self.library or is_of_its_own(self.library[name], named))
         )
 
     def hidden_by_base(self, name: str, candidate: Candidate) -> bool:
@@ -124,9 +129,10 @@ class Search(Claims):
 
     def run(self, base: Scored) -> Scored:
         """Return the model with all named effects that matter, one added at a time; ``steps`` tells each look."""
-        model = base
+        model, added = base, base.beyond(base)
         for _ in range(STEPS):
             step = self.look(model)
+            model, step = self.by_another_lag(model, added, step)
             if step.p_value > self.claims or not step.named:
                 break
             # the one that leaves least need not be one that is shown chapter by chapter
@@ -140,8 +146,33 @@ class Search(Claims):
                 break
             if not alone:
                 self.needed |= set(best.beyond(model))
-            model = self.thinned(self.resettled(best))
-        return self.exchanged(model, base)
+            added = best.beyond(model)
+            model = self.thinned(self.exchanged(self.resettled(best), base))
+        return model
+
+    def by_another_lag(self, model: Scored, added: Sequence[str], step: Step) -> tuple[Scored, Step]:
+        """Return a model and the look beside it, or those with another lag where something matters beside the one that was ``added``.
+
+        On a linear machine all lags are one. What bends its motion or its drive decides which of them it is, but not before that is
+        there: by itself the wrong one may take more.
+        """
+        for name in (one for one in added if one in model.names):
+            for other in self.other_lags(name, model) if np.isfinite(self.least_beside(model, step)) else ():
+                start = model.fitted.candidate.without([name]).with_effect(other, self.as_late(name, other, model))
+                rival = self.fitted(start)
+                further = self.look(rival)
+                better = self.least_beside(rival, further) < self.least_beside(model, step)
+                worse = step if better else further
+                self.steps = [one for one in self.steps if one is not worse]
+                model, step, name = (rival, further, other) if better else (model, step, name)
+        self.windows.place = model.place
+        return model, step
+
+    def least_beside(self, model: Scored, step: Step) -> float:
+        """Return what is left where the best of a look stands beside its model; infinite where nothing that was found there matters."""
+        levels = [(one, step.level) for one in step.named] + [(one, step.level_of_unknown) for one in step.unknown]
+        found = [one.left_out for one, level in levels if self.matters(one, model, level)]
+        return min(found, default=math.inf) if step.p_value <= self.claims else math.inf
 
     def beside_another(self, best: Scored | None, before: Scored, step: Step) -> Scored | None:
         """Return two effects, one of which predicts better than the ``best`` of a step but alone takes no share that matters.
@@ -171,14 +202,14 @@ class Search(Claims):
         return list(best_promises([projection.promise(probe, effects[probe.effect]) for probe in probes]).values())
 
     def exchanged(self, model: Scored, base: Scored) -> Scored:
-        """Return the model with each of several names exchanged for another law of the same driver where that leaves less.
+        """Return the model with each of several names exchanged for another law of the same driver, or lag, where that leaves less.
 
         No two laws of one driver are looked for beside each other, and what else is missing may have decided which was found first.
         """
         names = [name for name in model.beyond(base) if name in self.library]
         for name in names if len(names) > 1 else ():
-            for other in self.of_same_law(name, model):
-                start = model.fitted.candidate.without([name]).with_effect(other, self.library[other].defaults())
+            for other in [*self.of_same_law(name, model), *self.other_lags(name, model)]:
+                start = model.fitted.candidate.without([name]).with_effect(other, self.as_late(name, other, model))
                 fitted = next((one.fitted for step in self.steps for one in step.named if other in one.names), None)
                 if fitted is not None:
                     start = start.with_effect(other, fitted.candidate.effects[other])
@@ -193,6 +224,19 @@ class Search(Claims):
         law = law_of(self.library[name])
         others = (one for one in self.library if one not in (*model.names, *self.unnamed))
         return [one for one in others if law and law_of(self.library[one]) == law]
+
+    def other_lags(self, name: str, model: Scored) -> list[str]:
+        """Return the other effects that make a drive or a sensor late, as a named one does, and may stand beside what else is there."""
+        rest = [one for one in model.names if one != name]
+        lags = [one for one in self.library if is_lag(self.library[one])] if is_lag(self.library[name]) else []
+        return [one for one in lags if one not in model.names and self.may_be_added(one, rest)]
+
+    def as_late(self, name: str, other: str, model: Scored) -> dict[str, float]:
+        """Return the usual values of an effect, with a lag's those of the one in the model for which it stands, SI."""
+        effect, values = self.library[other], model.fitted.candidate.effects[name]
+        units = [[one.unit for one in self.library[each].parameters.values()] for each in (name, other)]
+        alike = is_lag(self.library[name]) and is_lag(effect) and units[0] == units[1]
+        return dict(zip(effect.parameters, values.values(), strict=True)) if alike else dict(effect.defaults())
 
     def mends(self, further: Scored, model: Scored, step: Step) -> bool:
         """Whether a further name takes no more than a free law over what drives a name that is there.

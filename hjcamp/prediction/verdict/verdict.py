@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hjcamp.prediction.laws.alike import alike_laws
-from hjcamp.prediction.levels import LEVEL, LONGER, MATTERS, MOST_OF_IT
+from hjcamp.prediction.levels import LEVEL, LONGER, MOST_OF_IT
 from hjcamp.prediction.measured.floor import in_units, usual_size
 from hjcamp.prediction.measured.layout import SHORTEST
 from hjcamp.prediction.selection.analysis import Analysis, above_noise, what_lacks
 from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.borne_out import not_borne_out
 from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing, held_by_bounds
+from hjcamp.prediction.verdict.rivals import confidence_set, ruled_out, taken
 from hjcamp.prediction.verdict.swings import Swing, swing_of
 
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
@@ -29,7 +30,7 @@ class Verdict:
     ``confidence_set`` every set of names that the tests do not rule out; ``law_left`` the share that the named laws leave of
     what the freest law takes; ``unknown`` the unknown that takes it; ``follows`` the share of the error
     that follows from the motion though no law takes it; ``refused`` are names that take less than half of what it takes; ``swing`` is
-    what swings by itself.
+    what swings by itself; ``rivals`` are the models of all sets but the first.
     """
 
     word: str
@@ -43,6 +44,7 @@ class Verdict:
     follows: float = 0.0
     refused: tuple[str, ...] = ()
     swing: Swing | None = None
+    rivals: tuple[Scored, ...] = ()
 
     @property
     def shown(self) -> Scored:
@@ -138,7 +140,7 @@ def _not_ruled_out(analysis: Analysis, names: tuple[str, ...], verdict: Verdict)
     for name in names:
         fits = [one.fitted.candidate.effects[name] for step in search.steps for one in step.named if name in one.names]
         candidate = candidate.with_effect(name, fits[0] if fits else search.library[name].defaults())
-    return not _ruled_out(analysis, search.fitted(candidate), verdict.unknown or verdict.model, analysis.base)
+    return not ruled_out(analysis, search.fitted(candidate), verdict.unknown or verdict.model, analysis.base)
 
 
 def _over(analysis: Analysis, at: Callable[[int], Analysis], width: int) -> Analysis | None:
@@ -174,7 +176,7 @@ def _takes_too_little(analysis: Analysis, other: Verdict) -> bool:
 def _left_by_motion(analysis: Analysis, model: Scored) -> float:
     """Return which share of all that a model and a regression on the motion beside it take is the regression's."""
     more = analysis.search.follows_motion(model).taken
-    return more / (max(_taken(analysis.base, model), 0.0) + more) if more else 0.0
+    return more / (max(taken(analysis.base, model), 0.0) + more) if more else 0.0
 
 
 def _left_less_by_a_name(analysis: Analysis, verdict: Verdict) -> bool:
@@ -216,13 +218,13 @@ def judged(analysis: Analysis) -> Verdict:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, (), follows)
     # what repetitions share is hardly touched: whatever was found is not what is missing
     removable = math.log(base.left_out / _least(analysis))
-    if _far_above_floor(analysis, model) and _taken(base, model) < MOST_OF_IT * removable:
+    if _far_above_floor(analysis, model) and taken(base, model) < MOST_OF_IT * removable:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
     if _hardly_touched(analysis, model):
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, unknown, ())
     # a regression on the motion is the freest law of all; what a free law takes beside the names is not laid at their door
     freest = unknown or model
-    law_left, taken = _left_by_motion(analysis, freest), _taken(base, model)
+    law_left, took = _left_by_motion(analysis, freest), taken(base, model)
     if law_left > 1.0 - MOST_OF_IT:
         share = search.follows_motion(base).share if unknown is None else 0.0
         return Verdict(OUTSIDE, (), base, p_value, (), law_left, unknown, (), share, added)
@@ -230,26 +232,26 @@ def judged(analysis: Analysis) -> Verdict:
         # a name that shows beside a free law alone, and takes less than most of what that takes by itself, is not the news
         shown = [one for one in first.unknown if search.matters(one, base, first.level_of_unknown)]
         law = min([_alone(analysis, unknown, added), *shown], key=lambda one: one.left_out)
-        if taken < MOST_OF_IT * _taken(base, law):
-            return Verdict(OUTSIDE, (), base, p_value, (), 1.0 - taken / _taken(base, law), law, (), 0.0, added)
+        if took < MOST_OF_IT * taken(base, law):
+            return Verdict(OUTSIDE, (), base, p_value, (), 1.0 - took / taken(base, law), law, (), 0.0, added)
     if unknown is not None:
         left = tuple(name for name in added if not _covered(analysis, model, unknown, name))
         if not left:
-            law_left = max(law_left, 1.0 - taken / max(_taken(base, unknown), 1e-12))
+            law_left = max(law_left, 1.0 - took / max(taken(base, unknown), 1e-12))
             return Verdict(OUTSIDE, (), base, p_value, (), law_left, _alone(analysis, unknown, added), ())
         if left != added:
             covered = set(added) - set(left)
             model, unknown = (search.fitted(one.fitted.candidate.without(covered)) for one in (model, unknown))
-            added, taken = left, _taken(base, model)
-        law_left = max(law_left, 1.0 - taken / max(_taken(base, unknown), 1e-12))
+            added, took = left, taken(base, model)
+        law_left = max(law_left, 1.0 - took / max(taken(base, unknown), 1e-12))
     alone = next((one for one in first.unknown if _simpler(analysis, one, model, added)), None)
     if alone is not None:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, alone, ())
-    models = _confidence_set(analysis, model, added, unknown)
+    models = confidence_set(analysis, model, added, unknown)
     sets = tuple(tuple(name for name in one.beyond(base) if name in search.library) for one in models)
     if len(sets) > 1:
         group = tuple(dict.fromkeys(name for one in sets for name in one))
-        return Verdict(ONE_OF, group, model, p_value, sets, max(law_left, 0.0), unknown, ())
+        return Verdict(ONE_OF, group, model, p_value, sets, max(law_left, 0.0), unknown, (), rivals=tuple(models[1:]))
     return Verdict(EFFECT, added, model, p_value, sets, max(law_left, 0.0), unknown, ())
 
 
@@ -317,11 +319,6 @@ def _beside(analysis: Analysis, model: Scored) -> Scored | None:
     return both if search.matters(both, model) else None
 
 
-def _taken(base: Scored, model: Scored) -> float:
-    """Return the logarithm of the factor by which a model makes the error of left-out chapters smaller."""
-    return math.log(base.left_out / model.left_out)
-
-
 def _covered(analysis: Analysis, model: Scored, unknown: Scored, name: str) -> bool:
     """Whether a free law makes a named effect needless that takes less than most of what it takes: then it is not that effect.
 
@@ -335,7 +332,7 @@ def _covered(analysis: Analysis, model: Scored, unknown: Scored, name: str) -> b
     if not any(alike_laws(law, search.library[name]) for law in laws) and search.beats(rest, model):
         return True
     less = search.fitted(model.fitted.candidate.without([name]))
-    return _taken(less, model) < MOST_OF_IT * _taken(less, rest)
+    return taken(less, model) < MOST_OF_IT * taken(less, rest)
 
 
 def _alone(analysis: Analysis, unknown: Scored, names: tuple[str, ...]) -> Scored:
@@ -343,54 +340,3 @@ def _alone(analysis: Analysis, unknown: Scored, names: tuple[str, ...]) -> Score
     law = set(unknown.names) - set(names)
     fitted = (one for one in analysis.search.steps[0].unknown if set(one.names) == law)
     return next(fitted, None) or analysis.search.fitted(unknown.fitted.candidate.without(names))
-
-
-def _confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], unknown: Scored | None) -> list[Scored]:
-    """Return the model and every model with one name exchanged that is not worse at the level of all claims.
-
-    Where a free law takes a share that matters beside the model, rivals are compared beside it: what it takes is no scatter.
-    """
-    search, found = analysis.search, [model]
-    best = unknown or model
-    laws = {name: own for name, own in best.fitted.candidate.effects.items() if name not in model.names}
-    for step in search.steps:
-        here = [
-            name for name in added if any(name in one.names for one in step.named) and name not in step.before.names
-        ]
-        for one in step.named:
-            [other] = one.beyond(step.before)
-            for name in here:
-                # what takes less than matters is no rival; another law of the same driver is judged beside the other names alone
-                if other in model.names or one.left_out >= step.before.left_out:
-                    continue
-                beside = len(added) > 1 and other in search.of_same_law(name, model)
-                takes = beside or search.error_ratio(one, step.before) <= 1.0 - MATTERS
-                if not takes or (not beside and _ruled_out(analysis, one, _of(step, name), step.before)):
-                    continue
-                exchanged = model.fitted.candidate.without([name]).with_effect(
-                    other, one.fitted.candidate.effects[other]
-                )
-                for free, own in laws.items():
-                    exchanged = exchanged.with_effect(free, own)
-                rival = search.fitted(exchanged)
-                if set(one.names) == set(rival.names):
-                    rival = min(one, rival, key=lambda each: each.left_out)
-                known = {frozenset(each.names) for each in found}
-                if frozenset(rival.names) not in known and not _ruled_out(analysis, rival, best, step.before):
-                    found.append(rival)
-    return found
-
-
-def _ruled_out(analysis: Analysis, rival: Scored, model: Scored, before: Scored) -> bool:
-    """Whether a model rules a rival out; one that takes most of what the model takes is fitted to the end first.
-
-    What has a memory follows the starts of its windows slowly: after few turns it loses to what has none.
-    """
-    search = analysis.search
-    if not search.ruled_out(rival, model):
-        return False
-    return _taken(before, rival) < MOST_OF_IT * _taken(before, model) or search.ruled_out(search.to_the_end(rival), model)
-
-
-def _of(step: Step, name: str) -> Scored:
-    return next(one for one in step.named if name in one.names)
