@@ -128,12 +128,14 @@ def test_declared_values_may_be_far_off(axis: Path) -> None:
 def test_what_is_stiff_is_cut_short_but_not_what_bends_without_a_state(analysis: Analysis) -> None:
     windows, base = analysis.windows, analysis.base.fitted.candidate
     library = load_effects(plant=analysis.measured.plant)
-    windows.kernels.add({name: library[name] for name in ("cubic_spring", "command_delay")})
+    windows.kernels.add({name: library[name] for name in ("cubic_spring", "command_delay", "dead_band")})
     strong = base.with_effect("cubic_spring", {"stiffness": 1e7, "rest_position": 0.0})
     late = base.with_effect("command_delay", {"delay": 0.02, "dead_share": 0.0})
     kept = windows.usual_steps
     windows.usual_steps = 1e-3  # no model takes so few
     assert np.all(np.isfinite(windows.features(strong))) and not np.all(np.isfinite(windows.features(late)))
+    # a lag makes a command cross a dead band within samples: that takes steps which both need
+    assert np.all(np.isfinite(windows.features(late.with_effect("dead_band", {"width": 5.0}))))
     windows.usual_steps = kept
 
 
