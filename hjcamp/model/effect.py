@@ -59,6 +59,8 @@ class Effect:
     multiples of what these usually are. It is bound to each such place of a plant; where it is declared ``together``,
     to all places of a group at once. ``only_in`` gives the units that a name of the place must have one of.
 
+    ``behind`` names a slot that it changes last: in all its methods that slot is what the other effects have made of it.
+
     Methods that share lines take them from one function: ``NAME = part(FUNCTION, ...)`` or ``return part(FUNCTION, ...)``.
 
     An effect in the names of one plant says so: ``plant`` is its name.
@@ -131,6 +133,10 @@ class Effect:
                 raise UsageError(f"{where}: state '{owned}' needs exactly one of d_{owned} and next_{owned}")
         if not cls.terms:
             raise UsageError(f"{where}: no term; write one static method named after a slot")
+        if cls.behind and cls.behind not in cls.terms:
+            raise unknown("slot", cls.behind, cls.terms, f"{where}, behind")
+        if cls.behind and cls.behind not in cls.terms[cls.behind].arguments:
+            raise UsageError(f"{where}: '{cls.behind}' must take {cls.behind}, which it changes last (behind)")
         if not cls.parameters:
             raise UsageError(f"{where}: no Parameter; an effect needs at least one")
         for parameter in cls.parameters.values():

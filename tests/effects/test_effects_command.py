@@ -52,6 +52,8 @@ MISTAKES = {
     "own start of no line": ("0.5, (0.0, 50.0)", "0.5, (0.0, 50.0), each_test=True", "marked each_test, which is for"),
     "unknown subsystem": ('"joint"', '"elbow"', "unknown subsystem 'elbow'"),
     "no static method": ("    @staticmethod\n", "", "must be a static method"),
+    "behind no slot": ('subsystem = "joint"', 'subsystem = "joint"\n    behind = "load_forse"', "did you mean 'load_force'"),
+    "behind, but adds": ('subsystem = "joint"', 'subsystem = "joint"\n    behind = "load_force"', "'load_force' must take load_force"),
     "raises": ("class Mine", "1 / 0\n\n\nclass Mine", "ZeroDivisionError"),
 }
 
