@@ -160,6 +160,8 @@ class Search(Claims):
             for other in self.other_lags(name, model) if np.isfinite(self.least_beside(model, step)) else ():
                 start = model.fitted.candidate.without([name]).with_effect(other, self.as_late(name, other, model))
                 rival = self.fitted(start)
+                if not np.isfinite(rival.left_out):
+                    continue
                 further = self.look(rival)
                 better = self.least_beside(rival, further) < self.least_beside(model, step)
                 worse = step if better else further

@@ -81,11 +81,13 @@ def _exchanged(candidate: Candidate, name: str, other: str, values: Mapping[str,
 
 
 def ruled_out(analysis: Analysis, rival: Scored, model: Scored, before: Scored) -> bool:
-    """Whether a model rules a rival out; one that takes most of what the model takes is fitted to the end first.
+    """Whether a model rules a rival out, as it does one that diverges; one that takes most of what it takes is fitted to the end first.
 
     What has a memory follows the starts of its windows slowly: after few turns it loses to what has none.
     """
     search = analysis.search
+    if not math.isfinite(rival.left_out):
+        return True
     if not search.ruled_out(rival, model):
         return False
     return taken(before, rival) < MOST_OF_IT * taken(before, model) or search.ruled_out(search.to_the_end(rival), model)
