@@ -7,66 +7,25 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.signal import cont2discrete
+from flywheel import LAG, behind_a_lag
 
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.laws.alike import is_of_its_own
-from hjcamp.prediction.measured.tests import Measured, measured_tests
+from hjcamp.prediction.measured.tests import Measured
 from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.prediction.selection.forward import Search
 from hjcamp.prediction.verdict.rivals import ruled_out
 from hjcamp.prediction.verdict.verdict import judged
-from hjcamp.records.log import TestLog
 
-GAIN, INERTIA, VISCOUS, LAG, BAND, PERIOD, NOISE = 0.02, 1.0e-3, 4e-3, 0.15, 0.7, 0.01, 0.02
-PLANT = '''"""A motor with a flywheel."""
-
-from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, outside, sensor
-
-
-class Motor(Plant):
-    """A motor turns a flywheel."""
-
-    speed = State("rad/s", typical=8.0)
-    voltage = Input("V", typical=3.0)
-    gain = Parameter("N*m/V", 0.02)
-    inertia = Parameter("kg*m**2", 1.2e-3, (1e-6, 1e-1), "log-uniform", base=True)
-    viscous = Parameter("N*m*s", 5e-3, (0.0, 0.1), base=True)
-    period = 0.01
-    speed_rad_per_s = Measured("tacho", of="speed")
-
-    @staticmethod
-    def equations(state, parameter, drive, rate):
-        command = actuator(drive.voltage)
-        load = outside("N*m")
-        push = parameter.gain * command + load - parameter.viscous * state.speed
-        rate.speed = body(push, mass=parameter.inertia, load=load)
-        tacho = sensor(state.speed)
-'''
+BAND = 0.7
 
 
 @pytest.fixture
 def winding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Measured:
-    """Two logs of a motor whose winding lies behind the dead band of its amplifier, solved exactly from sample to sample."""
+    """Two logs of a motor whose winding lies behind the dead band of its amplifier."""
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "plants").mkdir()
-    (tmp_path / "plants" / "motor.py").write_text(PLANT, encoding="utf-8")
-    generator, count = np.random.default_rng(3), 1200
-    rates = np.array([[-1.0 / LAG, 0.0], [GAIN / INERTIA, -VISCOUS / INERTIA]])
-    step, push, *_ = cont2discrete((rates, np.array([[1.0 / LAG], [0.0]]), np.eye(2), np.zeros((2, 1))), PERIOD)
-    logs = []
-    for name in ("a", "b"):
-        voltage = np.repeat(generator.uniform(-3.0, 3.0, count // 40), 40)
-        bent = np.sign(voltage) * np.maximum(np.abs(voltage) - BAND, 0.0)
-        state, shown = np.zeros(2), np.empty(count)
-        for k in range(count):
-            shown[k] = state[1]
-            state = step @ state + push[:, 0] * bent[k]
-        shown += NOISE * generator.standard_normal(count)
-        columns = {"time_s": PERIOD * np.arange(count), "voltage_v": voltage, "speed_rad_per_s": shown}
-        logs.append(TestLog(columns, {"plant": "motor", "period_s": str(PERIOD), "condition": name}))
-    return measured_tests(logs)
+    return behind_a_lag(BAND)
 
 
 def test_what_acts_behind_all_others_is_looked_for_beside_what_bends_its_command(winding: Measured) -> None:
