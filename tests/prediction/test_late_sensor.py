@@ -174,3 +174,13 @@ def test_what_the_noise_of_the_window_before_makes_of_a_reading_is_no_error_of_t
     variances = np.array([told, (2.0 / 2.0) ** 2 + 0.25 * told])
     assert found[:, 0] == pytest.approx([0.0, *(7.0 / np.sqrt(1.0 + 9.0 * variances))])
     assert found[:, 1:] == pytest.approx(np.array([[0.0, 7.0]] * 3))
+
+
+def test_what_a_diverging_model_remembers_is_no_noise() -> None:
+    readings, own = np.array([[[0.0], [2.0], [0.0]]] * 4), np.array([[[3.0], [0.0], [0.0]]] * 4)
+    goes_on = np.array([False, True, True, True])
+    memory = Memory(own, np.full((4, 1, 1), 2.0), np.full((4, 1, 1), 1e150), np.array([False]), ~goes_on)
+    passage = Passage.of(readings, np.ones((4, 1, 1)), np.array([False]), goes_on, memory)
+    found = passage.unexplained(np.full((4, 3), 7.0), np.zeros((4, 1)), np.zeros((4, 1)))
+    # noise that is larger than all hides what it makes, and one beyond all numbers hides nothing
+    assert found[1] == pytest.approx([0.0, 0.0, 7.0], abs=1e-9) and found[3] == pytest.approx([7.0, 0.0, 7.0])

@@ -210,15 +210,17 @@ def _unsure(memory: Memory, own: Array, spans: Array, moves: Array, goes_on: NDA
     ``own`` (windows, coefficients, states) is what starts change of what sensors begin with, of which they are not told.
     """
     plain, later = own.shape[2], memory.later
-    by_starts, by_memory = (np.where(np.append(goes_on[1:], False)[:, None, None], _finite(one), 0.0) for one in memory[1:3])
-    noise = np.concatenate([by_starts, by_memory], axis=2) @ moves
-    rest = by_memory - by_starts @ moves[:, :plain] @ later
-    spread = np.zeros_like(by_memory)
-    for w in np.flatnonzero(goes_on):
-        spread[w] = noise[w - 1] @ noise[w - 1].T + rest[w - 1] @ spread[w - 1] @ rest[w - 1].T
-    later = later - spans @ (spans.transpose(0, 2, 1) @ later)
-    moved = own @ moves[:, :plain]
-    share, found = np.linalg.eigh(later @ spread @ later.transpose(0, 2, 1) + moved @ moved.transpose(0, 2, 1))
+    by_starts, by_memory = _finite(memory.by_starts), _finite(memory.by_memory)
+    spread, moved = np.zeros_like(by_memory), own @ moves[:, :plain]
+    # what a diverging model remembers is no noise
+    with np.errstate(over="ignore", invalid="ignore"):
+        noise = np.concatenate([by_starts, by_memory], axis=2) @ moves
+        rest = by_memory - by_starts @ moves[:, :plain] @ later
+        for w in np.flatnonzero(goes_on):
+            spread[w] = noise[w - 1] @ noise[w - 1].T + rest[w - 1] @ spread[w - 1] @ rest[w - 1].T
+        later = later - spans @ (spans.transpose(0, 2, 1) @ later)
+        variance = _finite(later @ spread @ later.transpose(0, 2, 1) + moved @ moved.transpose(0, 2, 1))
+    share, found = np.linalg.eigh(variance)
     return np.asarray(found * np.sqrt(1.0 - 1.0 / np.sqrt(1.0 + np.maximum(share, 0.0)))[:, None, :])
 
 
