@@ -65,7 +65,7 @@ def test_the_search_goes_on_from_the_lag_beside_which_least_is_left() -> None:
     search = Search.__new__(Search)
     search.windows, search.claims = SimpleNamespace(place=None), 0.05  # type: ignore[assignment]
     search.other_lags = lambda name, model: [one for one in fits if one != name]  # type: ignore[method-assign]
-    search.as_late = lambda name, other, model: {}  # type: ignore[method-assign]
+    search.in_place = lambda name, other, model: Candidate({}).with_effect(other, {})  # type: ignore[method-assign]
     search.fitted = lambda start, near=None: fits[next(iter(start.effects))]  # type: ignore[method-assign,assignment,return-value]
     search.matters = lambda model, before, level=0.05: True  # type: ignore[method-assign]
 

@@ -98,9 +98,9 @@ class Windows(Simulated):
 
     def _known(self, candidate: Candidate, found: Predicted) -> dict[str, Array]:
         """Return what effects remember where windows begin (windows,), in usual sizes, by a prediction; none where it tells none."""
-        states, places = self._memories(candidate), self._places(candidate)
         if found.kept is None:
             return {}
+        states, places = self._memories(candidate), self._places(candidate)
         seen = {name: found.kept[:, places[name]] / item.typical for name, item in states.items()}
         return {name: np.where(np.isfinite(one), one, self.remembered.get(name, 0.0)) for name, one in seen.items()}
 

@@ -158,8 +158,7 @@ class Search(Claims):
         """
         for name in (one for one in added if one in model.names):
             for other in self.other_lags(name, model) if np.isfinite(self.least_beside(model, step)) else ():
-                start = model.fitted.candidate.without([name]).with_effect(other, self.as_late(name, other, model))
-                rival = self.fitted(start)
+                rival = self.fitted(self.in_place(name, other, model))
                 if not np.isfinite(rival.left_out):
                     continue
                 further = self.look(rival)
@@ -211,7 +210,7 @@ class Search(Claims):
         names = [name for name in model.beyond(base) if name in self.library]
         for name in names if len(names) > 1 else ():
             for other in [*self.of_same_law(name, model), *self.other_lags(name, model)]:
-                start = model.fitted.candidate.without([name]).with_effect(other, self.as_late(name, other, model))
+                start = self.in_place(name, other, model)
                 fitted = next((one.fitted for step in self.steps for one in step.named if other in one.names), None)
                 if fitted is not None:
                     start = start.with_effect(other, fitted.candidate.effects[other])
@@ -233,12 +232,13 @@ class Search(Claims):
         lags = [one for one in self.library if is_lag(self.library[one])] if is_lag(self.library[name]) else []
         return [one for one in lags if one not in model.names and self.may_be_added(one, rest)]
 
-    def as_late(self, name: str, other: str, model: Scored) -> dict[str, float]:
-        """Return the usual values of an effect, with a lag's those of the one in the model for which it stands, SI."""
+    def in_place(self, name: str, other: str, model: Scored) -> Candidate:
+        """Return a model's candidate with another effect in the place of one, at usual values; a lag is as late as the one before."""
         effect, values = self.library[other], model.fitted.candidate.effects[name]
         units = [[one.unit for one in self.library[each].parameters.values()] for each in (name, other)]
         alike = is_lag(self.library[name]) and is_lag(effect) and units[0] == units[1]
-        return dict(zip(effect.parameters, values.values(), strict=True)) if alike else dict(effect.defaults())
+        own = dict(zip(effect.parameters, values.values(), strict=True)) if alike else effect.defaults()
+        return model.fitted.candidate.without([name]).with_effect(other, own)
 
     def mends(self, further: Scored, model: Scored, step: Step) -> bool:
         """Whether a further name takes no more than a free law over what drives a name that is there.

@@ -38,8 +38,8 @@ def confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], un
                 takes = beside or search.error_ratio(one, step.before) <= 1.0 - MATTERS
                 if not takes or (not beside and ruled_out(analysis, one, _of(step, name), step.before)):
                     continue
-                values = {**laws, other: one.fitted.candidate.effects[other]}
-                rival = search.fitted(_exchanged(model.fitted.candidate, name, other, values))
+                values = {other: one.fitted.candidate.effects[other], **laws}
+                rival = search.fitted(_with(model.fitted.candidate.without([name]), values))
                 if set(one.names) == set(rival.names):
                     rival = min(one, rival, key=lambda each: each.left_out)
                 known = {frozenset(each.names) for each in found}
@@ -65,18 +65,16 @@ def _of_lags(
             if own in known:
                 continue
             known.add(own)
-            values = {**laws, other: search.as_late(name, other, model)}
-            rival = search.fitted(_exchanged(model.fitted.candidate, name, other, values))
+            rival = search.fitted(_with(search.in_place(name, other, model), laws))
             if not ruled_out(analysis, rival, best, base):
                 rivals.append(rival)
     return rivals
 
 
-def _exchanged(candidate: Candidate, name: str, other: str, values: Mapping[str, Mapping[str, float]]) -> Candidate:
-    """Return a candidate with a name exchanged for another one, and with free laws, by their values."""
-    candidate = candidate.without([name]).with_effect(other, values[other])
-    for free, own in values.items():
-        candidate = candidate.with_effect(free, own)
+def _with(candidate: Candidate, effects: Mapping[str, Mapping[str, float]]) -> Candidate:
+    """Return a candidate with effects, or free laws, by their values."""
+    for name, own in effects.items():
+        candidate = candidate.with_effect(name, own)
     return candidate
 
 
