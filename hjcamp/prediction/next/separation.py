@@ -90,7 +90,7 @@ def contests(drawn: Sequence[Windows], truth: Rival, other: Rival) -> list[Conte
 
 def refitted(analysis: Analysis, simulated: Windows, truth: Rival, other: Rival, tests: Sequence[int]) -> float:
     """Return the separation by these tests after B has been fitted to them and all measured tests together."""
-    windows, new = joined_with(analysis, other.model.place.starts, simulated, tests)
+    windows, new = joined_with(analysis, other.model.place, simulated, tests)
     free = other.model.fitted.free
     windows.renew(other.candidate)
     before = windows.features(other.candidate)[~new] @ whitener(truth.model.features)

@@ -14,7 +14,7 @@ from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.measured.tests import Measured, MeasuredTest
 from hjcamp.prediction.next.wanted import Wanted
 from hjcamp.prediction.residuals.starts import estimated
-from hjcamp.prediction.residuals.windows import Windows
+from hjcamp.prediction.residuals.windows import Place, Windows
 from hjcamp.prediction.selection.analysis import Analysis, begin_hidden, first_starts
 
 Array = NDArray[np.float64]
@@ -195,14 +195,15 @@ def _state_at(analysis: Analysis, states: Array, wanted: Wanted) -> Array:
     return np.asarray(np.where(np.isfinite(states[place]), states[place], 0.0))
 
 
-def joined_with(
-    analysis: Analysis, starts: Array, simulated: Windows, chosen: Sequence[int]
-) -> tuple[Windows, NDArray[np.bool_]]:
-    """Return windows of the measured tests and of chosen simulated ones together, and which of them are new (windows,)."""
+def joined_with(analysis: Analysis, place: Place, simulated: Windows, chosen: Sequence[int]) -> tuple[Windows, NDArray[np.bool_]]:
+    """Return windows of the measured tests, at a place, and of chosen simulated ones together, and which are new (windows,)."""
     own = analysis.windows.layout
     tests = tuple(simulated.layout.measured.tests[place] for place in chosen)
     both = _like(analysis.measured, (*own.condensed(), *tests))
     layout = Layout(both, own.width, apart=simulated.layout.apart, memory=own.memory, fine=own.fine)
     order = np.concatenate([np.flatnonzero(simulated.layout.of_test == place) for place in chosen])
-    found = _windows(analysis, layout, np.concatenate([starts, simulated.starts[order]]))
+    found = _windows(analysis, layout, np.concatenate([place.starts, simulated.starts[order]]))
+    for name, one in place.remembered.items():
+        more = simulated.remembered.get(name, np.zeros(len(simulated.starts)))
+        found.remembered[name] = np.concatenate([one, more[order]])
     return found, np.arange(len(layout.of_test)) >= len(own.of_test)

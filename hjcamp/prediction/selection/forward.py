@@ -210,11 +210,7 @@ class Search(Claims):
         names = [name for name in model.beyond(base) if name in self.library]
         for name in names if len(names) > 1 else ():
             for other in [*self.of_same_law(name, model), *self.other_lags(name, model)]:
-                start = self.in_place(name, other, model)
-                fitted = next((one.fitted for step in self.steps for one in step.named if other in one.names), None)
-                if fitted is not None:
-                    start = start.with_effect(other, fitted.candidate.effects[other])
-                rival = self.fitted(start)
+                rival = self.fitted(self.in_place(name, other, model))
                 if rival.left_out < model.left_out:
                     model, name = self.resettled(rival), other
         self.windows.place = model.place
@@ -233,11 +229,15 @@ class Search(Claims):
         return [one for one in lags if one not in model.names and self.may_be_added(one, rest)]
 
     def in_place(self, name: str, other: str, model: Scored) -> Candidate:
-        """Return a model's candidate with another effect in the place of one, at usual values; a lag is as late as the one before."""
+        """Return a model's candidate with another effect in the place of one: a lag as late, others as first found, or as is usual."""
         effect, values = self.library[other], model.fitted.candidate.effects[name]
         units = [[one.unit for one in self.library[each].parameters.values()] for each in (name, other)]
         alike = is_lag(self.library[name]) and is_lag(effect) and units[0] == units[1]
-        own = dict(zip(effect.parameters, values.values(), strict=True)) if alike else effect.defaults()
+        if alike:
+            own = dict(zip(effect.parameters, values.values(), strict=True))
+        else:
+            found = (one.fitted.candidate.effects for step in self.steps for one in step.named if other in one.names)
+            own = dict(next((one[other] for one in found), effect.defaults()))
         return model.fitted.candidate.without([name]).with_effect(other, own)
 
     def mends(self, further: Scored, model: Scored, step: Step) -> bool:
