@@ -137,3 +137,9 @@ def test_a_few_missing_rows_are_no_reason_for_a_longer_period(tmp_path: Path) ->
         with pytest.raises(UsageError, match=r"gap of .* as tests of their own$") as caught:
             brought(tmp_path, np.delete(stamps, lost), resample_s="0.04")
         assert "resample_s" not in str(caught.value)
+
+
+def test_one_long_hole_is_no_tick_of_a_clock() -> None:
+    time = np.concatenate([np.arange(119.0), np.arange(225.0, 543.0)])
+    with pytest.raises(UsageError, match=r"gap of 107 s after row 119 .* import what is before and after it"):
+        usual_step(time, "log.csv", wanted=1.0)

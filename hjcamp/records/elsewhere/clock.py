@@ -70,6 +70,8 @@ def _between_ticks(steps: np.ndarray, usual: float) -> tuple[float, float]:
     grain = usual * 1e-6  # what floating point does to a stamp
     apart = np.diff(np.unique(np.round(steps / grain))) * grain
     tick = float(apart.min()) if len(apart) else 0.0
+    if tick > usual * (1 + RATE_TOLERANCE):
+        return usual, 0.0
     near = steps[np.abs(steps - usual) <= tick * (1 + RATE_TOLERANCE)]
     mean = float(near.mean())
     whole = np.abs(steps / tick - np.round(steps / tick)).max() <= STEADY if tick else False
