@@ -18,7 +18,7 @@ from hjcamp.model.equation_units import Units
 from hjcamp.model.parameter import Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
-from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.model.vocabulary import Vocabulary, read_vocabulary
 
 PERIOD = "period"
 DRAWS = 64
@@ -127,8 +127,21 @@ def _sizes(plant: type[Plant]) -> Mapping[str, float]:
                 scope[name] = eval(expression, scope)
                 if name in squares:
                     squares[name].append(float(scope[name]) ** 2)
+            for name, push in _unpushed(vocabulary, scope).items():
+                squares[name][-1] = push**2
     found = {name: math.sqrt(sum(all_of) / len(all_of)) for name, all_of in squares.items() if all_of}
     found |= {name: abs(item.default) for name, item in plant.parameters.items()}
     found |= {name: abs(item.typical) for name, item in plant.inputs.items()}
     found |= {name: abs(item.typical) for name, item in plant.states.items()}
+    return found
+
+
+def _unpushed(vocabulary: Vocabulary, scope: Mapping[str, float]) -> dict[str, float]:
+    """Return the push of each contact that is given none, by name: what moves its mass, without the friction."""
+    found = {}
+    for port in vocabulary.ports.values():
+        if port.kind == "contact" and not vocabulary.pushed and "mass" in port.names:
+            names = port.names
+            mass = next(scope[prefix + names["mass"]] for prefix in ("", "p_", "s_") if prefix + names["mass"] in scope)
+            found[names["push"]] = mass * scope[f"d_{names['velocity']}"] + scope[names["friction"]]
     return found
