@@ -53,7 +53,8 @@ MEANINGS = {
     "flow": "what passes", "upstream": "level there", "downstream": "level there", "head": "upstream, less downstream",
     "reading": "what it shows",
     "true": "true value", "command": "what is delivered", "demand": "what is asked", "supply": "what it draws on",
-    "output": "motion passed on", "input": "motion given", "torque": "what it carries",
+    "output": "motion passed on", "input": "motion given", "torque": "what it carries", "driven": "where what it drives is",
+    "twist": "input, less driven",
 }  # fmt: skip
 
 

@@ -11,7 +11,8 @@ class Backlash(Effect):
 
     .. math:: y^+ = \min\bigl(\max(y,\ x - b/2),\ x + b/2\bigr)
 
-    for motions that are passed on as positions; friction holds what is driven (play operator).
+    for motions that are passed on as positions. Where the plant has the motion of what is driven, y is that (a dead zone of the
+    twist of a spring behind the play); elsewhere friction holds it where it was left (play operator).
     Seen as: an error of fixed size that changes its sign at each reversal, whatever the speed.
     Not for: a lag that grows with speed (see command_delay, sensor_lag).
     Source: Nordin & Gutman (2002), Automatica 38(10), 1633-1649, doi:10.1016/S0005-1098(02)00047-X.
@@ -19,6 +20,7 @@ class Backlash(Effect):
 
     acts_on = "transmission"
     only_in = {"output": ("m", "rad")}  # noqa: RUF012
+    instead = {"driven": "held"}  # noqa: RUF012
     play = Parameter("input", 0.05, (0.0, 1.0), text="whole travel of the drive between both flanks", off=0.0)
     held = State("input", 1e-5, text="where what is driven stands")
 
@@ -28,11 +30,11 @@ class Backlash(Effect):
         return input
 
     @staticmethod
-    def next_held(held, input, play):
+    def next_held(driven, input, play):
         """Follow where a flank pushes."""
-        return max(input - 0.5 * play, min(input + 0.5 * play, held))
+        return max(input - 0.5 * play, min(input + 0.5 * play, driven))
 
     @staticmethod
-    def output(output, input, held, play):
+    def output(output, input, driven, play):
         """Motion that is passed on."""
-        return output - input + max(input - 0.5 * play, min(input + 0.5 * play, held))
+        return output - input + max(input - 0.5 * play, min(input + 0.5 * play, driven))

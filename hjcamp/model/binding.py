@@ -117,7 +117,7 @@ def wanted_names(effect: type[Effect]) -> set[str]:
     items: list[Any] = [*effect.parameters.values(), *effect.states.values()]
     for item in items:
         used |= set(re.findall(r"\b[A-Za-z_]\w*", item.unit)) & set(kind.names)
-    return used | set(effect.terms)
+    return (used | set(effect.terms)) - set(effect.instead)
 
 
 def _lacking(port: Port, lacks: set[str]) -> str:
@@ -181,10 +181,11 @@ def _bound(
         for parameter in (one for one in effect.parameters.values() if one.name not in unread):
             own = called[parameter.name]
             body.setdefault(own, given.get(own) or quantities.parameter(parameter))
-        for state in effect.states.values():
+        left_out = {state for name, state in effect.instead.items() if name in port.names}
+        for state in (one for one in effect.states.values() if one.name not in left_out):
             own = called[state.name]
             body.setdefault(own, given.get(own) or quantities.state(state))
-        names = {**port.names, **called}
+        names = {**{name: called[state] for name, state in effect.instead.items()}, **port.names, **called}
         taken = {port.names[local] for local in _read_by(effect, terms) & set(port.names)} & set(called.values())
         if taken:
             raise Unfit(
@@ -192,7 +193,8 @@ def _bound(
             )
         groups["terms"] |= {port.names[slot]: term.on(names) for slot, term in terms.items()}
         for kind in ("rates", "updates", "starts"):
-            groups[kind] |= {called[state]: term.on(names) for state, term in getattr(effect, kind).items()}
+            own_terms = getattr(effect, kind).items()
+            groups[kind] |= {called[state]: term.on(names) for state, term in own_terms if state not in left_out}
     if unused := set(given) - set(body):
         raise unknown("parameter or state", sorted(unused)[0], [*effect.parameters, *effect.states], f"effect {name}")
     bound: Any = Bound(effect.__name__, (Effect,), body)

@@ -14,7 +14,7 @@ from hjcamp.model.docstring import docstring_equation, docstring_sentence
 from hjcamp.model.parameter import Parameter, State, declared
 from hjcamp.model.port import KINDS
 
-RESERVED = ("subsystem", "same_as", "examples", "acts_on", "together", "plant", "only_in", "behind")
+RESERVED = ("subsystem", "same_as", "examples", "acts_on", "together", "plant", "only_in", "behind", "instead")
 
 
 @functools.cache
@@ -59,6 +59,9 @@ class Effect:
     multiples of what these usually are. It is bound to each such place of a plant; where it is declared ``together``,
     to all places of a group at once. ``only_in`` gives the units that a name of the place must have one of.
 
+    ``instead`` maps a name that not every such place offers to the own state that stands for it there; where the place has it, the
+    state is left out.
+
     ``behind`` names a slot that it changes last: in all its methods that slot is what the other effects have made of it.
 
     Methods that share lines take them from one function: ``NAME = part(FUNCTION, ...)`` or ``return part(FUNCTION, ...)``.
@@ -84,6 +87,8 @@ class Effect:
     works_on: ClassVar[str] = ""
     # A slot that it changes last: to its methods that is what all others make of it. It is looked for where one of them bends it.
     behind: ClassVar[str] = ""
+    # Own states that stand for names of the place which not every one has.
+    instead: ClassVar[Mapping[str, str]] = {}
     # Whether a diagnosis may name it; if not, it is the form of a contact within what is granted, and nothing beyond.
     claimed: ClassVar[bool] = True
     # Whether it is friction that differs from place to place or in time, as every contact's does by a little.
@@ -133,6 +138,9 @@ class Effect:
                 raise UsageError(f"{where}: state '{owned}' needs exactly one of d_{owned} and next_{owned}")
         if not cls.terms:
             raise UsageError(f"{where}: no term; write one static method named after a slot")
+        for name, state in cls.instead.items():
+            if state not in cls.states:
+                raise unknown("own state", state, cls.states, f"{where}, instead of {name}")
         if cls.behind and cls.behind not in cls.terms:
             raise unknown("slot", cls.behind, cls.terms, f"{where}, behind")
         if cls.behind and cls.behind not in cls.terms[cls.behind].arguments:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.port import KINDS, Port
@@ -86,6 +86,15 @@ BODY = Element(
     rate="{name}_acceleration",
     hints={"force": "load"},
 )  # fmt: skip
+PUSHED_BODY = replace(
+    BODY,
+    lines=(
+        Line("_load", "slot", "0.0", "force", "outside force"),
+        Line("_force", "signal", "({force}) + {name}_load", "force", "force on the mass"),
+        *BODY.lines[1:],
+    ),
+    offers={**BODY.offers, "force": "{name}_load"},
+)
 STORE = Element(
     "store",
     ("inflow",),
@@ -145,7 +154,7 @@ TRANSMISSION = Element(
     "transmission",
     ("output",),
     (),
-    ("torque",),
+    ("torque", "driven"),
     (
         Line("_input", "signal", "{output}", "output", "motion without play or stretch"),
         Line("", "slot", "{name}_input", "output", "motion that is passed on"),
@@ -182,11 +191,14 @@ def called(node: ast.AST) -> str:
     return node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
 
 
-def expand(call: ast.Call, target: str, state: str, several: bool, where: str, plain: Collection[str] = ()) -> Place:
+def expand(
+    call: ast.Call, target: str, state: str, several: bool, where: str, plain: Collection[str] = (), pushed: bool = True
+) -> Place:
     """Return the lines and the port that an element stands for.
 
     ``target`` is what it is called if it has no ``name``; ``state`` the state whose rate it is assigned to, empty for
-    a plain name; with ``several`` contacts each has a regime of its own; the lines in ``plain`` are not for effects.
+    a plain name; with ``several`` contacts each has a regime of its own; the lines in ``plain`` are not for effects. Where no contact
+    is ``pushed`` by a force of the equations, a body without a load has one of its own.
     Raises ``UsageError`` for an unknown, missing or repeated argument and for an element assigned to the wrong thing.
     """
     element = ELEMENTS[called(call)]
@@ -212,11 +224,16 @@ def expand(call: ast.Call, target: str, state: str, several: bool, where: str, p
         element = STIFF_STORE
     elif element is STORE:
         pieces["capacity"] = pieces["capacity"] or "1.0"
+    if element is BODY and pieces["load"] in ABSENT:
+        element = BODY if pieces["load"] or pushed else PUSHED_BODY
+        pieces["load"] = ""
     if element is PATH and pieces["upstream"]:
         both = f"{pieces['upstream']} - ({pieces['downstream']})"
         pieces["head"] = both if pieces["downstream"] else pieces["upstream"]
+    if element is TRANSMISSION and pieces["driven"]:
+        pieces["twist"] = f"({pieces['output']}) - ({pieces['driven']})"
     lines, names = [], {}
-    for read in (*element.reads, "head"):
+    for read in (*element.reads, "head", "twist"):
         if pieces.get(read):
             own = bare_name(pieces[read])
             names[read] = own if own and own not in plain else f"{name}_{read}"

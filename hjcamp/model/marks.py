@@ -69,7 +69,11 @@ def body(
     force: float, mass: float, load: float = 0.0, position: float | None = None,
     name: str = "", group: str = "", subsystem: str = "",
 ) -> float:  # fmt: skip
-    """Return the rate of a velocity: the whole ``force`` over the ``mass``; effects add to the slot ``load`` and to the mass."""
+    """Return the rate of a velocity: the whole ``force`` over the ``mass``; effects add to the slot ``load`` and to the mass.
+
+    Without a ``load`` it has one of its own, where no contact is given its push (which would have to have that in it);
+    ``load=0.0``: nothing pushes it from outside.
+    """
     return force / mass
 
 
@@ -101,9 +105,13 @@ def actuator(
 
 
 def transmission(
-    output: float, torque: float | None = None, name: str = "", group: str = "", subsystem: str = ""
+    output: float, torque: float | None = None, driven: float | None = None, name: str = "", group: str = "", subsystem: str = ""
 ) -> float:
-    """Return a motion that is passed on; effects give it play, stretch, eccentricity."""
+    """Return a motion that is passed on; effects give it play, stretch, eccentricity.
+
+    ``driven`` is where that stands which a spring or a damper behind it moves: where it is not given, the state from which
+    a later line takes it (``stiffness * (NAME - state.load_angle)``).
+    """
     return output
 
 

@@ -66,7 +66,8 @@ KINDS: dict[str, Kind] = {
         ),
         Kind("sensor", "what is measured", ("reading",), ("true",)),
         Kind("actuator", "what a command drives", ("command",), ("demand", "supply")),
-        Kind("transmission", "what turns one motion into another", ("output",), ("input", "torque")),
+        # the twist is the input less where what is driven stands, where that is a motion of its own
+        Kind("transmission", "what turns one motion into another", ("output",), ("input", "torque", "driven", "twist")),
     )
 }
 

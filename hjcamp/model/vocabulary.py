@@ -13,7 +13,8 @@ from typing import Any
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.cached import cached
-from hjcamp.model.element import BODY, CONTACT, ELEMENTS, bare_name, called, expand
+from hjcamp.model.completion import completed, driven_in, has_push, masses_in, velocity_of
+from hjcamp.model.element import CONTACT, ELEMENTS, TRANSMISSION, called, expand
 from hjcamp.model.parameter import Contact
 from hjcamp.model.part import whole_definition
 from hjcamp.model.plant import Plant
@@ -119,7 +120,8 @@ def read_vocabulary(plant: type[Plant]) -> Vocabulary:
         raise UsageError(f"{inspect.getfile(plant)}: line {first}: plant {plant.name}: 'equations' is no function")
     function = _with_free_names(whole_definition(equations))
     reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
-    reader.masses = _masses(function)
+    reader.masses, reader.driven = masses_in(function), driven_in(function)
+    reader.given_push = bool(plant.ports) or any(has_push(node) for node in ast.walk(function) if called(node) == CONTACT.name)
     for node in function.body:
         reader.read(node)
     return reader.vocabulary()
@@ -194,23 +196,6 @@ def _check_contacts(plant: type[Plant], ports: Mapping[str, Port], statements: S
                 raise UsageError(f"{where}, line {one.line}: drive.{name}: there is one contact, write drive.direction")
 
 
-def _masses(function: ast.FunctionDef) -> dict[str, str]:
-    """Return for each state whose rate is a body's, or a quotient, the parameter that stands for the mass."""
-    found = {}
-    for node in function.body:
-        if not isinstance(node, ast.Assign) or not isinstance(node.targets[0], ast.Attribute):
-            continue
-        value, mass = node.value, None
-        if isinstance(value, ast.BinOp) and isinstance(value.op, ast.Div):
-            mass = value.right
-        elif isinstance(value, ast.Call) and called(value) == BODY.name:
-            named = {keyword.arg: keyword.value for keyword in value.keywords}
-            mass = named.get("mass", value.args[1] if len(value.args) > 1 else None)
-        if mass is not None and ast.unparse(mass).startswith("parameter.") and bare_name(ast.unparse(mass)):
-            found[f"state.{node.targets[0].attr}"] = ast.unparse(mass)
-    return found
-
-
 class _Reader:
     """Reads the equations of a plant line by line; elements are written out where they stand."""
 
@@ -226,6 +211,8 @@ class _Reader:
         self.ports = dict(plant.ports)
         self.units: Any = None
         self.masses: dict[str, str] = {}
+        self.driven: dict[str, str] = {}
+        self.given_push = True
         states, inputs = list(plant.states), list(plant.inputs)
         named = {"state": states, "rate": states, "parameter": list(plant.parameters), "drive": inputs}
         self.taken = TAKEN | {f"{NAMESPACES[kind]}{name}" for kind, names in named.items() for name in names}
@@ -258,9 +245,11 @@ class _Reader:
 
     def _element(self, call: ast.Call, name: str, of_rate: bool, where: str, number: int) -> None:
         if called(call) == CONTACT.name:
-            call = self._with_mass(call)
+            call = completed(call, "mass", self.masses.get(velocity_of(call)))
+        elif called(call) == TRANSMISSION.name:
+            call = completed(call, "driven", self.driven.get(name))
         plain = {one.target for one in self.statements if one.mark == "plain"}
-        place = expand(call, name, name if of_rate else "", self.several, where, plain)
+        place = expand(call, name, name if of_rate else "", self.several, where, plain, self.given_push)
         port = place.port
         if port.name in self.ports:
             raise UsageError(f"{where}: two places are called '{port.name}'; give one of them name='...'")
@@ -271,19 +260,9 @@ class _Reader:
             self._store(Statement(target, self._renamed(value), line.mark, unit, line.text, number), where)
         if called(call) == CONTACT.name:
             self.held[port.names["velocity"]] = port.names["direction"]
-            self.pushed[port.name] = len(call.args) > 1 or any(one.arg == "push" for one in call.keywords)
+            self.pushed[port.name] = has_push(call)
         if of_rate:
             self._add(name, ast.parse(place.rate, mode="eval").body, "rate", where, number)
-
-    def _with_mass(self, call: ast.Call) -> ast.Call:
-        """Give a contact the mass that it brakes where the rate of its velocity says it."""
-        given = {keyword.arg: keyword.value for keyword in call.keywords}
-        velocity = given.get("velocity", call.args[0] if call.args else None)
-        mass = self.masses.get(ast.unparse(velocity)) if velocity is not None else None
-        if mass is None or "mass" in given or len(call.args) == len(CONTACT.arguments):
-            return call
-        keyword = ast.keyword("mass", ast.parse(mass, mode="eval").body)
-        return ast.Call(call.func, call.args, [*call.keywords, keyword])
 
     def _add(self, name: str, value: ast.expr, mark: str, where: str, number: int) -> None:
         kind = called(value)

@@ -188,6 +188,15 @@ class OutputOverInput(_Hats, Effect, on="output", over="input", knots=12, change
     acts_on = "transmission"
 
 
+class OutputOverTwist(_Hats, Effect, on="output", over="twist", knots=12, changes=True):
+    r"""A transmission that passes on another motion than comes in, depending on how far what is driven lags: a shaft that stiffens.
+
+    .. math:: y \mathrel{+}= h(x - y_d)
+    """
+
+    acts_on = "transmission"
+
+
 class ReadingOverTrue(_Hats, Effect, on="reading", over="reading", knots=12, changes=True):
     r"""A sensor whose error depends on the value, behind a lag.
 
@@ -199,7 +208,8 @@ class ReadingOverTrue(_Hats, Effect, on="reading", over="reading", knots=12, cha
 
 LAWS: tuple[type[Effect], ...] = (
     ForceOverPosition, FineForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
-    FrictionOverLoad, LossOverLevel, LossOverTime, FlowOverHead, CommandOverDemand, OutputOverInput, ReadingOverTrue,
+    FrictionOverLoad, LossOverLevel, LossOverTime, FlowOverHead, CommandOverDemand, OutputOverInput,
+    OutputOverTwist, ReadingOverTrue,
 )  # fmt: skip
 
 
