@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 NEIGHBOURS = 10
 FEWEST_PAIRS = 300
 FEWEST_REPEATED = 20
+MOTION_ORDERS = 3
 
 
 @dataclass(frozen=True)
@@ -160,8 +161,21 @@ def motion_of(layout: Layout, readings: Array) -> Array:
 
     ``readings`` (n, sensors) are those that were measured or predicted.
     """
+    found = _first_coefficients(layout, readings)
+    return np.asarray((found - found.mean(axis=0)) / np.maximum(found.std(axis=0), 1e-300))
+
+
+def moves(layout: Layout) -> NDArray[np.bool_]:
+    """Return which of the numbers that describe windows (m,) differ by more than noise: what is mostly noise is no motion."""
+    spread = _first_coefficients(layout, layout.readings).var(axis=0).reshape(-1, MOTION_ORDERS)
+    sensors = len(layout.measured.sensors)
+    least = np.concatenate([layout.measured.noise**2 / MOST_OF_IT, np.zeros(len(spread) - sensors)])
+    return np.asarray(spread > least[:, None]).ravel()
+
+
+def _first_coefficients(layout: Layout, readings: Array) -> Array:
+    """Return the first coefficients (windows, m) of readings (n, sensors), and of inputs that change."""
     inputs = layout.inputs[:, np.std(layout.inputs, axis=0) > 0.0]
     columns = np.column_stack([readings, inputs])
     shaped = columns.reshape(-1, layout.width, columns.shape[1])
-    found = np.einsum("wtc,to->wco", shaped, layout.basis[:, :3]).reshape(len(shaped), -1)
-    return np.asarray((found - found.mean(axis=0)) / np.maximum(found.std(axis=0), 1e-300))
+    return np.asarray(np.einsum("wtc,to->wco", shaped, layout.basis[:, :MOTION_ORDERS]).reshape(len(shaped), -1))

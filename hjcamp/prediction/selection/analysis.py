@@ -19,7 +19,7 @@ from hjcamp.prediction.fitting.chapters import FEWEST, chapters_of
 from hjcamp.prediction.fitting.gauss_newton import SETTLED, TURNS_OF_BASE, Fitted, Free, settled
 from hjcamp.prediction.laws.unknowns import courses_of, ranges_of, unknowns_of
 from hjcamp.prediction.levels import LEVEL, MATTERS
-from hjcamp.prediction.measured.floor import Floor, floor_of
+from hjcamp.prediction.measured.floor import MOTION_ORDERS, Floor, floor_of, moves
 from hjcamp.prediction.measured.layout import SHORTEST, SHORTEST_OF_ALL, WINDOWS, Layout
 from hjcamp.prediction.measured.tests import MOST_DELAY, Measured
 from hjcamp.prediction.residuals.kernels import Kernels
@@ -122,9 +122,8 @@ def what_lacks(measured: Measured, layout: Layout) -> list[str]:
             f"{3 * FEWEST} windows in {FEWEST} chapters are needed: longer or more tests (at least {3 * FEWEST * SHORTEST_OF_ALL} "
             f"samples, these have {sum(test.samples for test in measured.tests)})"
         )
-    moving = [k for k in range(len(measured.sensors)) if any(np.ptp(t.readings[:, k]) > 0.0 for t in measured.tests)]
-    if not moving:
-        found.append("nothing that is measured changes in these tests")
+    if not moves(layout)[: MOTION_ORDERS * len(measured.sensors)].any():
+        found.append("nothing that is measured changes in these tests by more than its noise")
     return found
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.prediction.fitting.likelihood import whitener
-from hjcamp.prediction.measured.floor import motion_of
+from hjcamp.prediction.measured.floor import motion_of, moves
 from hjcamp.prediction.measured.layout import Layout
 
 Array = NDArray[np.float64]
@@ -38,7 +38,7 @@ class Regression:
 def regression_of(layout: Layout, features: Array, chapters: NDArray[np.int64], readings: Array) -> Regression:
     """Return what a regression of features (windows, d) on the windows' motion, with and without the one before, leaves."""
     rows = spread_over(len(features), MOST_WINDOWS)
-    motion, white = motion_of(layout, readings), whitener(features)
+    motion, white = motion_of(layout, readings)[:, moves(layout)], whitener(features)
     described = [motion[rows], with_before(layout, motion)[rows]]
     left = regressed(described, (features @ white)[rows], chapters[rows])
     return Regression(rows, left @ np.linalg.inv(white))
@@ -58,7 +58,7 @@ def with_before(layout: Layout, motion: Array) -> Array:
 def regressed(described: Sequence[Array], values: Array, parts: NDArray[np.int64]) -> Array:
     """Return what is left of values (n, d) in each part (n,) by the regression of the others on one of the descriptions (n, m)."""
     tried = [np.zeros_like(values)]
-    for one in described:
+    for one in (each for each in described if each.shape[1]):
         for length in LENGTHS:
             tried += predictions(kernel(one, length), values, parts)
     return _chosen(values, np.array(tried), parts)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from hjcamp.prediction.fitting.likelihood import whitener
 from hjcamp.prediction.levels import MATTERS
-from hjcamp.prediction.measured.floor import motion_of
+from hjcamp.prediction.measured.floor import motion_of, moves
 from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.selection.regression import regressed, spread_over, with_before
 
@@ -45,7 +45,7 @@ def leading(layout: Layout, features: Array, chapters: NDArray[np.int64], readin
 def _quantities(layout: Layout, readings: Array) -> dict[str, Array]:
     """Return the columns of the motion (windows, m) by name."""
     moving = [name for name, column in zip(layout.names, layout.inputs.T, strict=True) if np.std(column) > 0.0]
-    motion = motion_of(layout, readings)
+    motion, told = motion_of(layout, readings), moves(layout)
     both = with_before(layout, motion)
     m = motion.shape[1]
     per = m // (len(layout.measured.sensors) + len(moving))
@@ -53,6 +53,7 @@ def _quantities(layout: Layout, readings: Array) -> dict[str, Array]:
     shown = [one.quantity if one.quantity not in layout.names else f"measured {one.quantity}" for one in layout.measured.sensors]
     for place, name in enumerate([*shown, *moving]):
         own = slice(per * place, per * (place + 1))
-        found |= {order + name: motion[:, own][:, k : k + 1] for k, order in enumerate(ORDERS[:per])}
-        found[f"{name} before"] = both[:, m:][:, own]
+        found |= {order + name: motion[:, own][:, k : k + 1] for k, order in enumerate(ORDERS[:per]) if told[own][k]}
+        if told[own].any():
+            found[f"{name} before"] = both[:, m:][:, own][:, told[own]]
     return found
