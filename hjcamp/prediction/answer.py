@@ -20,6 +20,7 @@ from hjcamp.prediction.residuals.simulated import ZERO
 from hjcamp.prediction.residuals.whole import Whole, whole_error
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored, Step
+from hjcamp.prediction.verdict.by_condition import Differs
 from hjcamp.prediction.verdict.free_curve import curve_of, knots_of
 from hjcamp.prediction.verdict.functional import functional
 from hjcamp.prediction.verdict.leading import leading
@@ -63,6 +64,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "unknowns": unknown_rows(analysis, verdict),
         "false_claims": {} if analysis.measured.repeated else _false_claims(analysis, verdict),
         "swings": swing_row(verdict.swing) if verdict.swing else {},
+        "by_condition": by_condition_row(analysis, verdict.differs) if verdict.differs else {},
         "follows_motion": {
             "share": verdict.follows, "quantities": _leading(analysis, verdict), "beside_law": _beside_law(analysis, verdict),
         },
@@ -86,6 +88,19 @@ def swing_row(swing: Swing) -> dict[str, Any]:
     return {
         "channel": sensor.field, "frequency_hz": swing.frequency, "rms": float(swing.rms * sensor.scale), "unit": sensor.unit,
         "left": swing.left, "chance": swing.chance,
+    }  # fmt: skip
+
+
+def by_condition_row(analysis: Analysis, differs: Differs) -> dict[str, Any]:
+    """Return what a base for each condition leaves, over the floor, and the parameters that differ, by condition."""
+    plant = analysis.measured.plant
+    units = {name: "s" if name.startswith(DELAY) else plant.parameters[name].unit for name in differs.parameters}
+    return {
+        "left": differs.left_out / floor_size(analysis),
+        "parameters": {
+            name: {"unit": units[name], "conditions": {at: {"value": one.value, **one.row} for at, one in found.items()}}
+            for name, found in differs.parameters.items()
+        },
     }  # fmt: skip
 
 

@@ -43,6 +43,8 @@ WORDS: Mapping[str, str] = {
     "one without; it may be near 1 of several effects, unless the weights of those that were weighed add up to 1.",
     "held-out": "Not used for the fit: the error on held-out tests is what a model is judged by, since a fit alone can only fall.",
     "left": "The share of the calibrated model's held-out error that stays with an effect added: 30 % left is 70 % explained.",
+    "explained": "One less the mean square of a model's errors over that of the readings about their mean in each window (or whole "
+    "test): 100 % is no error, and below 0 the mean is nearer.",
     "chapter": "A part of the measurements that is left out as a whole to judge a fit of the others: a condition, a test, or a "
     "part of a test.",
     "window": "A short stretch of a test that a model predicts from a start of its own, so that what drifts does not hide what it "

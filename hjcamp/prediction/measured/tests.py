@@ -88,6 +88,17 @@ class Measured:
             found.setdefault(test.condition, []).append(place)
         return found
 
+    def of(self, places: Sequence[int]) -> Measured:
+        """Return some of the tests, at their positions; noise and ends of the sensors are those of all."""
+        return self.with_tests([self.tests[place] for place in places])
+
+    def with_tests(self, tests: Sequence[MeasuredTest]) -> Measured:
+        """Return other tests of the same plant; noise and ends of the sensors are those of these, whatever the others tell."""
+        found = Measured(self.plant, self.period, self.sensors, self.columns, tuple(tests))
+        # they are put where they are kept
+        vars(found).update(noise=self.noise, ends=self.ends)
+        return found
+
     @property
     def repeated(self) -> bool:
         """Whether any condition has more than one repetition."""

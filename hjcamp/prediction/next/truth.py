@@ -100,7 +100,7 @@ def bench_of(analysis: Analysis, wanted: Sequence[Wanted], model: Candidate, by_
     measured = analysis.measured
     tests = tuple(_test(measured, one) for one in wanted)
     own = analysis.windows.layout
-    layout = Layout(_like(measured, tests), own.width, memory=own.memory, fine=own.fine)
+    layout = Layout(measured.with_tests(tests), own.width, memory=own.memory, fine=own.fine)
     if not by_motion:
         states = analysis.windows.readings(model)[1]
         starts = np.stack([_state_at(analysis, states, one) for one in wanted])
@@ -112,7 +112,7 @@ def bench_of(analysis: Analysis, wanted: Sequence[Wanted], model: Candidate, by_
     inputs = needed(analysis, windows, model)
     cuts = np.cumsum([count * layout.width for count in layout.counts])[:-1]
     tests = tuple(replace(test, inputs=own) for test, own in zip(tests, np.split(inputs, cuts), strict=True))
-    apart = Layout(_like(measured, tests), layout.width, apart=True, fine=layout.fine)
+    apart = Layout(measured.with_tests(tests), layout.width, apart=True, fine=layout.fine)
     return Bench(_windows(analysis, apart, windows.starts), whole=False)
 
 
@@ -165,13 +165,6 @@ def _test(measured: Measured, wanted: Wanted) -> MeasuredTest:
     return MeasuredTest(wanted.name, wanted.name, time, wanted.inputs, wanted.readings, wanted.given, log)
 
 
-def _like(measured: Measured, tests: tuple[MeasuredTest, ...]) -> Measured:
-    found = Measured(measured.plant, measured.period, measured.sensors, measured.columns, tests)
-    # simulated readings tell neither noise nor ends of their own: those of the measured ones are put where they are kept
-    vars(found).update(noise=measured.noise, ends=measured.ends)
-    return found
-
-
 def _windows(analysis: Analysis, layout: Layout, starts: Array) -> Windows:
     of = analysis.windows
     return Windows(layout, of.kernels, starts, of.sizes, of.lowest, of.unseen)
@@ -184,7 +177,7 @@ def _read(layout: Layout, shown: Array) -> Layout:
         replace(test, time=test.time[: len(own)], inputs=test.inputs[: len(own)], readings=own)
         for test, own in zip(layout.measured.tests, np.split(shown, cuts), strict=True)
     )
-    return Layout(_like(layout.measured, tests), layout.width, apart=layout.apart, memory=layout.memory, fine=layout.fine)
+    return Layout(layout.measured.with_tests(tests), layout.width, apart=layout.apart, memory=layout.memory, fine=layout.fine)
 
 
 def _state_at(analysis: Analysis, states: Array, wanted: Wanted) -> Array:
@@ -199,7 +192,7 @@ def joined_with(analysis: Analysis, place: Place, simulated: Windows, chosen: Se
     """Return windows of the measured tests, at a place, and of chosen simulated ones together, and which are new (windows,)."""
     own = analysis.windows.layout
     tests = tuple(simulated.layout.measured.tests[place] for place in chosen)
-    both = _like(analysis.measured, (*own.condensed(), *tests))
+    both = analysis.measured.with_tests((*own.condensed(), *tests))
     layout = Layout(both, own.width, apart=simulated.layout.apart, memory=own.memory, fine=own.fine)
     order = np.concatenate([np.flatnonzero(simulated.layout.of_test == place) for place in chosen])
     found = _windows(analysis, layout, np.concatenate([place.starts, simulated.starts[order]]))

@@ -15,6 +15,7 @@ from hjcamp.prediction.measured.layout import SHORTEST
 from hjcamp.prediction.selection.analysis import Analysis, above_noise, what_lacks
 from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.borne_out import not_borne_out
+from hjcamp.prediction.verdict.by_condition import Differs, differs_by_condition
 from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing, held_by_bounds
 from hjcamp.prediction.verdict.rivals import confidence_set, ruled_out, taken
 from hjcamp.prediction.verdict.swings import Swing, swing_of
@@ -30,7 +31,8 @@ class Verdict:
     ``confidence_set`` every set of names that the tests do not rule out; ``law_left`` the share that the named laws leave of
     what the freest law takes; ``unknown`` the unknown that takes it; ``follows`` the share of the error
     that follows from the motion though no law takes it; ``refused`` are names that take less than half of what it takes; ``swing`` is
-    what swings by itself; ``rivals`` are the models of all sets but the first.
+    what swings by itself; ``differs`` a base for each condition that leaves less than what was found; ``rivals`` are the models of
+    all sets but the first.
     """
 
     word: str
@@ -44,6 +46,7 @@ class Verdict:
     follows: float = 0.0
     refused: tuple[str, ...] = ()
     swing: Swing | None = None
+    differs: Differs | None = None
     rivals: tuple[Scored, ...] = ()
 
     @property
@@ -55,7 +58,11 @@ class Verdict:
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width."""
     analysis, verdict = _looked_at(analysis, at)
-    return analysis, _doubted(analysis, _swinging(analysis, _of_no_constant(analysis, verdict)))
+    verdict = _doubted(analysis, _swinging(analysis, _of_no_constant(analysis, verdict)))
+    if verdict.word in (OUTSIDE, EFFECT, ONE_OF) and verdict.swing is None:
+        rival = verdict.model if verdict.effects else verdict.unknown
+        return analysis, replace(verdict, differs=differs_by_condition(analysis, _least(analysis), rival))
+    return analysis, verdict
 
 
 def _swinging(analysis: Analysis, verdict: Verdict) -> Verdict:
@@ -154,13 +161,14 @@ def _over(analysis: Analysis, at: Callable[[int], Analysis], width: int) -> Anal
 def _more_in_longer(
     analysis: Analysis, verdict: Verdict, at: Callable[[int], Analysis]
 ) -> tuple[Analysis, Verdict] | None:
-    """Return the verdict over windows that are longer where it has the same names and more: what acts slowly beside what was found."""
+    """Return the verdict over windows that are longer where all its sets have the same names and more: what acts slowly beside them."""
     seen = _over(analysis, at, LONGER[0] * analysis.windows.layout.width)
     if seen is None:
         return None
     seen.search.claims = LEVEL / 2.0
     other = judged(seen)
-    return (seen, other) if other.word == EFFECT and set(other.effects) > set(verdict.effects) else None
+    more = other.word in (EFFECT, ONE_OF) and all(set(names) > set(verdict.effects) for names in other.confidence_set)
+    return (seen, other) if more else None
 
 
 def _takes_too_little(analysis: Analysis, other: Verdict) -> bool:

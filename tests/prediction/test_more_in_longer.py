@@ -1,0 +1,36 @@
+"""Longer windows say more where all that they leave has what shorter ones have named, and something beside it."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from hjcamp.prediction.verdict import verdict
+
+
+@pytest.mark.parametrize(
+    ("word", "sets", "more"),
+    [
+        ("effect", (("lag", "leak"),), True),
+        ("one_of", (("lag", "leak"), ("lag", "brim")), True),
+        # that or nothing more, another lag, and what names nothing
+        ("one_of", (("lag", "leak"), ("lag",)), False),
+        ("one_of", (("lag", "leak"), ("late", "leak")), False),
+        ("effect", (("lag",),), False),
+        ("outside_library", (), False),
+    ],
+)
+def test_more_is_named_where_no_set_lacks_what_was_named(
+    monkeypatch: pytest.MonkeyPatch, word: str, sets: tuple[tuple[str, ...], ...], more: bool
+) -> None:
+    other = SimpleNamespace(word=word, confidence_set=sets, effects=())
+    seen: Any = SimpleNamespace(search=SimpleNamespace(claims=0.05))
+    monkeypatch.setattr(verdict, "judged", lambda analysis: other)
+    monkeypatch.setattr(verdict, "_over", lambda analysis, at, width: seen)
+    analysis: Any = SimpleNamespace(windows=SimpleNamespace(layout=SimpleNamespace(width=16)))
+    before: Any = SimpleNamespace(effects=("lag",))
+    found = verdict._more_in_longer(analysis, before, lambda width: seen)
+    assert (found == (seen, other)) == more and (found is None) != more
+    assert seen.search.claims == pytest.approx(0.025)
