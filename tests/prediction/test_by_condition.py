@@ -10,7 +10,7 @@ import pytest
 from flywheel import GAIN, INERTIA, PERIOD, PLANT, VISCOUS
 
 from hjcamp.analyses.data import silent
-from hjcamp.commands.any_plant.verdict_words import by_condition_words
+from hjcamp.commands.any_plant.outside_words import by_condition_words
 from hjcamp.prediction.answer import answer
 from hjcamp.prediction.measured.tests import Measured, measured_tests
 from hjcamp.prediction.selection.analysis import Analysis, calibrated

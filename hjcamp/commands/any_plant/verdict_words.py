@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.commands.any_plant.outside_words import by_condition_words, swing_words
 from hjcamp.commands.any_plant.plant_hints import far_states, without_contact
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
-    DELAY,
     FLOORS,
     WHOLE_NOTE,
     bound_word,
@@ -169,8 +169,9 @@ class Words:
                 "An effect of the library predicts better than none, but takes less than half of what is missing: it is not that."
                 if not repeated
                 else "Repetitions share most of what the model leaves, in most windows, but no effect of the library and no free law "
-                "takes it."
+                "is shown to take it."
             )
+            found += seldom(self.content["candidates"]) if repeated else []
         if verdict.word == "nothing_missing":
             found.append(
                 "No effect and no unknown is shown to take a share of the error that matters (10 %) on chapters left out."
@@ -308,35 +309,6 @@ def _false_claims(shares: Mapping[str, float]) -> list[str]:
     }  # fmt: skip
     said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
     return [f"No test was repeated. As much as was found is promised in {', '.join(said)}, where nothing is."] if said else []
-
-
-def swing_words(row: Mapping[str, Any]) -> str:
-    """Say what swings by itself, how much of the error that is, and by what chance it would be there."""
-    from hjcamp.report.exploration import channel_label
-
-    return (
-        f"What {channel_label(row['channel'])} errs by over whole tests swings at {plain(row['frequency_hz'], 4)} Hz, by "
-        f"{told(row['rms'], row['unit'])} rms, which nothing that is given does: a force, a flow or a disturbance from outside. "
-        f"Without it {100.0 * row['left']:.0f} % is left (chance: p = {plain(row['chance'], 2)})."
-    )
-
-
-def by_condition_words(row: Mapping[str, Any], before: float) -> list[str]:
-    """Say what a base for each condition leaves, and which parameters differ."""
-    alike: dict[str, list[str]] = {}
-    for name, found in row["parameters"].items():
-        values: dict[str, list[str]] = {}
-        for condition, one in found["conditions"].items():
-            value = told(one["value"], found["unit"]) if one.get("told", True) else "not told"
-            values.setdefault(value, []).append(condition)
-        label = name.replace("_", " ").replace(DELAY, "delay of ")
-        alike[label] = [f"{value} in {' and '.join(where)}" for value, where in values.items()]
-    each = "; ".join(f"{label} is {', '.join(said)}" for label, said in alike.items())
-    return [
-        f"The base is not the same in all conditions: fitted to each alone it leaves {row['left']:.2f} times the floor, instead of "
-        f"{before:.2f}. {each[:1].upper()}{each[1:]}.",
-        "What is known to differ can be given with each test: Parameter(..., given=NAME), and NAME in the metadata of its log.",
-    ]
 
 
 def free_law(row: Mapping[str, Any]) -> str:

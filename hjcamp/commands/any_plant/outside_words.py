@@ -1,0 +1,38 @@
+"""What a diagnosis of any plant says of what is no effect: a swing from outside, a base that differs between conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from hjcamp.model.base_values import DELAY
+from hjcamp.report.units import plain, told
+
+
+def swing_words(row: Mapping[str, Any]) -> str:
+    """Say what swings by itself, how much of the error that is, and by what chance it would be there."""
+    from hjcamp.report.exploration import channel_label
+
+    return (
+        f"What {channel_label(row['channel'])} errs by over whole tests swings at {plain(row['frequency_hz'], 4)} Hz, by "
+        f"{told(row['rms'], row['unit'])} rms, which nothing that is given does: a force, a flow or a disturbance from outside. "
+        f"Without it {100.0 * row['left']:.0f} % is left (chance: p = {plain(row['chance'], 2)})."
+    )
+
+
+def by_condition_words(row: Mapping[str, Any], before: float) -> list[str]:
+    """Say what a base for each condition leaves, and which parameters differ."""
+    alike: dict[str, list[str]] = {}
+    for name, found in row["parameters"].items():
+        values: dict[str, list[str]] = {}
+        for condition, one in found["conditions"].items():
+            value = told(one["value"], found["unit"]) if one.get("told", True) else "not told"
+            values.setdefault(value, []).append(condition)
+        label = name.replace("_", " ").replace(DELAY, "delay of ")
+        alike[label] = [f"{value} in {' and '.join(where)}" for value, where in values.items()]
+    each = "; ".join(f"{label} is {', '.join(said)}" for label, said in alike.items())
+    return [
+        f"The base is not the same in all conditions: fitted to each alone it leaves {row['left']:.2f} times the floor, instead of "
+        f"{before:.2f}. {each[:1].upper()}{each[1:]}.",
+        "What is known to differ can be given with each test: Parameter(..., given=NAME), and NAME in the metadata of its log.",
+    ]
