@@ -58,11 +58,15 @@ class Verdict:
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width."""
     analysis, verdict = _looked_at(analysis, at)
-    verdict = _doubted(analysis, _swinging(analysis, _of_no_constant(analysis, verdict)))
-    if verdict.word in (OUTSIDE, EFFECT, ONE_OF) and verdict.swing is None:
-        rival = verdict.model if verdict.effects else verdict.unknown
-        return analysis, replace(verdict, differs=differs_by_condition(analysis, _least(analysis), rival))
-    return analysis, verdict
+    return analysis, _by_condition(analysis, _doubted(analysis, _swinging(analysis, _of_no_constant(analysis, verdict))))
+
+
+def _by_condition(analysis: Analysis, verdict: Verdict) -> Verdict:
+    """Return the verdict with a base for each condition where that leaves less than what was found."""
+    if verdict.word not in (OUTSIDE, EFFECT, ONE_OF) or verdict.swing:
+        return verdict
+    rival = verdict.model if verdict.effects else verdict.unknown
+    return replace(verdict, differs=differs_by_condition(analysis, _least(analysis), rival))
 
 
 def _swinging(analysis: Analysis, verdict: Verdict) -> Verdict:
