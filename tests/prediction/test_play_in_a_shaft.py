@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hjcamp.effects import load_effects
+from hjcamp.prediction.laws.unknowns import unknowns_of
 from hjcamp.prediction.measured.tests import Measured, measured_tests
 from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.prediction.verdict.verdict import judged
@@ -107,3 +108,11 @@ def test_play_in_a_shaft_is_named_with_its_width(geared: Measured) -> None:
     model = found.model.fitted.candidate
     assert model.effects["backlash"]["play"] == pytest.approx(PLAY, rel=0.03)
     assert model.base["stiffness"] == pytest.approx(STIFFNESS, rel=0.1)
+
+
+def test_a_free_law_of_the_twist_is_as_large_as_that(geared: Measured) -> None:
+    # the slope of a fit is a hundredth of the size: of the whole turn it would be more than all of the twist
+    ranges = {"gear": (-1.0, 3.0), "gear_input": (-1.0, 3.0), "gear_twist": (-0.02, 0.01)}
+    found = unknowns_of(geared.plant, ranges)
+    assert found["unknown_output_over_twist"].usual == pytest.approx(0.02)
+    assert found["unknown_output_over_input"].usual == pytest.approx(3.0)

@@ -192,9 +192,12 @@ class OutputOverTwist(_Hats, Effect, on="output", over="twist", knots=12, change
     r"""A transmission that passes on another motion than comes in, depending on how far what is driven lags: a shaft that stiffens.
 
     .. math:: y \mathrel{+}= h(x - y_d)
+
+    Its values are as large as the twist, however far the whole turns.
     """
 
     acts_on = "transmission"
+    sized = "twist"
 
 
 class ReadingOverTrue(_Hats, Effect, on="reading", over="reading", knots=12, changes=True):

@@ -107,7 +107,7 @@ def unknowns_of(
             )
             low, high = ranges.get(signal, (0.0, 0.0))
             if high - low > 1e-9 * max(abs(low), abs(high)):
-                usual = ranges.get(port.size_of(next(iter(law.terms))), (0.0, 1.0))
+                usual = ranges.get(port.size_of(getattr(law, "sized", next(iter(law.terms)))), (0.0, 1.0))
                 size = max(abs(usual[0]), abs(usual[1])) or 1.0
                 levels = _levels((courses or {}).get(signal, np.zeros(0)), low, high, len(amplitudes_of_law(effect)))
                 found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size, levels)
