@@ -29,6 +29,7 @@ SAMPLES = 60
 RESTING = 5  # samples at the start in which the contacts rest
 FINITE_DRAWS = 4
 SEEN = 1e-3
+FLAT = 1e-6  # of its usual size: a line that moves less stays
 
 
 @dataclass
@@ -181,7 +182,7 @@ class PlaceBench:
         return PlainModel(self.plant).along(self.course)
 
     def apart(self, values: Mapping[str, float], share: float = 1.0) -> tuple[float, str]:
-        """Return what a share of the differences stay below that the effect makes, over the usual size, and to what."""
+        """Return what a share of the differences stay below that the effect makes, over the usual size or its spread, and to what."""
         sizes, signals = usual_sizes(self.plant), read_vocabulary(self.plant).signals
         # what changes a parameter need not show in any line but a rate
         shown = () if set(self.effect.terms) <= set(signals) else self.plant.states
@@ -190,7 +191,13 @@ class PlaceBench:
         own = {slot: self._size_of(slot) for slot in self.effect.terms} | rates
         change = np.abs(self.along(values) - self.absent)[:, : len(names)]
         largest = np.quantile(change, share, axis=0)
-        over = [float(value) / (own.get(name) or sizes[name]) for name, value in zip(names, largest, strict=True)]
+        usual = [own.get(name) or sizes[name] for name in names]
+        # of a voltage of 4 V that moves by 10 mV, an effect is large or small beside these
+        moved = self.absent[:, : len(names)].std(axis=0)
+        over = [
+            float(value) / (min(size, spread) if spread > FLAT * size else size)
+            for value, size, spread in zip(largest, usual, moved, strict=True)
+        ]
         # a switch has no size: whether a contact locks shows in its friction
         switches = {port.names.get("locks") for port in read_vocabulary(self.plant).ports.values()}
         best = max((index for index, name in enumerate(names) if name not in switches), key=over.__getitem__)

@@ -11,6 +11,45 @@ from hjcamp import cli
 from hjcamp.effects._generic_template import EXAMPLES, MEANINGS
 from hjcamp.model.port import KINDS
 
+CELL = '''"""A cell."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
+
+
+class Cell(Plant):
+    """A cell that is charged."""
+
+    charge = State("C", typical=10.0)
+    current = Input("A", typical=1.0)
+    rest = Parameter("V", 4.0)
+    bulk = Parameter("F", 1000.0, base=True)
+    voltage_v = Measured("terminal")
+    period = 1.0
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        rate.charge = drive.current
+        terminal = sensor(parameter.rest + state.charge / parameter.bulk)
+'''
+POLARISED = '''from hjcamp.model.effect import Effect
+from hjcamp.model.parameter import Parameter
+
+
+class Polarised(Effect):
+    """Voltage that the current adds.
+
+    Source: here.
+    """
+
+    plant = "cell"
+    subsystem = "cell"
+    ohms = Parameter("V/A", 1e-3, (0.0, 1.0), text="voltage for one ampere", off=0.0)
+
+    @staticmethod
+    def terminal(current, ohms):
+        """Voltage, V."""
+        return ohms * current
+'''
 SAMPLE_PLANT = {"path": "tanks", "store": "tanks", "transmission": "rotor", "partition": "two_pumps"}
 
 
@@ -105,3 +144,16 @@ def test_a_wrong_call_is_one_clear_message(
     code, out, err = answer(capsys, *words)
     assert (code, out) == (2, "") and said in err and err.count("\n") == 1
     assert not (folder / "effects").exists()
+
+
+
+def test_an_effect_is_small_or_large_beside_what_moves(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    # a cell of 4 V that moves by 10 mV: 1 mV is seen, though it is a four thousandth of the voltage
+    (folder / "plants" / "cell.py").write_text(CELL)
+    (folder / "effects").mkdir()
+    (folder / "effects" / "polarised.py").write_text(POLARISED)
+    code, out, err = answer(capsys, "test", "polarised", "--plant", "cell")
+    assert code == 0 and "passes" in out, err
+    (folder / "effects" / "polarised.py").write_text(POLARISED.replace("1e-3, (", "1e-6, ("))
+    code, _, err = answer(capsys, "test", "polarised", "--plant", "cell")
+    assert code != 0 and "choose larger defaults" in err
