@@ -154,7 +154,7 @@ class Words:
         if self.content["swings"]:
             found.append(swing_words(self.content["swings"]))
         if self.content["by_condition"]:
-            found += by_condition_words(self.content["by_condition"], error["baseline"])
+            found += by_condition_words(self.content["by_condition"], error["augmented"])
         if verdict.follows:
             found.append(
                 f"{100.0 * verdict.follows:.0f} % of the error can be told from the motion and the inputs of its moment (a "
