@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from hjcamp.commands.any_plant.outside_words import seldom
 from hjcamp.commands.any_plant.words import (
     calibration_table,
     ends_of_laws,
     held_by_bounds,
     late_inputs,
     other_sizes,
-    seldom,
 )
 from hjcamp.effects import effect_files
 
@@ -100,11 +100,15 @@ def test_a_shape_at_its_bound_asks_for_another_law(at_bound: bool, told: bool, n
 
 def test_what_acts_in_few_parts_of_the_tests_is_said_though_it_is_not_shown() -> None:
     rows = [
-        {"effect": "leakage", "heldout_error_ratio": 0.88, "t": 4.5, "t_needed": 83.0},
-        {"effect": "overflow", "heldout_error_ratio": 0.856, "t": 4.2, "t_needed": 85.0},
+        {"effect": "leakage", "heldout_error_ratio": 0.88, "t": 4.5, "t_needed": 83.0, "parameters": {}},
+        {"effect": "overflow", "heldout_error_ratio": 0.856, "t": 4.2, "t_needed": 85.0, "parameters": {}},
     ]
-    [said] = seldom(rows)
-    assert said.startswith("overflow would take 14 %, but in too few parts of the tests")
+    [said] = seldom(rows, 0.24)
+    assert said.startswith("overflow would take 14 %, but in too few parts of the tests") and "record more of the motion" in said
+    delay = {"delay": {"value": 0.372, "unit": "s"}, "dead_share": {"value": 0.5, "unit": "1"}}
+    [said] = seldom([rows[1] | {"effect": "command_delay", "parameters": delay}], 0.24)
+    assert "a window of 0.24 s is shorter than its 0.37 s: longer tests have longer windows" in said
+    assert "record more" in seldom([rows[1] | {"parameters": delay}], 0.48)[0]
     # too little, no better than none, and shown
     others = ({"heldout_error_ratio": 0.95}, {"t": -0.5}, {"t": 90.0})
-    assert not any(seldom([rows[1] | other]) for other in others)
+    assert not any(seldom([rows[1] | other], 0.24) for other in others)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hjcamp.model.base_values import DELAY
+from hjcamp.prediction.levels import MATTERS
 from hjcamp.report.units import plain, told
 
 
@@ -36,3 +37,22 @@ def by_condition_words(row: Mapping[str, Any], before: float) -> list[str]:
         f"{before:.2f}. {each[:1].upper()}{each[1:]}.",
         "What is known to differ can be given with each test: Parameter(..., given=NAME), and NAME in the metadata of its log.",
     ]
+
+
+def seldom(candidates: Sequence[Mapping[str, Any]], window_s: float) -> list[str]:
+    """Return which effect would take most of the error, a share that matters, but in too few parts of the tests to be shown.
+
+    What acts later than a window is long hardly shows in it.
+    """
+    found = [one for one in candidates if one["heldout_error_ratio"] <= 1.0 - MATTERS and 0.0 < one["t"] < one["t_needed"]]
+    said = []
+    for one in sorted(found, key=lambda one: float(one["heldout_error_ratio"]))[:1]:
+        times = [row["value"] for row in one["parameters"].values() if row["unit"] == "s"]
+        what = (
+            f"a window of {plain(window_s, 2)} s is shorter than its {plain(max(times), 2)} s: longer tests have longer windows."
+            if times and max(times) > window_s
+            else "record more of the motion in which it acts."
+        )
+        share = 100.0 * (1.0 - one["heldout_error_ratio"])
+        said.append(f"{one['effect']} would take {share:.0f} %, but in too few parts of the tests to be shown: {what}")
+    return said

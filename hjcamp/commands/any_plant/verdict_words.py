@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.commands.any_plant.outside_words import by_condition_words, swing_words
+from hjcamp.commands.any_plant.outside_words import by_condition_words, seldom, swing_words
 from hjcamp.commands.any_plant.plant_hints import far_states, without_contact
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
@@ -24,7 +24,6 @@ from hjcamp.commands.any_plant.words import (
     over_windows,
     print_head,
     run_away_words,
-    seldom,
     still_words,
     table,
 )
@@ -163,6 +162,7 @@ class Words:
             told_most = [one.replace("_", " ") for one in self.content["follows_motion"]["quantities"]]
             if told_most:
                 found.append(f"What tells most of it: {', '.join(told_most)}.")
+            found += self._seldom()
         elif verdict.word == "outside_library" and not any(self.content[key] for key in ("unknowns", "swings", "by_condition")):
             repeated = self.analysis.floor.source == "repetitions" and verdict.law_left == 1.0
             found.append(
@@ -171,7 +171,7 @@ class Words:
                 else "Repetitions share most of what the model leaves, in most windows, but no effect of the library and no free law "
                 "is shown to take it."
             )
-            found += seldom(self.content["candidates"]) if repeated else []
+            found += self._seldom() if repeated else []
         if verdict.word == "nothing_missing":
             found.append(
                 "No effect and no unknown is shown to take a share of the error that matters (10 %) on chapters left out."
@@ -179,7 +179,7 @@ class Words:
                 else f"No effect and no unknown promises more than chance does (p = {plain(verdict.p_value, 2)})."
             )
             if verdict.p_value <= LEVEL:
-                found += seldom(self.content["candidates"])
+                found += self._seldom()
         if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
             first = self.content["unknowns"][0] if self.content["unknowns"] else None
             left = 100.0 * min(verdict.law_left, 1.0)
@@ -220,6 +220,10 @@ class Words:
         found += run_away_words(self.content) + still_words(self.content["still"])
         found += without_contact(self.analysis.measured.plant, self.content["unknowns"][:1]) + far_states(self.analysis.windows)
         return found + self.telling()
+
+    def _seldom(self) -> list[str]:
+        """Say which effect would take most of the error but cannot be shown to."""
+        return seldom(self.content["candidates"], self.content["window_samples"] * self.analysis.measured.period)
 
     def _most_is_left(self) -> list[str]:
         """Say so where less than half of what lies above the floor was found in every channel, or repetitions share the rest."""

@@ -114,16 +114,6 @@ def ends_of_laws(named: Sequence[str], candidates: Sequence[Mapping[str, Any]], 
     ]  # fmt: skip
 
 
-def seldom(candidates: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return which effect would take most of the error, a share that matters, but in too few parts of the tests to be shown."""
-    found = [one for one in candidates if one["heldout_error_ratio"] <= 1.0 - MATTERS and 0.0 < one["t"] < one["t_needed"]]
-    return [
-        f"{one['effect']} would take {100.0 * (1.0 - one['heldout_error_ratio']):.0f} %, but in too few parts of the tests to be "
-        "shown: record more of the motion in which it acts."
-        for one in sorted(found, key=lambda one: float(one["heldout_error_ratio"]))[:1]
-    ]
-
-
 def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], period: float) -> list[str]:
     """Return what delays of the base say that stand at their bound, or are longer than a log may be off: one sample of ``period``."""
     late = {

@@ -261,7 +261,7 @@ class Search(Claims):
         """Return the effect that leaves less than every free law of the step, where one of these is shown to take what matters.
 
         That something is missing the free law shows; it is no better news than a name that leaves less, or than one that takes most
-        of what the free law takes where that is another form of it.
+        of what the free law takes where that is another form of it. The name need not stand out among all: it has to by itself.
         """
         shown = [one for one in step.unknown if self.matters(one, before, step.level_of_unknown)]
         best = min(shown, key=lambda one: one.left_out, default=None)
@@ -272,7 +272,7 @@ class Search(Claims):
         for one in step.named:
             form = alike_laws(free, self.library[_added(one.fitted.candidate, before.fitted.candidate)])
             takes = one.left_out <= best.left_out or (form and before.left_out / one.left_out >= most)
-            if takes and self.error_ratio(one, before) <= 1.0 - MATTERS and not self.only_scatter(one, before):
+            if takes and self.matters(one, before, step.claims):
                 return one
         return None
 

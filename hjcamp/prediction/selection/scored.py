@@ -16,11 +16,11 @@ from hjcamp.prediction.screening.chance import DRAWS
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scored:
     """A fitted model with what it was made of, and its features (windows, d) on chapters left out, with their size.
 
-    ``place`` is where the windows begin for it.
+    ``place`` is where the windows begin for it. Two are equal where they are one.
     """
 
     names: tuple[str, ...]
