@@ -1,4 +1,4 @@
-"""A plant whose contact has no dry friction."""
+"""Plants whose contact has no dry friction, or that alone."""
 
 WHEEL = '''"""A wheel on a motor, without any dry friction."""
 
@@ -24,3 +24,9 @@ class Wheel(Plant):
         rate.speed = body(torque + load - rub, mass=parameter.inertia, load=load)
         encoder = sensor(state.speed)
 '''
+
+DRY_WHEEL = (
+    WHEEL.replace("class Wheel", "class DryWheel")
+    .replace("viscous=parameter.viscous", "coulomb=parameter.dry")
+    .replace('viscous = Parameter("N*m*s", 2e-4, (1e-7, 1e-1)', 'dry = Parameter("N*m", 1.2e-3, (1e-7, 1e-1)')
+)

@@ -12,7 +12,7 @@ class QuadraticDrag(Effect):
     .. math:: f \mathrel{+}= d\,v\,|v|
 
     Seen as: friction that rises ever faster with speed, the same in both directions.
-    Not for: a rise in proportion to speed, which is viscous friction.
+    Not for: a rise in proportion to speed, which is viscous friction (see viscous_friction).
     Source: White (2011), Fluid Mechanics, 7th ed., section 7.6.
     """
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from wheel_plant import WHEEL
+from wheel_plant import DRY_WHEEL, WHEEL
 
 from hjcamp.commands._plant_template import TEMPLATE
 
@@ -80,5 +80,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "plants" / "tanks.py").write_text(TANKS)
     (tmp_path / "plants" / "rotor.py").write_text(ROTOR)
     (tmp_path / "plants" / "wheel.py").write_text(WHEEL)
+    (tmp_path / "plants" / "dry_wheel.py").write_text(DRY_WHEEL)
     monkeypatch.chdir(tmp_path)
     return tmp_path

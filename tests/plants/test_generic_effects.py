@@ -18,8 +18,8 @@ from hjcamp.plants.pump_joint import PumpJoint
 FILES = effect_files([])
 GENERIC = sorted(name for name, effect in FILES.items() if effect.acts_on)
 PLANTS = ("axis", "tanks", "rotor")
-# where alone some have a place: stores that no path joins, a contact without dry friction
-ALONE = {"internal_leakage": ("two_pumps",), "dry_friction": ("wheel",)}
+# where alone some have a place: stores that no path joins, contacts without dry or viscous friction
+ALONE = {"internal_leakage": ("two_pumps",), "dry_friction": ("wheel",), "viscous_friction": ("dry_wheel",)}
 FITS = {
     "axis": "action_lag command_delay constant_force contact_creep coulomb_asymmetry cubic_spring dead_band friction_drift "
     "hard_stop position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag sensor_offset "
@@ -80,6 +80,12 @@ def test_dry_friction_is_for_contacts_that_have_none(folder: Path, coulomb: str,
         assert "plant wheel has no coulomb in any such place" in str(library.unfit["presliding"])
     else:
         assert "plant wheel has coulomb of its own" in str(library.unfit["dry_friction"])
+
+
+def test_viscous_friction_is_for_contacts_that_have_none(folder: Path) -> None:
+    wheel, dry = (library_of(find_plant(name)) for name in ("wheel", "dry_wheel"))
+    assert "viscous_friction" in dry.effects and "viscous_asymmetry" not in dry.effects
+    assert "viscous_asymmetry" in wheel.effects and "plant wheel has viscous of its own" in str(wheel.unfit["viscous_friction"])
 
 
 def test_an_angle_is_told_in_the_unit_of_its_state(folder: Path) -> None:

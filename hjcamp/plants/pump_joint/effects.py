@@ -267,6 +267,7 @@ COVERS = {
     "contact_creep": "its contacts stick: static friction is a base parameter of its own",
     "coulomb_asymmetry": "Coulomb and static friction of each direction are base parameters of their own",
     "dry_friction": "Coulomb and static friction of each direction are base parameters of their own",
+    "viscous_friction": "viscous friction of each direction is a base parameter of its own",
     "viscous_asymmetry": "viscous friction of each direction is a base parameter of its own",
     "stribeck_excess": "static friction is a base parameter of its own; stribeck_friction falls from it",
     "quadratic_drag": "the flow in the lines is laminar (line_resistance), and the sliders are slow",
