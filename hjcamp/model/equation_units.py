@@ -143,7 +143,12 @@ class Units:
             return UsageError(
                 f"{where}: {name}(...) stands alone on its line: give it a name, NAME = {name}(...), and use that"
             )
-        own = [
+        spaces: dict[str, Mapping[str, Any]] = {"state": self.plant.states, "parameter": self.plant.parameters, "drive": self.plant.inputs}
+        for space, declared in spaces.items():
+            if name in declared:
+                return UsageError(f"{where}: '{name}' is written {space}.{name}")
+        own = [f"{space}.NAME" for space in spaces]
+        own += [
             one for one in list(self.scope)[self._known :] if one[:2] not in _PREFIXES and one[:2] not in ("d_", "__")
         ]
         known = f"a name must be computed in a line above: no algebraic loops; functions are {FUNCTIONS}"

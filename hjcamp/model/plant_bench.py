@@ -71,6 +71,13 @@ def identified(plant: type[Plant]) -> str:
     return _under_either(lambda signs: _identified(plant, signs))
 
 
+def _under(plant: type[Plant]) -> str:
+    """Return in words the inputs under which a plant was tried: too small ones may move nothing."""
+    own = [one for name, one in plant.inputs.items() if name not in ALWAYS]
+    sizes = " and ".join(f"{one.name} of up to {2.0 * one.typical:.3g} {one.unit}" for one in own)
+    return f" under {sizes} (twice its typical=...; does that move the machine?)" if own else ""
+
+
 def _under_either(check: Callable[[tuple[float, ...]], str]) -> str:
     """Return what a check says under inputs of both signs, else of one; what it says against the first is raised."""
     try:
@@ -93,7 +100,7 @@ def _identified(plant: type[Plant], signs: tuple[float, ...]) -> str:
     for name, size in zip(names, sizes[: len(names)], strict=True):
         if not size > SEEN * np.sqrt(len(columns)):
             raise UsageError(
-                f"plant {plant.name}: the base parameter '{name}' changes nothing that is measured; is its input or "
+                f"plant {plant.name}: the base parameter '{name}' changes nothing that is measured{_under(plant)}; is its input or "
                 "sensor missing?"
             )
     directions = columns / np.where(sizes > 0.0, sizes, 1.0)

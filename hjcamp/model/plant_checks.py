@@ -72,7 +72,11 @@ def check_measured(plant: type[Plant]) -> str:
     units.follow(vocabulary.statements)
     for name, item in plant.measured.items():
         if item.sensor not in vocabulary.signals:
-            raise unknown("sensor", item.sensor, vocabulary.signals, f"{where}, {name}")
+            shown = item.of or "STATE"
+            raise UsageError(
+                f"{unknown('sensor', item.sensor, vocabulary.signals, f'{where}, {name}')}. A sensor is a line of the equations, "
+                f"{item.sensor} = sensor(state.{shown})"
+            )
         if item.of and item.of not in plant.states:
             hint = f"{where}, {name}: leave of= out where the sensor shows no state"
             raise unknown("state", item.of, plant.states, hint)

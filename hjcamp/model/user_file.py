@@ -18,6 +18,8 @@ from hjcamp.storage import check_is_file
 
 PREFIX = "hjcamp_file_"
 LOADING_S = 15.0
+# What other libraries call a choice between two values.
+CHOICES = ("where", "if_else", "select", "piecewise", "switch")
 _loading = threading.RLock()
 
 
@@ -95,7 +97,7 @@ def _what_is_wrong(path: Path, problem: BaseException) -> str:
             return said if said.startswith(str(path)) else f"{where}: {said}"
     if isinstance(problem, SystemExit):
         return f"{where}: this file ends the program ({type(problem).__name__}: {problem}); it may only define things"
-    if said := _unknown_argument(problem):
+    if said := _unknown_argument(problem) or _unknown_import(problem):
         return f"{where}: {said}"
     return f"{where}: cannot be loaded: {type(problem).__name__}: {problem}"
 
@@ -110,3 +112,13 @@ def _unknown_argument(problem: BaseException) -> str:
     return str(
         unknown("argument", found[2], [one.name for one in dataclasses.fields(kind) if one.init], f"{found[1]}(...)")
     )
+
+
+def _unknown_import(problem: BaseException) -> str:
+    """Return what is wrong where a name is imported from a module of this program that it has not, else nothing."""
+    found = re.match(r"cannot import name '(\w+)' from '(hjcamp[\w.]*)'", str(problem))
+    if found is None or not isinstance(problem, ImportError):
+        return ""
+    offered = getattr(sys.modules[found[2]], "__all__", None) or [one for one in vars(sys.modules[found[2]]) if one[0] != "_"]
+    choice = " A choice is written 'A if CONDITION else B'." if found[1] in CHOICES else ""
+    return f"{unknown('name', found[1], offered, found[2])}.{choice}"

@@ -19,6 +19,7 @@ from hjcamp.model.parameter import Contact
 from hjcamp.model.part import whole_definition
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
+from hjcamp.model.short_names import written_out
 
 NAMESPACES = {"state": "s_", "parameter": "p_", "drive": "u_", "rate": "d_"}
 
@@ -118,7 +119,7 @@ def read_vocabulary(plant: type[Plant]) -> Vocabulary:
     first = inspect.getsourcelines(equations)[1]
     if equations.__name__ == "<lambda>":
         raise UsageError(f"{inspect.getfile(plant)}: line {first}: plant {plant.name}: 'equations' is no function")
-    function = _with_free_names(whole_definition(equations))
+    function = _with_free_names(written_out(whole_definition(equations), tuple(NAMESPACES)))
     reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
     reader.masses, reader.driven = masses_in(function), driven_in(function)
     reader.given_push = bool(plant.ports) or any(has_push(node) for node in ast.walk(function) if called(node) == CONTACT.name)
