@@ -143,7 +143,8 @@ class Units:
             return UsageError(
                 f"{where}: {name}(...) stands alone on its line: give it a name, NAME = {name}(...), and use that"
             )
-        spaces: dict[str, Mapping[str, Any]] = {"state": self.plant.states, "parameter": self.plant.parameters, "drive": self.plant.inputs}
+        plant = self.plant
+        spaces: dict[str, Mapping[str, Any]] = {"state": plant.states, "parameter": plant.parameters, "drive": plant.inputs}
         for space, declared in spaces.items():
             if name in declared:
                 return UsageError(f"{where}: '{name}' is written {space}.{name}")

@@ -43,13 +43,16 @@ def unit_for(value: float, unit: str) -> tuple[str, float]:
     """Return the unit in which a value of this size is read, and the factor to it.
 
     A kilogram or more stays as it is, and so does less than a kilopascal, and what would have more than four digits before
-    its point in the smaller unit, where it needs no exponent in SI.
+    its point in the smaller unit, or a zero behind it in the larger one, where it needs no exponent in SI.
     """
     if (unit == "kg" and abs(value) >= 1.0) or (unit == "Pa" and 0.0 < abs(value) < 1e3):
         return unit, 1.0
     name, factor = SHOWN.get(unit, (unit, 1.0))
-    large = abs(value) * factor >= 1e4 and 1e-4 <= abs(value) < 1e4
-    return (unit, 1.0) if large and factor > 1.0 else (name, factor)
+    if unit == "Pa":
+        return SHOWN[unit]
+    shown_well = 1e-4 <= abs(value) < 1e4
+    large, small = factor > 1.0 and abs(value) * factor >= 1e4, factor < 1.0 and abs(value) * factor < 0.1
+    return (unit, 1.0) if shown_well and (large or small) else (name, factor)
 
 
 def told(value: float, unit: str, digits: int = 3) -> str:

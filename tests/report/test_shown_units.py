@@ -36,6 +36,7 @@ def test_what_is_told() -> None:
     assert told(465.0, "Pa") == "465 Pa" and told(4650.0, "Pa") == "0.00465 MPa"
     assert told(0.0065, "m^3") == "0.0065 m^3" and told(8.5e-9, "m^3") == "8.5 mm3"
     assert told(31.0, "m/s") == "31 m/s" and told(0.31, "m/s") == "310 mm/s"
+    assert told(0.3, "N*s/m") == "0.3 N*s/m" and told(120.0, "N*s/m") == "0.12 N s/mm" and told(1.08, "N/m") == "1.08 N/m"
     # both ends in the unit of the value
     assert told_interval({"unit": "Pa", "value": 1500.0, "ci95": [900.0, 2100.0]}) == "0.0009 to 0.0021"
     assert told_interval({"unit": "kg", "value": 1.1, "ci95": [0.9, 1.3]}) == "0.9 to 1.3"
