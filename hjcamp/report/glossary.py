@@ -55,6 +55,8 @@ WORDS: Mapping[str, str] = {
     "t": "Student's t of the paired differences between two models' errors over chapters: how far their mean is from 0, in its "
     "own standard errors.",
     "p-value": "How probable a gain as large as this one is where nothing is missing; below 0.05 something is claimed.",
+    "published": "The model as it is declared, with the values of the plant's file (of the joint: of the thesis), before "
+    "anything is fitted.",
     "gain": "By how much an effect raises the log-likelihood of the tests.",
     "chance": "What effects gain where none of them is missing, found from surrogate data.",
     "surrogate data": "Data as noisy as the measured ones in which nothing is missing: residuals moved in time, or twins.",
@@ -86,7 +88,9 @@ ALSO: Mapping[str, str] = {
     "delays": "delay",
     "driver": "drivers", "law_left": "law left", "heldout": "held-out", "held out": "held-out", "left out": "held-out",
     "chapters left out": "chapter", "posterior": "posterior weight", "weight": "posterior weight", "twins": "twin",
-    "residuals moved in time": "surrogate data", "surrogates": "surrogate data", "windows": "window", "chapters": "chapter",
+    "residuals moved in time": "surrogate data", "residuals drawn at random": "surrogate data",
+    "effects each moved in time by itself": "surrogate data",
+    "surrogates": "surrogate data", "windows": "window", "chapters": "chapter",
     "unknowns": "unknown", "p": "p-value", "p value": "p-value", "one_of": "one of", "outside_library": "outside the library",
     "outside library": "outside the library", "nothing_missing": "nothing missing", "cannot_tell": "cannot tell",
     "knots": "free law", "confidence interval": "95 % interval", "interval": "95 % interval", "95 %": "95 % interval",

@@ -52,6 +52,9 @@ def test_lines_before_the_header_and_comments_are_passed_over() -> None:
         (["t;u", "0;1;", "1;2;", "2;3;"], ("t", "u"), ["t;u", "0;1", "1;2", "2;3"]),
         (["t;u", "0;1;", "1;2;", "2"], ("t", "u"), ["t;u", "0;1", "1;2", "2"]),
         (["t;u;", "0;1;", "1;2;"], ("t", "u"), ["t;u;", "0;1;", "1;2;"]),
+        # rows without any value at the end, as a spreadsheet leaves them; one between others stays, and is refused
+        (["t,u", "0,1", "1,2", ",", '"",'], ("t", "u"), ["t,u", "0,1", "1,2"]),
+        (["t,u", "0,1", ",", "1,2"], ("t", "u"), ["t,u", "0,1", ",", "1,2"]),
         (["t;u", "0;1;", "1;2", "2;3;"], ("t", "u"), ["t;u", "0;1;", "1;2", "2;3;"]),
     ],
 )

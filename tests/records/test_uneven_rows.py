@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from hjcamp.errors import UsageError
-from hjcamp.records.elsewhere.clock import usual_step
+from hjcamp.records.elsewhere.clock import uneven_words, usual_step
 from hjcamp.records.elsewhere.importing import import_file
 from hjcamp.records.log import TestLog
 from hjcamp.records.read import read_log
@@ -25,7 +25,10 @@ MAPPING = {
 
 def brought(folder: Path, stamps: np.ndarray, **more: object) -> TestLog:
     noise = 0.01 * np.sin(np.arange(len(stamps)) ** 2)
-    rows = [f"{t:.6g},{0.01 * t:.9g},{0.1 + one:.6g},{0.2 - one:.6g},0" for t, one in zip(stamps, noise, strict=True)]
+    rows = [
+        f"{'' if np.isnan(t) else format(t, '.6g')},{0.01 * np.nan_to_num(t):.9g},{0.1 + one:.6g},{0.2 - one:.6g},0"
+        for t, one in zip(stamps, noise, strict=True)
+    ]
     (folder / "bench.csv").write_text("\n".join(["t,arm,p1,p2,c", *rows]) + "\n")
     (folder / "map.yaml").write_text(yaml.safe_dump(MAPPING | more))
     import_file(folder / "bench.csv", folder / "map.yaml", folder / "out.mcap")
@@ -56,6 +59,31 @@ def test_rows_that_are_uneven_all_along_are_brought_to_a_period(tmp_path: Path) 
     assert log.period == pytest.approx(0.005)
     time = log.columns["time_s"]
     np.testing.assert_allclose(log.columns["arm_deg"], 10.0 * (time + 1e-3 * stamps[0]), rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("steps", "said"),
+    [
+        ((2.0, 8.0), "rows are 2 ms to 8 ms apart: brought to one each 5 ms"),
+        ((4.1, 5.9), "rows are 4.1 ms to 5.9 ms apart: brought to one each 5 ms"),
+        ((4.8, 5.2), ""),
+    ],
+)
+def test_uneven_rows_are_told(steps: tuple[float, float], said: str) -> None:
+    time = 1e-3 * np.concatenate([[0.0], np.cumsum(np.tile(steps, 300))])
+    assert uneven_words(time, 5e-3).startswith(said) if said else not uneven_words(time, 5e-3)
+    # nor are two rates one with broken ticks
+    two = 1e-3 * np.concatenate([10.0 * np.arange(200), 2000.0 + 20.0 * np.arange(200)])
+    assert uneven_words(two, 15e-3).startswith("rows are 10 ms to 20 ms apart")
+    # one tick more or less of a slow clock is no uneven row
+    assert not uneven_words(np.floor(1.3 * np.arange(2000)) * 1e-3, 1.3e-3)
+
+
+def test_a_row_without_its_time_is_not_filled_in(tmp_path: Path) -> None:
+    stamps = 5.0 * np.arange(40)
+    stamps[7] = np.nan
+    with pytest.raises(UsageError, match=r"'time_s' is nan at sample 7.*a row without its time is to be deleted"):
+        brought(tmp_path, stamps, gaps="interpolate")
 
 
 @pytest.mark.parametrize("stamped", [False, True])

@@ -15,6 +15,7 @@ LONGEST_STEP = 1.5  # of the usual one
 # Rows are uneven all along, and have no gaps, where such a share of the steps is that long, and none by far longer.
 UNEVEN, FARTHEST_STEP = 0.05, 4.0
 RATE_TOLERANCE = 0.01
+SEEN_UNEVEN = 0.1  # of the usual step
 STEADY = 0.01  # of a period: rows this near to a steady clock are taken as they are
 DIGITS = 9  # of a period that is read off the rows
 
@@ -59,6 +60,21 @@ def usual_step(time: np.ndarray, where: str, most: float = HIGHEST_SAMPLING_HZ, 
             f"apart; import what is before and after it as tests of their own{uneven}"
         )
     return usual
+
+
+def uneven_words(time: np.ndarray, period: float) -> str:
+    """Say how far rows are apart that are uneven beyond the ticks of their stamps; empty where they are even."""
+    steps = np.diff(time)
+    usual, rounding = _between_ticks(steps, float(np.median(steps)))
+    # stamps of a steady clock stay within a tick of it; rows of two rates do not
+    if np.ptp(time - usual * np.arange(len(time))) > 2.0 * rounding:
+        rounding = 0.0
+    if np.abs(steps - usual).max() - rounding <= SEEN_UNEVEN * usual:
+        return ""
+    return (
+        f"rows are {span(steps.min())} to {span(steps.max())} apart: brought to one each {span(period)}, what lies between rows is "
+        "on a line, or held"
+    )
 
 
 def _between_ticks(steps: np.ndarray, usual: float) -> tuple[float, float]:

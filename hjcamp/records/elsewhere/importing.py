@@ -13,7 +13,14 @@ from hjcamp.known_plants import DEFAULT
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.parameter import Parameter, State
 from hjcamp.records.check import check_finite, check_phase
-from hjcamp.records.elsewhere.clock import RATE_TOLERANCE, refuse_slow, resample, steady_period, usual_step
+from hjcamp.records.elsewhere.clock import (
+    RATE_TOLERANCE,
+    refuse_slow,
+    resample,
+    steady_period,
+    uneven_words,
+    usual_step,
+)
 from hjcamp.records.elsewhere.import_map import HIGHEST_SAMPLING_HZ, ImportMap, read_import_map
 from hjcamp.records.elsewhere.tables import GAPS, read_table
 from hjcamp.records.glitches import spikes, told_spikes
@@ -121,6 +128,8 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> tuple[T
         period, held = rules.resample or steady_period(times, rules.period), _held(rules)
         metadata |= {PLANT_KEY: rules.plant.name, PERIOD_KEY: repr(period)}
     columns = resample(fields, times, period, held, where)
+    if uneven := uneven_words(times, period):
+        filled.append(Finding("time_s", uneven, False))
     check_phase(columns, where)
     return TestLog(columns, metadata, {"import.yaml": mapping.read_bytes()}, target), filled
 
@@ -141,7 +150,7 @@ def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.n
             fields[name] = (rule.sign * (rule.scale * values + rule.offset) + rule.shift) * rule.factor
     times = fields.get("time_s", table.times)
     filled = _filled(fields, times, [*_held(rules), "phase"]) if rules.interpolate else []
-    check_finite(fields, str(source), f"; {GAPS}")
+    check_finite(fields, str(source), "; a row without its time is to be deleted" if rules.interpolate else f"; {GAPS}")
     if rules.without_spikes:
         filled += _without_spikes(fields, times, rules)
     return fields, times, filled

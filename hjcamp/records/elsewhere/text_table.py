@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 SEPARATORS = (";", "\t", "|", ",")
 BLANKS = " "
+EMPTY = "".join(SEPARATORS) + ' "\t\r\n'
 REMARKS = ("#", "%")
 LOOKED_AT = 1000  # lines
 
@@ -25,12 +26,17 @@ class Dialect:
 
 
 def table_of(lines: Sequence[str], names: Collection[str], comment: str | None = None) -> list[str]:
-    """Return the lines of a table without empty ones, what is before the header with all ``names``, and a separator at rows' ends."""
+    """Return the lines of a table: without empty ones, rows without any value at its end, and a separator at rows' ends.
+
+    What is before the header with all ``names`` is no part of it.
+    """
     first = 0
     if not all(name.isdigit() for name in names):
         headers = (k for k, line in enumerate(lines[:LOOKED_AT]) if any(_has(line, names, one) for one in (*SEPARATORS, BLANKS)))
         first = next(headers, 0)
     kept = [line for line in lines[first:] if line.strip()]
+    while len(kept) > 1 and not kept[-1].strip(EMPTY):
+        kept.pop()
     rows = [line for line in kept if not (comment and line.startswith(comment))][1:]
     for one in SEPARATORS:
         # the last row may be cut off
