@@ -93,7 +93,8 @@ def run(arguments: list[str] | None = None) -> int:
         return _say(f"{error.strerror or error}{place}", 1)
     except Exception as error:
         if type(error).__module__.startswith(("click", "typer._click")) and hasattr(error, "format_message"):
-            return _say(f"{error.format_message()}  (see hjcamp --help)", 2)
+            command = getattr(getattr(error, "ctx", None), "command_path", "hjcamp")
+            return _say(f"{error.format_message()}  (see {command} --help)", 2)
         return _say(f"internal error: {type(error).__name__}: {error}{_keep_traceback()}", 1)
     finally:
         free_standard_output()

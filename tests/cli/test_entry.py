@@ -56,7 +56,7 @@ def test_version(call: Call) -> None:
     [
         (["runn"], "did you mean 'run'"),
         (["--colour"], "No such option"),
-        (["plan", "--colour"], "No such option"),
+        (["plan", "--colour"], "(see hjcamp plan --help)"),
         (["show"], "Missing argument"),
         (["show", "nothing"], "not found"),
         (["resume", "nothing"], "not found"),
