@@ -21,11 +21,12 @@ def _registry() -> Any:
 
 
 def _meant(unit: str) -> str:
-    """Return a hint at the unit that is probably meant: kg*m2 is kg*m^2, and Nm, which is read as nanometres, N*m."""
+    """Return a hint at the unit that is probably meant: kg*m2 is kg*m^2, Nm, which is read as nanometres, N*m, and degC K."""
     written = re.sub(
         r"([A-Za-z])(-?\d)", r"\1^\2", re.sub(r"\bNm(s?)\b", lambda one: "N*m*s" if one[1] else "N*m", unit)
     )
     written = re.sub(r"(?<=[A-Za-z0-9])[ .·](?=[A-Za-z])", "*", written)
+    written = re.sub(r"°C|deg_?C|[Cc]elsius", "K", written)
     if written == unit:
         return ""
     try:

@@ -79,6 +79,7 @@ MISTAKES = {
     "an unknown loop": ("period = 0.001", 'loop = "foriegn"', "did you mean 'foreign'"),
     "an unknown hold": ('"V", text', '"V", hold="lineer", text', "did you mean 'linear'"),
     "noise below zero": ('of="position"', 'of="position", noise=-1e-6', "noise is -1e-06"),
+    "degrees Celsius": ('"N*s/m"', '"degC"', r"did you mean 'K'"),
     "no SI unit": ('"N*s/m"', '"N*s/mm"', "is not an SI unit"),
 }
 
