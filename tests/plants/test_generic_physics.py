@@ -168,6 +168,15 @@ def test_drag_grows_with_the_square_of_the_speed_against_the_motion() -> None:
         assert apart == pytest.approx(1e3 * speed * abs(speed))
 
 
+def test_viscous_friction_is_proportional_to_the_speed_and_none_at_rest() -> None:
+    made, plain = model("dry_wheel", "viscous_friction", coefficient=1e-4), PlainModel(find_plant("dry_wheel"))
+    for speed in (0.0, 10.0, -20.0):
+        place = {"speed": speed, "direction": 1.0 if speed > 0.0 else -1.0}
+        apart = made.signals(place)["rub"] - plain.signals(place)["rub"]
+        assert apart == pytest.approx(1e-4 * speed)
+        assert made.signals(place)["rub_static"] == plain.signals(place)["rub_static"]
+
+
 def test_the_excess_of_static_friction_fades_with_speed() -> None:
     made = model("axis", "stribeck_excess", excess=8.0, stribeck_speed=0.01)
     assert made.signals(REST)["friction_static"] == pytest.approx(COULOMB + 8.0)
