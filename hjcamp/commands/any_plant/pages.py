@@ -92,7 +92,7 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     from hjcamp.report.explorer import explorer_html
     from hjcamp.report.names import readable
     from hjcamp.report.pictures.prediction import draw_model_bars, draw_windows
-    from hjcamp.report.units import told
+    from hjcamp.report.units import plain, told
 
     analysis = found.analysis
     layout = analysis.windows.layout
@@ -113,7 +113,7 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     last = found.models[-1]
     whole = said.whole_table(found)
     of_whole = [page.heading("Whole tests"), page.table_of(*whole), page.note(said.WHOLE_NOTE)] if whole else []
-    anew = "with each test" if layout.memory else f"anew every {layout.width * layout.measured.period:.3g} s"
+    anew = "with each test" if layout.memory else f"anew every {plain(layout.width * layout.measured.period)} s"
     parts = [
         page.table_of(head, rows),
         page.note(f"Error {said.over_windows(analysis)}. {said.FLOORS[analysis.floor.source]}."),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.commands.any_plant.plant_hints import far_states
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.levels import MATTERS
-from hjcamp.report.units import told, told_interval
+from hjcamp.report.units import plain, told, told_interval
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -344,10 +344,10 @@ def print_head(console: Console, analysis: Analysis) -> None:
     count = f"{len(measured.tests)} test{'s' if len(measured.tests) > 1 else ''}, {len(measured.conditions)} condition"
     console.print(
         f"plant {measured.plant.name}: {count}{'s' if len(measured.conditions) > 1 else ''}, "
-        f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s"
+        f"{len(layout.of_test)} windows of {plain(layout.width * measured.period)} s"
         + (f" of {sum(layout.whole)}, in runs that are evenly spread" if len(layout.of_test) < sum(layout.whole) else "")
         + (
-            f", each test simulated through from its own start: the plant remembers {layout.memory * measured.period:.2g} s"
+            f", each test simulated through from its own start: the plant remembers {plain(layout.memory * measured.period, 2)} s"
             if layout.memory
             else ", each begun from its own start" + _carried(analysis)
         ),
@@ -361,7 +361,7 @@ def over_windows(analysis: Analysis) -> str:
     """Return in words over what an error is taken."""
     layout = analysis.windows.layout
     through = ", tests simulated through" if layout.memory else ""
-    return f"over windows of {layout.width * layout.measured.period:.3g} s (their smooth part){through}"
+    return f"over windows of {plain(layout.width * layout.measured.period)} s (their smooth part){through}"
 
 
 def _carried(analysis: Analysis) -> str:

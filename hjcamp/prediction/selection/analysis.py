@@ -118,7 +118,7 @@ def what_lacks(measured: Measured, layout: Layout) -> list[str]:
     chapters = len(np.unique(chapters_of(layout)))
     if chapters < FEWEST or len(layout.of_test) < 3 * FEWEST:
         found.append(
-            f"{len(layout.of_test)} windows of {layout.width * measured.period:.3g} s in {chapters} chapters; "
+            f"{len(layout.of_test)} windows of {layout.width * measured.period:.4g} s in {chapters} chapters; "
             f"{3 * FEWEST} windows in {FEWEST} chapters are needed: longer or more tests (at least {3 * FEWEST * SHORTEST_OF_ALL} "
             f"samples, these have {sum(test.samples for test in measured.tests)})"
         )
