@@ -21,14 +21,14 @@ def worst_words(rows: Sequence[Mapping[str, Any]], over: str, most: int = 3) -> 
     ``rows`` are those of an answer (condition, channel, over_floor, shared, unit, at), the worst first.
     """
     from hjcamp.report.exploration import channel_label
-    from hjcamp.report.units import told
+    from hjcamp.report.units import plain, told
 
     firsts = {row["condition"]: row for row in reversed(rows)}
     chosen = sorted(firsts.values(), key=lambda row: -row["over_floor"])[:most]
     said = []
     for row in chosen:
         shared = f", {told(row['shared'], row['unit'], 2)} of it shared by repetitions" if row["shared"] else ""
-        places = ", ".join(f"{one['time_s']:.4g} s in {one['test']}" for one in row.get("at") or ())
+        places = ", ".join(f"{plain(one['time_s'], 4)} s in {one['test']}" for one in row.get("at") or ())
         place = f", half of it about {places}" if places else ""
         said.append(f"{row['condition']} {row['over_floor']:.2g} x {over} in {channel_label(row['channel'])}{shared}{place}")
     return [f"{'; '.join(said)}."] if said else []
