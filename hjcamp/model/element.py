@@ -292,15 +292,17 @@ def _complete_contact(pieces: dict[str, str], where: str) -> None:
             f"{where}: the velocity of contact '{name}' must be a state (state.NAME), not {pieces['velocity']}"
         )
     if not pieces["push"]:
-        # what it needs to be held is found from the rates; its unit is that of its friction
+        # what it needs to be held is found from the rates; its unit is that of its friction, or of what moves its mass
         if pieces["coulomb"] not in ABSENT:
             pieces["push"] = _first(pieces["coulomb"])
         elif pieces["viscous"] not in ABSENT:
             pieces["push"] = f"({_first(pieces['viscous'])}) * {pieces['velocity']}"
+        elif pieces["mass"]:
+            pieces["push"] = f"{pieces['mass']} * {pieces['velocity']} / max(drive.time, 1.0)"
         else:
             raise UsageError(
                 f"{where}: contact '{name}' has no friction that would tell the unit of a push: "
-                "give coulomb or viscous other than 0, or the push that it holds against"
+                "give coulomb or viscous other than 0, the push that it holds against, or its mass"
             )
     if pieces["coulomb"] in ABSENT:
         # no dry friction: a zero in the unit of a push

@@ -120,7 +120,13 @@ def test_a_guide_in_oil_needs_neither_dry_friction_nor_a_push(folder: Path, caps
     rates(-1, 0.0, 1.0, np.array([0.0, 0.1]), np.array([2.0, *[0.0] * (len(oiled.inputs) - 1)]), np.array(list(values.values())), found)
     assert found[1] == pytest.approx((values["gain"] * 2.0 - values["viscous"] * 0.1) / values["mass"])
     check_plant(find_plant("axis"))
-    path.write_text(wet.replace("            viscous=parameter.viscous,\n", ""))
+    # what moves its mass tells the unit of a push where nothing is known of friction
+    bare = wet.replace("            viscous=parameter.viscous,\n", "")
+    path.write_text(bare)
+    plant = find_plant("axis")
+    assert read_vocabulary(plant).signals["friction_push"].unit == "N"
+    assert {"dry_friction", "viscous_friction", "quadratic_drag"} <= set(load_effects(plant="axis"))
+    path.write_text(bare.replace("mass=parameter.mass", "mass=2.0 * parameter.mass"))
     assert cli.run(["plants", "test", "axis"]) == 2
     assert "has no friction that would tell the unit of a push" in capsys.readouterr().err
 

@@ -26,7 +26,8 @@ def without_contact(plant: type[Plant], unknowns: Iterable[Mapping[str, Any]]) -
     free = {port.names.get("velocity", "") for port in ports if port.kind == "body"} - braked
     found = sorted(free & {str(one["signal"]) for one in unknowns} & set(plant.states))
     return [
-        f"No friction was looked for at {name}, which no contact brakes: write what brakes it as contact(state.{name}, viscous=...)."
+        f"No friction was looked for at {name}, which no contact brakes: write brake = contact(state.{name}), and take brake from its "
+        "force."
         for name in found
     ]
 
