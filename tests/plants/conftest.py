@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from wheel_plant import DRY_WHEEL, WHEEL
+from wheel_plant import DRIVER, DRY_WHEEL, WHEEL
 
 from hjcamp.commands._plant_template import TEMPLATE
 
@@ -81,5 +81,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "plants" / "rotor.py").write_text(ROTOR)
     (tmp_path / "plants" / "wheel.py").write_text(WHEEL)
     (tmp_path / "plants" / "dry_wheel.py").write_text(DRY_WHEEL)
+    (tmp_path / "plants" / "driver.py").write_text(DRIVER)
     monkeypatch.chdir(tmp_path)
     return tmp_path

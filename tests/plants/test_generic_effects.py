@@ -18,13 +18,16 @@ from hjcamp.plants.pump_joint import PumpJoint
 FILES = effect_files([])
 GENERIC = sorted(name for name, effect in FILES.items() if effect.acts_on)
 PLANTS = ("axis", "tanks", "rotor")
-# where alone some have a place: stores that no path joins, contacts without dry or viscous friction
-ALONE = {"internal_leakage": ("two_pumps",), "dry_friction": ("wheel",), "viscous_friction": ("dry_wheel",)}
+# where alone some have a place, or show: a current that reverses, stores that no path joins, contacts without dry or viscous friction
+ALONE = {
+    "internal_leakage": ("two_pumps",), "dry_friction": ("wheel",), "viscous_friction": ("dry_wheel",), "check_valve": ("driver",),
+}  # fmt: skip
 FITS = {
     "axis": "action_lag command_delay constant_force contact_creep coulomb_asymmetry cubic_spring dead_band friction_drift "
     "hard_stop position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag sensor_offset "
     "soft_stop spring static_friction_ageing stribeck_excess viscous_asymmetry",
-    "tanks": "action_lag command_delay cross_leakage dead_band flow_exponent_at_between flow_exponent_at_outflow leakage_at_lower "
+    "tanks": "action_lag check_valve_at_between check_valve_at_outflow command_delay cross_leakage dead_band "
+    "flow_exponent_at_between flow_exponent_at_outflow leakage_at_lower "
     "leakage_at_upper overflow_at_lower overflow_at_upper saturation sensor_drift sensor_gain sensor_lag sensor_offset spill_over",
 }
 

@@ -292,6 +292,14 @@ def test_half_a_power_more_makes_a_root_a_line() -> None:
         assert made.signals({"upper": 1.0, "lower": level})["outflow"] == pytest.approx(0.05 * level)
 
 
+def test_a_valve_holds_back_what_flows_against_it() -> None:
+    made, plain = model("driver", "check_valve", blocked=0.75), PlainModel(find_plant("driver"))
+    for voltage, left in ((3.0, 1.0), (-3.0, 0.25)):
+        place = {"voltage": voltage, "speed": 0.0, "direction": 1.0}
+        assert made.signals(place)["current"] == pytest.approx(left * plain.signals(place)["current"])
+        assert plain.signals(place)["current"] == pytest.approx(voltage / 2.0)
+
+
 def test_what_leaks_past_a_path_goes_with_the_difference() -> None:
     made = model("tanks", "cross_leakage", conductance=0.01)
     assert made.signals({"upper": 4.0, "lower": 1.0})["between"] == pytest.approx(0.05 * 2.0 + 0.03)

@@ -278,6 +278,7 @@ COVERS = {
     "hard_stop": "travel_stop and stop_stiffness are parameters of the joint",
     "overflow": "a closed line has no brim",
     "spill_over": "a closed line has no brim",
+    "check_valve": "no flow crosses between the lines but cross_leakage, a gap that has no direction",
     "flow_exponent": "no flow crosses between the lines but cross_leakage, which is laminar",
     "internal_leakage": "cross_leakage, from one line to the other",
     "backlash": "pump_backlash, which knows which flank the pressures press on",
