@@ -82,6 +82,9 @@ def test_bounds_that_follow_from_declared_sizes_are_told(value: float, told: boo
     found = other_sizes(base, [{"effect": "dead_band", "heldout_error_ratio": 0.9, "parameters": {"width": row}}])
     assert bool(found) == said
     assert not said or ("gain is" in found[0] and "dead_band may stand at a bound" in found[0])
+    # nor of a share, which has the same bounds on every plant
+    share = {"blocked": row | {"unit": "1"}}
+    assert other_sizes(base, [{"effect": "check_valve", "heldout_error_ratio": 0.1, "parameters": share}]) == []
     # of what predicts worse than nothing no bound is of interest
     assert other_sizes(base, [{"effect": "dead_band", "heldout_error_ratio": 1.04, "parameters": {"width": row}}]) == []
 

@@ -91,7 +91,8 @@ def other_sizes(rows: Mapping[str, Mapping[str, Any]], candidates: Sequence[Mapp
     from hjcamp.prediction.fitting.intervals import limited
 
     near = [one for one in candidates if one["heldout_error_ratio"] < 1.0]
-    held = [one["effect"] for one in near if any(limited(row) for row in one["parameters"].values())]
+    # a share has the same bounds on every plant
+    held = [one["effect"] for one in near if any(limited(row) for row in one["parameters"].values() if row["unit"] != "1")]
     told_here = {name: row for name, row in rows.items() if row["published"] and row.get("told", True) and not row["at_bound"]}
     moved = {name: abs(row["value"] / row["published"]) for name, row in told_here.items()}
     far = [f"{name.replace('_', ' ')} is {ratio:.2g} times as large" for name, ratio in moved.items() if not 0.5 <= ratio <= 2.0]
