@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from flywheel import LAG, behind_a_lag
 
+from hjcamp.commands.any_plant.outside_words import never_alone
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.laws.alike import is_of_its_own
@@ -35,6 +36,13 @@ def test_what_acts_behind_all_others_is_looked_for_beside_what_bends_its_command
     bends = {name for name, one in library.items() if is_of_its_own(late, [one])}
     assert {"dead_band", "saturation"} <= bends and not bends & {"command_delay", "sensor_gain", "action_lag", "spring"}
     assert all(is_of_its_own(one, []) for name, one in library.items() if name != "action_lag")
+
+
+def test_what_is_never_looked_for_alone_is_said(winding: Measured) -> None:
+    library = load_effects(plant=winding.plant)
+    [said] = never_alone({name: library[name] for name in ("command_delay", "action_lag", "spring") if name in library})
+    assert said.startswith("action_lag acts behind what bends its ") and "not looked for" in said
+    assert never_alone(library) == never_alone({"command_delay": library["command_delay"]}) == []
 
 
 def test_a_lag_behind_a_dead_band_stands_beside_that_of_the_sensor(winding: Measured) -> None:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.levels import MATTERS
 from hjcamp.report.units import plain, told
+
+if TYPE_CHECKING:
+    from hjcamp.model.effect import Effect
 
 
 def swing_words(row: Mapping[str, Any]) -> str:
@@ -56,3 +59,15 @@ def seldom(candidates: Sequence[Mapping[str, Any]], window_s: float) -> list[str
         share = 100.0 * (1.0 - one["heldout_error_ratio"])
         said.append(f"{one['effect']} would take {share:.0f} %, but in too few parts of the tests to be shown: {what}")
     return said
+
+
+def never_alone(library: Mapping[str, type[Effect]]) -> list[str]:
+    """Return which effects were not looked for, as they act behind what bends a command and none of that is considered."""
+    from hjcamp.prediction.laws.alike import is_of_its_own
+
+    kept = [name for name, one in library.items() if one.behind and not is_of_its_own(one, library.values())]
+    return [
+        f"{name} acts behind what bends its {library[name].behind}, such as a dead band or a limit; none of that is considered here, "
+        "and so it was not looked for."
+        for name in kept
+    ]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.commands.any_plant.outside_words import by_condition_words, seldom, swing_words
+from hjcamp.commands.any_plant.outside_words import by_condition_words, never_alone, seldom, swing_words
 from hjcamp.commands.any_plant.plant_hints import far_states, without_contact
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
@@ -217,7 +217,7 @@ class Words:
         found += other_sizes(rows, self.content["candidates"][:SHOWN])
         found += ends_of_laws(verdict.effects, self.content["candidates"], self.analysis.search.library)
         found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
-        found += run_away_words(self.content) + still_words(self.content["still"])
+        found += run_away_words(self.content) + still_words(self.content["still"]) + never_alone(library)
         found += without_contact(self.analysis.measured.plant, self.content["unknowns"][:1]) + far_states(self.analysis.windows)
         return found + self.telling()
 
