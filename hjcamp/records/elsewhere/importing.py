@@ -150,10 +150,17 @@ def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.n
             fields[name] = (rule.sign * (rule.scale * values + rule.offset) + rule.shift) * rule.factor
     times = fields.get("time_s", table.times)
     filled = _filled(fields, times, [*_held(rules), "phase"]) if rules.interpolate else []
-    check_finite(fields, str(source), "; a row without its time is to be deleted" if rules.interpolate else f"; {GAPS}")
+    check_finite(fields, str(source), _hint(fields, rules))
     if rules.without_spikes:
         filled += _without_spikes(fields, times, rules)
     return fields, times, filled
+
+
+def _hint(fields: dict[str, np.ndarray], rules: ImportMap) -> str:
+    """Return what to do about a value that is not there."""
+    if not rules.interpolate:
+        return f"; {GAPS}"
+    return "; a row without its time is to be deleted" if np.isnan(fields.get("time_s", np.zeros(1))).any() else ""
 
 
 def _without_spikes(fields: dict[str, np.ndarray], times: np.ndarray | None, rules: ImportMap) -> list[Finding]:
