@@ -1,4 +1,17 @@
-"""Plants whose contact has no dry friction, or that alone, and one with a winding."""
+"""Plants whose contact has no dry friction, or that alone, and one with a winding; what is said of a log of one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from hjcamp.effects import load_effects
+from hjcamp.prediction.answer import answer
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict.verdict import agreed
+from hjcamp.records.log import TestLog
 
 WHEEL = '''"""A wheel on a motor, without any dry friction."""
 
@@ -46,3 +59,13 @@ DRIVER = WHEEL.replace("class Wheel", "class Driver").replace("contact, outside,
     'gain = Parameter("N*m/V", 1.5e-3, (1e-5, 1.0), "log-uniform", base=True)',
     'resistance = Parameter("ohm", 2.0)\n    constant = Parameter("N*m/A", 4e-3, (1e-5, 1.0), "log-uniform", base=True)',
 )
+
+
+def diagnosed(plant: str, log: TestLog, names: Iterable[str]) -> dict[str, Any]:
+    """Return the answer to a log, its plant written into the working directory, with these effects considered."""
+    Path("plants").mkdir()
+    Path("plants", f"{log.metadata['plant']}.py").write_text(plant)
+    measured = measured_tests([log])
+    library = load_effects(plant=measured.plant)
+    chosen = {name: library[name] for name in names}
+    return answer(*agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width)), 0.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 
 def written_out(function: ast.FunctionDef, spaces: Sequence[str]) -> ast.FunctionDef:
@@ -12,20 +12,20 @@ def written_out(function: ast.FunctionDef, spaces: Sequence[str]) -> ast.Functio
     A line that swaps names stays as it is.
     """
     given = [one.arg for one in function.args.args]
-    renamed = dict(zip(given, spaces, strict=False)) if len(given) == len(spaces) and not set(given) & set(spaces) else {}
-    function.body = [line for statement in function.body for line in _one_each(statement)]
-    short = {
-        line.targets[0].id: line.value.id
-        for line in function.body
-        if isinstance(line, ast.Assign) and isinstance(line.targets[0], ast.Name)
-        and isinstance(line.value, ast.Name) and line.value.id in {*spaces, *renamed}
-    }  # fmt: skip
-    short = renamed | {name: renamed.get(one, one) for name, one in short.items()}
-    if short:
-        function.body = [line for line in function.body if not _is_short(line, short)]
-        for node in ast.walk(function):
-            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-                node.value.id = short.get(node.value.id, node.value.id)
+    stands_for = {one: one for one in spaces}
+    if len(given) == len(spaces) and not set(given) & set(spaces):
+        stands_for |= dict(zip(given, spaces, strict=True))
+    kept = []
+    for line in (one for statement in function.body for one in _one_each(statement)):
+        target, value = (line.targets[0], line.value) if isinstance(line, ast.Assign) else (None, None)
+        if isinstance(target, ast.Name) and isinstance(value, ast.Name) and value.id in stands_for:
+            stands_for[target.id] = stands_for[value.id]
+        else:
+            kept.append(line)
+    function.body = kept
+    for node in ast.walk(function):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            node.value.id = stands_for.get(node.value.id, node.value.id)
     return function
 
 
@@ -42,7 +42,3 @@ def _one_each(line: ast.stmt) -> list[ast.stmt]:
     return [
         ast.copy_location(ast.Assign([one], given), line) for one, given in zip(target.elts, value.elts, strict=True)
     ]
-
-
-def _is_short(line: ast.stmt, short: Collection[str]) -> bool:
-    return isinstance(line, ast.Assign) and isinstance(line.targets[0], ast.Name) and line.targets[0].id in short

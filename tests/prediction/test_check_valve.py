@@ -6,13 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from wheel_plant import DRIVER
+from wheel_plant import DRIVER, diagnosed
 
-from hjcamp.effects import load_effects
-from hjcamp.prediction.answer import answer
-from hjcamp.prediction.measured.tests import measured_tests
-from hjcamp.prediction.selection.analysis import calibrated
-from hjcamp.prediction.verdict.verdict import agreed
 from hjcamp.records.log import TestLog
 
 PERIOD, STEPS, SAMPLES = 2e-3, 20, 2400
@@ -38,13 +33,7 @@ def measured_log(forward_only: bool, seed: int) -> TestLog:
 @pytest.mark.parametrize("forward_only", [True, False])
 def test_a_driver_that_cannot_brake_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, forward_only: bool) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("plants").mkdir()
-    Path("plants/driver.py").write_text(DRIVER)
-    measured = measured_tests([measured_log(forward_only, 4)])
-    library = load_effects(plant=measured.plant)
-    names = ("check_valve", "dead_band", "quadratic_drag", "sensor_offset")
-    chosen = {name: library[name] for name in names}
-    found = answer(*agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width)), 0.0)
+    found = diagnosed(DRIVER, measured_log(forward_only, 4), ("check_valve", "dead_band", "quadratic_drag", "sensor_offset"))
     if not forward_only:
         assert (found["verdict"], found["effects"]) == ("nothing_missing", [])
         return

@@ -6,13 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from wheel_plant import DRY_WHEEL, WHEEL
+from wheel_plant import DRY_WHEEL, WHEEL, diagnosed
 
-from hjcamp.effects import load_effects
-from hjcamp.prediction.answer import answer
-from hjcamp.prediction.measured.tests import measured_tests
-from hjcamp.prediction.selection.analysis import calibrated
-from hjcamp.prediction.verdict.verdict import agreed
 from hjcamp.records.log import TestLog
 
 PERIOD, STEPS = 2e-3, 40
@@ -43,13 +38,8 @@ def test_dry_friction_is_named_where_the_model_has_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, dry: float, samples: int
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("plants").mkdir()
-    Path("plants/wheel.py").write_text(WHEEL)
-    measured = measured_tests([measured_log(dry, samples)])
-    library = load_effects(plant=measured.plant)
     names = ("command_delay", "dead_band", "dry_friction", "quadratic_drag", "sensor_lag", "sensor_offset")
-    chosen = {name: library[name] for name in names}
-    found = answer(*agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width)), 0.0)
+    found = diagnosed(WHEEL, measured_log(dry, samples), names)
     # short tests are simulated through, long ones over windows
     assert found["simulated_through"] == (samples == 1500)
     if not dry:
@@ -65,13 +55,8 @@ def test_viscous_friction_is_named_where_the_model_has_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, viscous: float
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("plants").mkdir()
-    Path("plants/dry_wheel.py").write_text(DRY_WHEEL)
-    measured = measured_tests([measured_log(1.5e-3, 3000, viscous, "dry_wheel")])
-    library = load_effects(plant=measured.plant)
-    names = ("command_delay", "dead_band", "viscous_friction", "quadratic_drag", "sensor_lag", "sensor_offset", "spring")
-    chosen = {name: library[name] for name in names if name in library}
-    found = answer(*agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width)), 0.0)
+    names = ("command_delay", "dead_band", "viscous_friction", "quadratic_drag", "sensor_lag", "sensor_offset")
+    found = diagnosed(DRY_WHEEL, measured_log(1.5e-3, 3000, viscous, "dry_wheel"), names)
     if not viscous:
         assert (found["verdict"], found["effects"]) == ("nothing_missing", [])
         return
