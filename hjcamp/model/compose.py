@@ -14,7 +14,7 @@ from hjcamp.model.effect_names import check_effect
 from hjcamp.model.parameter import Contact, Cut, Parameter, State
 from hjcamp.model.plant import Plant
 from hjcamp.model.reaction import with_reactions
-from hjcamp.model.source_text import GATES, behind_one_test, live
+from hjcamp.model.source_text import GATES, behind_one_test, live, where_used
 from hjcamp.model.vocabulary import Vocabulary, read_vocabulary
 
 MOST_GATED = 52
@@ -152,7 +152,7 @@ class Composition:
         lines = live(self._statements, "\n".join(last))
         if not self.gated:
             return [*lines, *last]
-        return [*behind_one_test(self._behind_gates(lines)), *self._behind_gates(last)]
+        return [*behind_one_test(self._behind_gates(where_used(lines, last))), *self._behind_gates(last)]
 
     def _behind_gates(self, lines: Sequence[str]) -> list[str]:
         """Return the statements with what belongs to an effect read where it is used: behind its gate."""

@@ -3,15 +3,18 @@
 Rates of velocities are affine in the forces of friction F: a(F) = a(0) + A F. A contact's push is the force with which it
 does not move, while the others that are held do not move either and those in motion rub: A_hh F_h = -(a_h(0) + A_hs F_s).
 A is found by adding one unit of force to each contact in turn (Featherstone 2008, Rigid Body Dynamics Algorithms, 6.2).
+What does not depend on a push is computed once.
 """
 
 from __future__ import annotations
 
+import functools
+import operator
 import re
 from collections.abc import Mapping, Sequence
 
 from hjcamp.model.parameter import Contact
-from hjcamp.model.source_text import assigned, names_in
+from hjcamp.model.source_text import EVERY, assigned, behind, gates_of, names_in
 
 
 def with_reactions(lines: Sequence[str], contacts: Sequence[Contact], rates: Mapping[str, str]) -> list[str]:
@@ -42,9 +45,31 @@ def with_reactions(lines: Sequence[str], contacts: Sequence[Contact], rates: Map
         found += _balance(k, [f"{one}__with_0" for one in velocities], gains)
         needed[pushes[k]] = f"{pushes[k]} = force__{k} + rubs__{k}"
     last = {friction: max(place for place, line in enumerate(lines) if assigned(line)[0] == friction) for friction in frictions}
+    other, seen = _other_than_rubbing(lines, pushes, frictions), set[str]()
     for place, line in enumerate(lines):
-        found.append(needed.get(assigned(line)[0], line))
+        target = assigned(line)[0]
+        if target in needed:
+            found.append(needed[target])
+        elif other[target] == EVERY:
+            found.append(line)
+        else:
+            found += [] if target in seen else [f"{target} = {target}__rubbing"]
+            found += [behind(other[target], line)] if other[target] else []
+        seen.add(target)
         found += [f"if held__{k}: {one} = {pushes[k]}" for k, one in enumerate(frictions) if place == last[one]]
+    return found
+
+
+def _other_than_rubbing(lines: Sequence[str], pushes: Sequence[str], frictions: Sequence[str]) -> dict[str, int]:
+    """Return by target the sum of the gates (`EVERY`: all) of which one must be open for it to differ from what it is while all rub."""
+    found = dict.fromkeys(pushes, EVERY)
+    for line in lines:
+        target, used = assigned(line)
+        masks, _ = gates_of(line)
+        # behind its own lines the friction of what is held is the push
+        others = [EVERY if name in frictions else found.get(name, 0) for name in used - {target}]
+        mask = functools.reduce(operator.or_, others, 0)
+        found[target] = found.get(target, 0) | (masks[-1] if mask == EVERY and masks else mask)
     return found
 
 
