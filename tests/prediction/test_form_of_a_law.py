@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,10 +13,11 @@ from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.vocabulary import read_vocabulary
-from hjcamp.prediction.laws.alike import alike_laws
+from hjcamp.prediction.laws.alike import alike_laws, replaces
 from hjcamp.prediction.laws.unknown_laws import CommandOverDemand
 from hjcamp.prediction.laws.unknowns import Unknown, unknowns_of
 from hjcamp.prediction.measured.floor import _alike_by_no_means
+from hjcamp.prediction.selection.fits import Fits
 from hjcamp.prediction.selection.forward import Search
 from hjcamp.prediction.verdict.verdict import _simpler
 
@@ -158,3 +160,19 @@ def test_alike_moments_that_differ_as_much_as_any_tell_no_floor() -> None:
     assert not _alike_by_no_means(0.9 * whole, features)
     assert _alike_by_no_means(0.9 * 1e4 * whole, 100.0 * features)
     assert not _alike_by_no_means(0.1 * 1e4 * whole, 100.0 * features)
+
+
+def test_bristles_leave_nothing_of_how_a_rigid_contact_creeps(axis: Path) -> None:
+    library = load_effects(plant=find_plant("axis"))
+    assert replaces(library["presliding"], library["contact_creep"])
+    others = set(library) - {"presliding", "contact_creep"}
+    assert not any(replaces(library[one], library["contact_creep"]) for one in others)
+    # creep changes what it is given, and a drag is added to it
+    assert not replaces(library["contact_creep"], library["presliding"])
+    assert not replaces(library["quadratic_drag"], library["presliding"])
+    both = Candidate({}, {name: library[name].defaults() for name in ("contact_creep", "presliding")})
+    other = Candidate({}, {name: library[name].defaults() for name in ("contact_creep", "quadratic_drag")})
+    fits: Any = SimpleNamespace(library=library, windows=SimpleNamespace(forms={"contact_creep"}))
+    assert Fits.replaced(fits, both) == {"contact_creep"} and not Fits.replaced(fits, other)
+    fits.windows.forms = set()
+    assert not Fits.replaced(fits, both)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable
 
-from hjcamp.model.effect import Effect
+import numpy as np
+
+from hjcamp.model.effect import Effect, Term
 from hjcamp.prediction.laws.unknowns import Unknown
 
 
@@ -40,6 +43,24 @@ def _bends(effect: type[Effect]) -> frozenset[str]:
 def is_of_its_own(effect: type[Effect], others: Iterable[type[Effect]]) -> bool:
     """Whether an effect is not the same as one before all others in its slot: where it acts behind them one bends what it takes."""
     return not effect.behind or any(effect.behind in _bends(one) for one in others)
+
+
+def replaces(later: type[Effect], earlier: type[Effect]) -> bool:
+    """Whether an effect that acts behind another one makes of each slot of that what it would without it."""
+    return all(slot in later.terms and _replaced(later.terms[slot], slot) for slot in earlier.terms)
+
+
+@functools.cache
+def _replaced(term: Term, slot: str) -> bool:
+    """Whether a term changes its slot to what does not depend on what arrives there, at points drawn at random."""
+    if slot not in term.arguments:
+        return False
+    draws = np.random.default_rng(20090403).uniform(0.1, 1.0, (8, len(term.arguments) + 1))
+    place = term.arguments.index(slot)
+    try:
+        return all(term.function(*one) == term.function(*one[:place], other, *one[place + 1 :]) for other, *one in draws.tolist())
+    except (ArithmeticError, ValueError):
+        return False
 
 
 def is_lag(effect: type[Effect]) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
@@ -20,7 +20,7 @@ from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.fitting.chapters import left_out
 from hjcamp.prediction.fitting.gauss_newton import TURNS, TURNS_OF_BASE, Fitted, Free, fit, settled
 from hjcamp.prediction.fitting.likelihood import loss, size
-from hjcamp.prediction.laws.alike import is_lag, kind_of
+from hjcamp.prediction.laws.alike import is_lag, kind_of, replaces
 from hjcamp.prediction.laws.unknowns import Unknown
 from hjcamp.prediction.laws.visited import Range, largest_commands, visited_shapes
 from hjcamp.prediction.levels import FITTED_STARTS, TRIED_ROUNDS, TRIED_STARTS
@@ -86,11 +86,24 @@ class Fits:
                 raise
         return found
 
+    def replaced(self, candidate: Candidate) -> set[str]:
+        """Return the forms of contacts of which another effect leaves nothing."""
+        own = [name for name in self.library if name in candidate.effects]
+        pairs = [(one, other) for k, one in enumerate(own) if one in self.windows.forms for other in own[k + 1 :]]
+        return {one for one, other in pairs if replaces(self.library[other], self.library[one])}
+
+    def acting(self, candidate: Candidate) -> tuple[Hashable, ...]:
+        """Return what tells a candidate from those that act otherwise."""
+        return candidate.without(self.replaced(candidate)).key
+
     def free_of(self, candidate: Candidate) -> list[Free]:
-        """Return all free parameters of a candidate: of the form of a contact that could be an effect how far it gives way, no more."""
-        late = self.late_inputs(candidate)
+        """Return all free parameters of a candidate: of the form of a contact that could be an effect how far it gives way, no more.
+
+        What another effect leaves nothing of has none.
+        """
+        late, replaced = self.late_inputs(candidate), self.replaced(candidate)
         found = [one for one in self.base_free if one.name not in late]
-        for name in candidate.effects:
+        for name in (one for one in candidate.effects if one not in replaced):
             if name in self.unknowns:
                 found += free_of_unknown(self.unknowns[name])
                 continue
@@ -208,14 +221,17 @@ class Fits:
         Of short tests, and where it is asked, all are fitted to the end: what is best as it is often leads nowhere.
         """
         starts = [self.on_time(one) for one in starts]
-        distinct = {one.key: one for one in starts}
+        distinct = {self.acting(one): one for one in starts}
         if self.windows.layout.short or to_the_end:
             best = min((self.settled(one) for one in distinct.values()), key=lambda one: one.loss)
-            return min(best, self.settled(self.plain(best.candidate, before.candidate)), key=lambda one: one.loss)
+            plain = self.plain(best.candidate, before.candidate)
+            if self.acting(plain) == self.acting(best.candidate):
+                return best
+            return min(best, self.settled(plain), key=lambda one: one.loss)
         left = {key: loss(self.windows.features(one)) for key, one in distinct.items()}
-        starts = sorted(starts, key=lambda one: left[one.key])[:FITTED_STARTS]
+        starts = sorted(starts, key=lambda one: left[self.acting(one)])[:FITTED_STARTS]
         starts.append(self.plain(starts[0], before.candidate))
-        distinct = {one.key: one for one in starts}
+        distinct = {self.acting(one): one for one in starts}
         tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in distinct.values()]
         return min(tried, key=lambda one: one.loss)
 
