@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pytest
 from carriage import measured_log
 
 from hjcamp.effects import load_effects
-from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.measured.tests import Measured, measured_tests
 from hjcamp.prediction.selection.analysis import Analysis, calibrated
-from hjcamp.prediction.verdict.borne_out import not_borne_out, not_in_windows
+from hjcamp.prediction.verdict.borne_out import names_not_borne_out, not_borne_out, not_in_windows
 
 
 def short(axis: Path, force: Callable[[float, float], float]) -> Analysis:
@@ -25,7 +27,7 @@ def short(axis: Path, force: Callable[[float, float], float]) -> Analysis:
     return calibrated(measured, {name: library[name] for name in ("spring", "quadratic_drag")})
 
 
-def test_what_whole_tests_contradict_is_not_borne_out(axis: Path) -> None:
+def test_what_whole_tests_contradict_is_not_borne_out(axis: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sprung = short(axis, lambda x, v: -150.0 * (x - 0.03))
     sprung.search.run(sprung.base)
     first = sprung.search.steps[0]
@@ -41,6 +43,14 @@ def test_what_whole_tests_contradict_is_not_borne_out(axis: Path) -> None:
     assert np.array_equal(sprung.windows.starts, before)
     assert not not_borne_out(sprung, first, named)
     assert "show no effect, but spring takes" in not_in_windows(sprung, first)
+    # beside the right law the wrong one is worse by far
+    known = replace(sprung, base=named)
+    said = names_not_borne_out(known, claimed, ["quadratic_drag"])
+    assert said.startswith("in windows of") and "quadratic_drag predicts best, but the error of whole tests" in said
+    assert not names_not_borne_out(sprung, named, ["spring"])
+    # what repeated tests show in windows they have shown more often
+    monkeypatch.setattr(Measured, "repeated", True)
+    assert not names_not_borne_out(known, claimed, ["quadratic_drag"])
 
 
 def test_where_nothing_is_missing_no_effect_takes_most_of_the_error_of_whole_tests(axis: Path) -> None:

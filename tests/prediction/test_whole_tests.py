@@ -36,6 +36,28 @@ class Slab(Plant):
         rate.warmth = (drive.power - parameter.loss * state.warmth) / parameter.capacity
         probe = sensor(state.warmth)
 '''
+SWING = '''"""A mass on a spring."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
+
+
+class Swing(Plant):
+    """A mass on a spring, which hardly loses anything."""
+
+    x = State("m", typical=1.0)
+    v = State("m/s", typical=1.0)
+    push = Input("m/s^2")
+    pull = Parameter("1/s^2", 1.0, (0.1, 10.0), base=True)
+    loss = Parameter("1/s", 1e-3)
+    period = 0.1
+    x_m = Measured("probe", of="x")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        rate.x = state.v
+        rate.v = drive.push - parameter.pull * state.x - parameter.loss * state.v
+        probe = sensor(state.x)
+'''
 NOISE = 0.2
 
 
@@ -100,6 +122,38 @@ def test_what_does_not_forget_its_start_or_runs_away_is_not_simulated_whole(slab
     # forgotten to 1/e after 200 s / loss: never within 3000 s, and growing
     for loss in (0.01, -5.0):
         assert whole_error(windows, Candidate({"loss": loss}, {})) is None
+
+
+def swings(driven: bool) -> Measured:
+    """A mass on a spring that is let go twice, and pushed by hardly anything, or by nothing."""
+    Path("plants/swing.py").write_text(SWING)
+    generator, time, logs = np.random.default_rng(4), np.arange(1500) * 0.1, []
+    for number, size in enumerate((1.0, 0.6)):
+        x = size * np.exp(-0.5e-3 * time) * np.cos(1.03 * time) + 1e-3 * generator.standard_normal(len(time))
+        columns = {"time_s": time, "x_m": x, "push_m_per_s2": 1e-6 * (time > 70.0) * driven}
+        logs.append(TestLog(columns, {"plant": "swing", "period_s": "0.1", "condition": str(number)}))
+    return measured_tests(logs)
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_what_nothing_drives_is_simulated_whole_though_it_does_not_forget_its_start(slab: Measured, driven: bool) -> None:
+    windows = calibrated(swings(driven), {}, unknowns=False).windows
+    assert not windows.layout.memory
+    # 1 % in the frequency are two radians in so long
+    right, wrong = (whole_error(windows, Candidate({"pull": pull}, {})) for pull in (1.03**2, 1.04**2))
+    if driven:
+        assert right is None and wrong is None
+    else:
+        assert right is not None and right.rms[0] == pytest.approx(1e-3, rel=0.1)
+        assert wrong is not None and wrong.rms[0] > 0.1
+
+
+def test_what_grows_over_whole_tests_beside_what_was_found_is_said() -> None:
+    def row(before: float, after: float) -> dict[str, object]:
+        return {"unit": "deg", "baseline": {"whole_rms": before}, "augmented": {"whole_rms": after}}
+
+    [said] = run_away_words({"whole_tests": {"arm_angle": row(0.743, 2.42), "slip": row(1.0, 1.1)}, "runs_away": []})
+    assert said.startswith("With what was found the error of whole tests grows: arm angle (0.743 -> 2.42 deg).")
 
 
 def test_a_model_that_runs_away_beside_one_that_does_not_is_said_to(slab: Measured) -> None:

@@ -139,12 +139,19 @@ def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], per
 
 
 def run_away_words(content: Mapping[str, Any]) -> list[str]:
-    """Say which of two models runs away where the tests are simulated through, and the other does not."""
+    """Say which of two models runs away where the tests are simulated through, and the other does not, and what errs by more there."""
     which = {"baseline": "What is calibrated", "augmented": "With what was found the model"}
+    rows = [(name, *(one[key]["whole_rms"] for key in COMPARED), one["unit"]) for name, one in content["whole_tests"].items()]
+    grown = [
+        f"{name.replace('_', ' ')} ({plain(before, 3)} -> {plain(after, 3)} {unit})"
+        for name, before, after, unit in rows
+        if before <= (1.0 - MATTERS) * after
+    ]
+    more = "With what was found the error of whole tests grows: {}. It may stand for something else, that acts slowly."
     return [
         f"{which[one]} {RUNS_AWAY} where these tests are simulated from their first sample on: it holds about what was measured alone."
         for one in content["runs_away"]
-    ]
+    ] + [more.format(one) for one in grown]
 
 
 COMPARED = ("baseline", "augmented")
@@ -324,10 +331,10 @@ def helped(found: Addition, content: Mapping[str, Any]) -> list[str]:
             return ["The error of windows does not fall by a share that matters; that of whole tests does."]
         return ["The error does not fall by a share that matters: this model explains these tests no better."]
     t, chapters = search.t(found.model, base)
-    return [
-        f"The error falls, but not chapter by chapter (t = {t:.1f} over {chapters:.1f} chapters, {critical(chapters):.1f} needed): "
-        "more tests would show whether this model is better."
-    ]
+    how = f"not chapter by chapter (t = {t:.1f} over {chapters:.1f} chapters, {critical(chapters):.1f} needed)"
+    # of less than two no spread is known
+    how = how if chapters >= 2.0 else "in too few parts of the tests to be shown"
+    return [f"The error falls, but {how}: more tests would show whether this model is better."]
 
 
 def print_calibration(console: Console, analysis: Analysis, rows: Mapping[str, Mapping[str, Any]]) -> None:

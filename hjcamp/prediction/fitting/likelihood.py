@@ -24,9 +24,7 @@ def covariance(features: Array) -> Array:
 
 def loss(features: Array) -> float:
     """Return the negative log-likelihood, up to a constant; infinite where a feature is not finite."""
-    if not np.all(np.isfinite(features)):
-        return np.inf
-    return 0.5 * len(features) * float(np.linalg.slogdet(covariance(features))[1])
+    return 0.5 * len(features) * _volume(features)
 
 
 def whitener(features: Array) -> Array:
@@ -39,7 +37,11 @@ def size(features: Array) -> float:
 
     Infinite where a model runs away.
     """
-    if not np.all(np.isfinite(features)):
-        return float("inf")
-    d = features.shape[1]
-    return float(np.exp(0.5 * np.linalg.slogdet(covariance(features))[1] / d))
+    return float(np.exp(0.5 * _volume(features) / features.shape[1]))
+
+
+def _volume(features: Array) -> float:
+    """Return the logarithm of the determinant of their covariance; infinite where a feature, or its square, is no number."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        moments = covariance(features)
+    return float(np.linalg.slogdet(moments)[1]) if np.isfinite(moments).all() else np.inf

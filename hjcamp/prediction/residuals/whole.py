@@ -42,18 +42,21 @@ def whole_errors(windows: Windows, candidate: Candidate) -> tuple[Layout, Array,
     """Return the layout of whole tests, what a model errs by over them (n, sensors), SI, each begun where it fits best, and its memory
     in samples.
 
-    None where tests are simulated through anyway, and where the model runs away, does not forget its start (a position that a force
-    moves) or is held by a loop outside its equations: what adds up by chance, and what the loop hides, is no error of a model.
+    None where tests are simulated through anyway, and where the model runs away, is driven and does not forget its start (a position
+    that a force moves) or is held by a loop outside its equations: what adds up by chance, and what the loop hides, is no error of a
+    model.
     """
-    if windows.layout.memory or windows.layout.measured.plant.loop == "foreign":
+    measured = windows.layout.measured
+    if windows.layout.memory or measured.plant.loop == "foreign":
         return None
+    driven = any(np.ptp(test.inputs, axis=0).any() for test in measured.tests)
     own = through(windows)
     with np.errstate(over="ignore", invalid="ignore"):
         own.move_starts(candidate)
         memory = own.memory(candidate)
-        if memory >= np.median(own.layout.counts) * own.layout.width:
-            return None
-        return own.layout, own.errors(candidate), memory
+        errors = own.errors(candidate)
+        forgets = memory < np.median(own.layout.counts) * own.layout.width
+        return (own.layout, errors, memory) if forgets or (not driven and np.isfinite(errors).all()) else None
 
 
 def whole_error(windows: Windows, candidate: Candidate) -> Whole | None:

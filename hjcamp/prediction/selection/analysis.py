@@ -61,6 +61,12 @@ def width_of(measured: Measured) -> int:
     return int(np.clip(OF_CORRELATION * np.median(times), least, most))
 
 
+def longest_width(measured: Measured) -> int:
+    """Return the most samples that a window may have, so that there are enough windows for a verdict."""
+    lengths = [test.samples for test in measured.tests]
+    return max((width for width in range(1, min(lengths) + 1) if sum(length // width for length in lengths) >= 3 * FEWEST), default=0)
+
+
 def _correlation(values: Array) -> int:
     """Return the samples after which the autocorrelation of values (n,) falls to 1/e."""
     centred = values - values.mean()

@@ -48,6 +48,23 @@ def not_in_windows(analysis: Analysis, first: Step) -> str:
     )
 
 
+def names_not_borne_out(analysis: Analysis, model: Scored, names: Sequence[str]) -> str:
+    """Return in words that whole short tests contradict names that windows show; empty where they do not.
+
+    So it is where most of what a model errs by with the names it does not err by without them, unless tests were repeated.
+    """
+    if analysis.measured.repeated:
+        return ""
+    before, after = _left(analysis, [analysis.base, model])
+    if not before < MOST_OF_IT * after:
+        return ""
+    grown = f"{after / before:.1f} times as large as without" if np.isfinite(after) else "without end"
+    return (
+        f"in windows of {_window(analysis)} {' with '.join(names)} predicts best, but the error of whole tests, simulated from their "
+        f"first sample on, is {grown} with it{TOO_SHORT}"
+    )
+
+
 def _left(analysis: Analysis, models: Sequence[Scored]) -> list[float]:
     """Return the error (rms, in units of the sensors' noise) of each model over whole short tests; 0 where these are not looked at.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,7 +13,7 @@ from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
 from hjcamp.prediction.residuals.simulated import ZERO
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored
-from hjcamp.prediction.verdict.borne_out import not_in_windows
+from hjcamp.prediction.verdict.borne_out import names_not_borne_out, not_in_windows
 
 
 def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
@@ -45,7 +44,7 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
 def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> str:
     """Return in words what speaks against a name; empty where nothing does.
 
-    Not named is an effect that stands at a bound, and of which the tests tell nothing.
+    Not named is an effect that stands at a bound, and of which the tests tell nothing, nor what whole short tests contradict.
     """
     rows = intervals(model.fitted, analysis.search.chapters)
     # of a gain whose sign is wrong next to nothing is left, of which the tests tell nothing
@@ -58,7 +57,7 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> s
                 f"what is left is taken by {name} at a value that its bounds tell, not these tests: columns of the logs may be "
                 "exchanged, or a unit or a sign be wrong"
             )
-    return ""
+    return names_not_borne_out(analysis, model, names) if names else ""
 
 
 def held_by_bounds(analysis: Analysis) -> str:
@@ -92,7 +91,7 @@ def _nearest(analysis: Analysis) -> str:
         return ""
     [name] = model.beyond(step.before)
     t, count = search.t(model, step.before)
-    needed = critical(count, step.level)
-    return f" ({name} would leave {100.0 * left:.0f} % of it, but not chapter by chapter: t = {t:.1f}" + (
-        f", {needed:.1f} needed)" if math.isfinite(needed) else ")"
-    )
+    # of less than two no spread is known
+    seen = f"not chapter by chapter: t = {t:.1f}, {critical(count, step.level):.1f} needed"
+    seen = seen if count >= 2.0 else "in too few parts of the tests"
+    return f" ({name} would leave {100.0 * left:.0f} % of it, but {seen})"

@@ -12,7 +12,7 @@ from hjcamp.prediction.laws.alike import alike_laws
 from hjcamp.prediction.levels import LEVEL, LONGER, MOST_OF_IT
 from hjcamp.prediction.measured.floor import in_units, usual_size
 from hjcamp.prediction.measured.layout import SHORTEST
-from hjcamp.prediction.selection.analysis import Analysis, above_noise, what_lacks
+from hjcamp.prediction.selection.analysis import Analysis, above_noise, longest_width, what_lacks
 from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.borne_out import not_borne_out
 from hjcamp.prediction.verdict.by_condition import Differs, differs_by_condition
@@ -114,7 +114,8 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
     looks = (1,) if through else LONGER
     open_still = verdict.word == NOTHING or bool(verdict.follows) or (through and _left_less_by_a_name(analysis, verdict))
     for times in looks if open_still else ():
-        seen = _over(analysis, at, times * width)
+        # of few samples windows cannot be as much longer as is asked for
+        seen = _over(analysis, at, min(times * width, max(longest_width(analysis.measured), 2 * width)))
         if seen is None:
             break
         seen.search.claims = LEVEL / (2.0 * (len(looks) + 1))
