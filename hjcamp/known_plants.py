@@ -52,7 +52,9 @@ def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | N
     wanted = [path for own, path in files if own == name]
     if not wanted:
         if name not in ours:
-            raise unknown("plant", name, sorted({*ours, *(own for own, _ in files)}), where)
+            problem = unknown("plant", name, sorted({*ours, *(own for own, _ in files)}), where)
+            # whoever has one of that name called from another folder
+            raise problem if files else UsageError(f"{problem}. Your own are looked for in ./plants, where none is")
         return ours[name]
     return scan_files([(name, path) for path in wanted], "plant.py", Plant, ours)[name]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import math
 import re
@@ -27,13 +28,12 @@ def _meant(unit: str) -> str:
     )
     written = re.sub(r"(?<=[A-Za-z0-9])[ .·](?=[A-Za-z])", "*", written)
     written = re.sub(r"°C|deg_?C|[Cc]elsius", "K", written)
-    if written == unit:
-        return ""
-    try:
-        dimension(written)
-    except UsageError:
-        return ""
-    return f" (did you mean '{written}'?)"
+    for one in dict.fromkeys((written, written.lower())):
+        with contextlib.suppress(UsageError):
+            if one != unit:
+                dimension(one)
+                return f" (did you mean '{one}'?)"
+    return ""
 
 
 @functools.cache

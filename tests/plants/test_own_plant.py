@@ -62,6 +62,7 @@ MISTAKES = {
     ),
     "a sensor of no state": ('of="position"', 'of="force"', "leave of= out"),
     "a unit without its power sign": ('"N*s/m"', '"N*s/m1"', "did you mean 'N*s/m^1'"),
+    "a unit in capitals": ('"N*s/m"', '"Newton*S/m"', "did you mean 'newton*s/m'"),
     "newton metres": ('"N*s/m"', '"Nm"', "did you mean 'N*m'"),
     "an unknown argument of a state": ("typical=0.05", "typicl=0.05", "did you mean 'typical'"),
     "a size that is none": ("typical=0.05", "typical=0", "Axis.velocity: typical is 0"),

@@ -267,6 +267,17 @@ def test_logs_of_a_plant_that_is_not_here_are_named(plants: Path, capsys: pytest
     assert "problem      unknown plant 'axis'" in capsys.readouterr().out
 
 
+def test_where_no_plant_of_ones_own_stands_it_is_said_where_they_are_looked_for(
+    plants: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_log(plants / "logs" / "a.mcap", log_of("axis"))
+    (plants / "elsewhere").mkdir()
+    monkeypatch.chdir(plants / "elsewhere")
+    assert cli.run(["compare", "../logs"]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "unknown plant 'axis'" in said and "Your own are looked for in ./plants, where none is" in said
+
+
 def test_an_analysis_says_which_periods_it_knows(plants: Path, capsys: pytest.CaptureFixture[str]) -> None:
     names = [name for name in fields_of(find_plant("pump_joint")).names if name not in ("time_s", "phase")]
     columns = {name: 0.3 + np.random.default_rng(6).normal(0.0, 1e-3, 200) for name in names}
