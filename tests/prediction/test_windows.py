@@ -15,7 +15,8 @@ from hjcamp.prediction.fitting.gauss_newton import Free
 from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.measured.tests import MOST_DELAY, measured_tests
-from hjcamp.prediction.selection.analysis import MOST_SAMPLES, Analysis, calibrated, what_lacks, width_of
+from hjcamp.prediction.selection.analysis import MOST_SAMPLES, Analysis, calibrated, what_lacks
+from hjcamp.prediction.selection.width import width_of
 from hjcamp.records.log import TestLog
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.fitting.bounded_step import bounded_step
 from hjcamp.prediction.fitting.likelihood import loss, whitener
-from hjcamp.prediction.residuals.windows import Windows
+from hjcamp.prediction.residuals.windows import Place, Windows
 
 Array = NDArray[np.float64]
 STEP = 0.01
@@ -87,13 +87,17 @@ class Free:
 
 @dataclass(frozen=True)
 class Fitted:
-    """A fitted model with its features (windows, d), their slopes (windows, d, free) and its loss."""
+    """A fitted model with its features (windows, d), their slopes (windows, d, free) and its loss.
+
+    ``place`` is where windows begin for it, where they were moved along.
+    """
 
     candidate: Candidate
     free: tuple[Free, ...]
     features: Array
     slopes: Array
     loss: float
+    place: Place | None = None
 
     @property
     def information(self) -> Array:
@@ -230,7 +234,7 @@ def settled(
         return found
     features = windows.move_starts(found.candidate, rounds=1)
     slopes = slopes_of(windows, found.candidate, free, features)
-    return replace(found, features=features, slopes=slopes, loss=whole_loss(features, found.candidate, free))
+    return replace(found, features=features, slopes=slopes, loss=whole_loss(features, found.candidate, free), place=windows.place)
 
 
 def whole_loss(features: Array, candidate: Candidate, free: Sequence[Free]) -> float:

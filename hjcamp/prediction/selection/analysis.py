@@ -20,7 +20,7 @@ from hjcamp.prediction.fitting.gauss_newton import SETTLED, TURNS_OF_BASE, Fitte
 from hjcamp.prediction.laws.unknowns import courses_of, ranges_of, unknowns_of
 from hjcamp.prediction.levels import LEVEL, MATTERS
 from hjcamp.prediction.measured.floor import MOTION_ORDERS, Floor, floor_of, moves
-from hjcamp.prediction.measured.layout import SHORTEST, SHORTEST_OF_ALL, WINDOWS, Layout
+from hjcamp.prediction.measured.layout import SHORTEST_OF_ALL, Layout
 from hjcamp.prediction.measured.tests import MOST_DELAY, Measured
 from hjcamp.prediction.residuals.kernels import Kernels
 from hjcamp.prediction.residuals.simulated import ZERO
@@ -30,11 +30,10 @@ from hjcamp.prediction.selection.contact_form import with_contact_forms
 from hjcamp.prediction.selection.forward import Search
 from hjcamp.prediction.selection.held import held_away
 from hjcamp.prediction.selection.scored import Scored
+from hjcamp.prediction.selection.width import width_of
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
-# Four windows in the time after which a reading has little in common with itself.
-OF_CORRELATION = 0.25
 # In samples: how much earlier and later than its log an input may act. One that runs linearly acts half a sample earlier than held; the
 # channels of a record are read within a sample.
 EARLY = 1.0
@@ -48,33 +47,6 @@ BEGUN_APART = 4.0
 PARTS = (2, 4)
 # Samples that are looked at: time and memory do not grow with the length of the logs.
 MOST_SAMPLES = {"quick": 12_000, "standard": 32_000, "thorough": 10_000_000}
-
-
-def width_of(measured: Measured) -> int:
-    """Return the samples of a window: a quarter of the readings' correlation time, fewer where tests are short."""
-    lengths = [test.samples for test in measured.tests]
-    times = [_correlation(test.readings[:, k]) for test in measured.tests for k in range(len(measured.sensors))]
-    # each test ends with a rest that belongs to no window
-    enough = (width for width in range(SHORTEST, SHORTEST_OF_ALL, -1) if sum(length // width for length in lengths) >= 3 * FEWEST)
-    least = next(enough, SHORTEST_OF_ALL)
-    most = max(least, min(sum(lengths) // WINDOWS, min(lengths)))
-    return int(np.clip(OF_CORRELATION * np.median(times), least, most))
-
-
-def longest_width(measured: Measured) -> int:
-    """Return the most samples that a window may have, so that there are enough windows for a verdict."""
-    lengths = [test.samples for test in measured.tests]
-    return max((width for width in range(1, min(lengths) + 1) if sum(length // width for length in lengths) >= 3 * FEWEST), default=0)
-
-
-def _correlation(values: Array) -> int:
-    """Return the samples after which the autocorrelation of values (n,) falls to 1/e."""
-    centred = values - values.mean()
-    size = 2 ** int(np.ceil(np.log2(2 * len(values))))
-    power = np.abs(np.fft.rfft(centred, size)) ** 2
-    found = np.fft.irfft(power)[: len(values)]
-    below = np.flatnonzero(found < found[0] / np.e)
-    return int(below[0]) if len(below) and found[0] > 0.0 else len(values)
 
 
 @dataclass
@@ -184,6 +156,7 @@ def calibrated(
     )  # fmt: skip
     first = windows.starts.copy()
     windows.move_starts(begun)
+    search.first = windows.place._replace(starts=first)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if layout.short or above_noise(layout, fitted.features):
         if layout.short or not known.keeps(fitted.candidate):

@@ -24,7 +24,7 @@ from hjcamp.prediction.laws.alike import is_lag, kind_of, replaces
 from hjcamp.prediction.laws.unknowns import Unknown
 from hjcamp.prediction.laws.visited import Range, largest_commands, visited_shapes
 from hjcamp.prediction.levels import FITTED_STARTS, TRIED_ROUNDS, TRIED_STARTS
-from hjcamp.prediction.residuals.windows import Windows
+from hjcamp.prediction.residuals.windows import Place, Windows
 from hjcamp.prediction.screening.screening import (
     Beside,
     Probe,
@@ -47,7 +47,8 @@ Found = TypeVar("Found")
 class Fits:
     """What fitting needs: the windows, the effects that may be missing, the unknowns, the chapters, the base's parameters.
 
-    ``declared`` are the base's parameters before they were fitted; ``begins`` say where effects begin as well.
+    ``declared`` are the base's parameters before they were fitted, and ``first`` where windows began then; ``begins`` say where
+    effects begin as well.
     """
 
     windows: Windows
@@ -61,6 +62,7 @@ class Fits:
     workers: int = 1
     begins: dict[str, dict[str, float]] = field(default_factory=dict)
     declared: Mapping[str, float] = field(default_factory=dict)
+    first: Place | None = None
     _beside: tuple[Fitted, Beside] | None = None
 
     def scored(self, fitted: Fitted, windows: Windows | None = None) -> Scored:
@@ -119,13 +121,26 @@ class Fits:
 
         Each model has starts of its own: those of another one favour that.
         """
-        own = copy.copy(self.windows)
+        own = self.begun_at(start, near)
         return self.scored(self.settled(start, near, own), own)
 
     def settled(self, start: Candidate, near: Fitted | None = None, windows: Windows | None = None) -> Fitted:
-        """Return the fit of a model from ``start`` with the starts of ``windows``, or those of a copy, moved along."""
+        """Return the fit of a model from ``start`` with the starts of ``windows``, or its own, moved along."""
         start = self.on_time(start)
-        return settled(windows or copy.copy(self.windows), start, self.free_of(start), near, self.turns(start))
+        return settled(windows or self.begun_at(start, near), start, self.free_of(start), near, self.turns(start))
+
+    def begun_at(self, start: Candidate, near: Fitted | None) -> Windows:
+        """Return windows of its own for a fit: where it was left that goes on, as they were first where the base is as declared.
+
+        All others begin where the windows are: what nothing measures is there where the base, or the last model, has led it.
+        """
+        start, place = self.on_time(start), near.place if near else None
+        if place is not None and near is not None and near.candidate.key == start.key:
+            own = copy.copy(self.windows)
+            own.place = place
+            return own
+        declared = self.first is not None and self.declared.items() <= start.base.items()
+        return self.windows.begun_for(start, self.first) if declared and self.first else copy.copy(self.windows)
 
     def to_the_end(self, model: Scored) -> Scored:
         """Return a model fitted on with its windows' starts moved along, a few times while it leaves less of chapters left out."""

@@ -12,8 +12,9 @@ from hjcamp.prediction.laws.alike import alike_laws
 from hjcamp.prediction.levels import LEVEL, LONGER, MOST_OF_IT
 from hjcamp.prediction.measured.floor import in_units, usual_size
 from hjcamp.prediction.measured.layout import SHORTEST
-from hjcamp.prediction.selection.analysis import Analysis, above_noise, longest_width, what_lacks
+from hjcamp.prediction.selection.analysis import Analysis, above_noise, what_lacks
 from hjcamp.prediction.selection.scored import Scored, Step
+from hjcamp.prediction.selection.width import longest_width
 from hjcamp.prediction.verdict.borne_out import not_borne_out
 from hjcamp.prediction.verdict.by_condition import Differs, differs_by_condition
 from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing, held_by_bounds
@@ -113,9 +114,10 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
     verdict, width, through = judged(analysis), analysis.windows.layout.width, analysis.windows.layout.memory > 0
     looks = (1,) if through else LONGER
     open_still = verdict.word == NOTHING or bool(verdict.follows) or (through and _left_less_by_a_name(analysis, verdict))
-    for times in looks if open_still else ():
-        # of few samples windows cannot be as much longer as is asked for
-        seen = _over(analysis, at, min(times * width, max(longest_width(analysis.measured), 2 * width)))
+    # of few samples windows cannot be as much longer as is asked for
+    most = max(longest_width(analysis.measured), 2 * width)
+    for wide in dict.fromkeys(min(times * width, most) for times in looks) if open_still else ():
+        seen = _over(analysis, at, wide)
         if seen is None:
             break
         seen.search.claims = LEVEL / (2.0 * (len(looks) + 1))
