@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.prediction.fitting.chapters import advantages, critical, ratio_t, told_apart
+from hjcamp.prediction.fitting.gauss_newton import SETTLED
 from hjcamp.prediction.fitting.likelihood import size
 from hjcamp.prediction.levels import LEVEL, MATTERS, SCATTER
 from hjcamp.prediction.selection.fits import Fits
@@ -102,11 +103,14 @@ class Claims(Fits):
         return np.where(np.isfinite(found), found, self.windows.layout.readings)
 
     def beats(self, model: Scored, other: Scored, level: float = LEVEL) -> bool:
-        """Whether a model is better on chapters that it does not know, at a level."""
+        """Whether a model is better on chapters that it does not know, at a level, and by more than a fit leaves to be gained.
+
+        Two laws that do the same differ by where their fits ended, in each chapter by next to nothing.
+        """
         if not math.isfinite(model.left_out) or not math.isfinite(other.left_out):
             return math.isfinite(model.left_out)
         t, chapters = self.t(model, other)
-        return t > critical(chapters, level)
+        return t > critical(chapters, level) and float(np.sum(advantages(model.features, other.features, self.chapters))) > SETTLED
 
     def t(self, model: Scored, other: Scored) -> tuple[float, float]:
         """Return Student's t of a model's advantage over another, and the number of chapters that it stands on."""
