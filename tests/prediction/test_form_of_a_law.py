@@ -12,6 +12,7 @@ import pytest
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
+from hjcamp.model.effect import Term
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.laws.alike import alike_laws, replaces
 from hjcamp.prediction.laws.unknown_laws import CommandOverDemand
@@ -170,6 +171,9 @@ def test_bristles_leave_nothing_of_how_a_rigid_contact_creeps(axis: Path) -> Non
     # creep changes what it is given, and a drag is added to it
     assert not replaces(library["contact_creep"], library["presliding"])
     assert not replaces(library["quadratic_drag"], library["presliding"])
+    limited = SimpleNamespace(terms={"axle": Term(lambda axle, speed: max(axle, 5.0))})
+    arriving: Any = SimpleNamespace(terms={"axle": Term(lambda axle: 2.0 * axle)})
+    assert not replaces(limited, arriving)  # type: ignore[arg-type]
     both = Candidate({}, {name: library[name].defaults() for name in ("contact_creep", "presliding")})
     other = Candidate({}, {name: library[name].defaults() for name in ("contact_creep", "quadratic_drag")})
     fits: Any = SimpleNamespace(library=library, windows=SimpleNamespace(forms={"contact_creep"}))

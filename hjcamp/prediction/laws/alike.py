@@ -55,7 +55,8 @@ def _replaced(term: Term, slot: str) -> bool:
     """Whether a term changes its slot to what does not depend on what arrives there, at points drawn at random."""
     if slot not in term.arguments:
         return False
-    draws = np.random.default_rng(20090403).uniform(0.1, 1.0, (8, len(term.arguments) + 1))
+    # of many sizes: what only limits what arrives replaces it on one side of its limit alone
+    draws = 10.0 ** np.random.default_rng(20090403).uniform(-2, 3, (40, len(term.arguments) + 1))
     place = term.arguments.index(slot)
     try:
         return all(term.function(*one) == term.function(*one[:place], other, *one[place + 1 :]) for other, *one in draws.tolist())
