@@ -134,13 +134,14 @@ class Fits:
 
         All others begin where the windows are: what nothing measures is there where the base, or the last model, has led it.
         """
-        start, place = self.on_time(start), near.place if near else None
-        if place is not None and near is not None and near.candidate.key == start.key:
+        start = self.on_time(start)
+        if near is not None and near.place is not None and near.candidate.key == start.key:
             own = copy.copy(self.windows)
-            own.place = place
+            own.place = near.place
             return own
-        declared = self.first is not None and self.declared.items() <= start.base.items()
-        return self.windows.begun_for(start, self.first) if declared and self.first else copy.copy(self.windows)
+        if self.first is not None and self.declared.items() <= start.base.items():
+            return self.windows.begun_for(start, self.first)
+        return copy.copy(self.windows)
 
     def to_the_end(self, model: Scored) -> Scored:
         """Return a model fitted on with its windows' starts moved along, a few times while it leaves less of chapters left out."""

@@ -28,7 +28,8 @@ def width_of(measured: Measured) -> int:
 def longest_width(measured: Measured) -> int:
     """Return the most samples that a window may have, so that there are enough windows for a verdict."""
     lengths = [test.samples for test in measured.tests]
-    return max((width for width in range(1, min(lengths) + 1) if sum(length // width for length in lengths) >= 3 * FEWEST), default=0)
+    most = min(*lengths, sum(lengths) // (3 * FEWEST))
+    return next((width for width in range(most, 0, -1) if sum(length // width for length in lengths) >= 3 * FEWEST), 0)
 
 
 def _correlation(values: Array) -> int:
