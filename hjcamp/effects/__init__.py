@@ -12,6 +12,7 @@ from hjcamp.model.catalogue import scan
 from hjcamp.model.effect import Effect
 from hjcamp.model.library import Library, library_for
 from hjcamp.model.plant import Plant
+from hjcamp.model.user_file import is_users
 from hjcamp.model.user_folders import extension_folders
 
 
@@ -53,6 +54,22 @@ def load_effects(folders: Sequence[Path] | None = None, plant: type[Plant] | str
 def find_effect(name: str, plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | None = None) -> type[Effect]:
     """Return the effect that a plant calls ``name``; one that does not fit is refused with its reason."""
     return library_of(plant, folders, imposed=True).find(name)
+
+
+def faults_of_own(plant: type[Plant]) -> list[str]:
+    """Return a sentence for each effect of the user's that no place of a plant takes, or whose units do not agree there."""
+    from hjcamp.model.effect_units import check_units
+
+    library = library_of(plant)
+    own = {name for name, effect in effect_files().items() if is_users(effect.__module__) and effect.plant in ("", plant.name)}
+    found = [f"{library.unfit[name]}: it is left out" for name in sorted(own & library.unfit.keys())]
+    for effect in library.effects.values():
+        if is_users(effect.__module__):
+            try:
+                check_units(effect, plant)
+            except UsageError as problem:
+                found.append(f"{problem}: what is said of its amounts may be wrong")
+    return found
 
 
 def chosen_effects(

@@ -11,7 +11,7 @@ class Leakage(Effect):
 
     .. math:: q_{leak} = G\,p + G_t \max(p - p_t, 0)
 
-    Seen as: levels that fall with time, most at rest and where they are high.
+    Seen as: levels that fall with time, most at rest and where they are high; a temperature falls so towards that of the room.
     Not for: what goes to another store (see cross_leakage), or spills over a brim at once (see overflow).
     Source: laminar leakage flow, Merritt (1967), Hydraulic Control Systems, section 3.2.
     """

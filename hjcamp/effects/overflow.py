@@ -11,7 +11,7 @@ class Overflow(Effect):
 
     .. math:: q_{out} \mathrel{+}= G \max(h - h_b,\ 0)
 
-    Seen as: a level that hardly rises above one value, whatever flows in.
+    Seen as: a level that hardly rises above one value, whatever flows in; a temperature at which much more heat begins to be lost.
     Not for: a loss that begins at once (see leakage).
     Source: cascaded tanks with overflow: Schoukens & Noel (2017), Three Benchmarks Addressing Open Challenges in Nonlinear
     System Identification, IFAC-PapersOnLine 50(1), 446-451.

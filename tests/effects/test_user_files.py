@@ -12,11 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wheel_plant import WHEEL
 
 import hjcamp
 from hjcamp import cli
-from hjcamp.effects import load_effects
+from hjcamp.effects import faults_of_own, load_effects
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import find_plant
 from hjcamp.model import term_checks, user_file
 from hjcamp.model.amount_formula import MATHEMATICS
 from hjcamp.model.effect import Effect
@@ -245,3 +247,25 @@ def test_every_test_of_the_checks_is_watched(tmp_path: Path) -> None:
     bench = EffectBench(effect, Model(), PumpJoint.courses(), Watch)  # type: ignore[arg-type]
     bench.readings(next(iter(bench.courses.values())), 1.0)
     assert watched == ["at work", "done"]
+
+
+def test_faults_of_own_effects_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    law = "\n\n    @staticmethod\n    def {slot}(strength):\n        return strength\n"
+    head = "from hjcamp.model.effect import Effect\nfrom hjcamp.model.parameter import Parameter\n\n\nclass {title}(Effect):\n"
+    head += '    r"""A push.\n\n    .. math:: F = s\n\n    Seen as: x.\n    Not for: y.\n    Source: z.\n    """\n\n    {kind}\n'
+    head += '    strength = Parameter("{unit}", 0.1, (0.0, 1.0), text="a push", off=0.0)\n'
+    (tmp_path / "effects").mkdir()
+    files = {
+        "wind": ("Wind", "force", 'acts_on = "body"', "force*s"),
+        "gust": ("Gust", "load", 'plant = "wheel"\n    subsystem = "drive"', "m"),
+        "shove": ("Shove", "force", 'acts_on = "body"', "force"),
+        "other": ("Other", "motor_load", 'plant = "servo"\n    subsystem = "drive"', "m"),
+    }
+    for name, (title, slot, kind, unit) in files.items():
+        (tmp_path / "effects" / f"{name}.py").write_text((head + law).format(title=title, slot=slot, kind=kind, unit=unit))
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "wheel.py").write_text(WHEEL)
+    monkeypatch.chdir(tmp_path)
+    left_out, mixed = faults_of_own(find_plant("wheel"))
+    assert left_out.startswith("effect wind, method ") and left_out.endswith(": it is left out")
+    assert mixed.startswith("effect gust, method 'load' gives m, but the slot is in N*m") and "amounts may be wrong" in mixed

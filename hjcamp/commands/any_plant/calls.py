@@ -10,6 +10,8 @@ from hjcamp.errors import UsageError
 from hjcamp.known_plants import DEFAULT
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from hjcamp.analyses.diagnosing import Asked
 
 
@@ -32,6 +34,7 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
         files = write_diagnosis(words, folder)
         keep_answer(folder, done.content)
     print_diagnosis(console, words)
+    _tell_of_own(console, data)
     console.print(f"page    {files[-1]}", markup=False)
     for number, line in enumerate(words.next_commands(joined(data.paths), asked.model, joined([folder]))):
         console.print(f"{'        ' if number else 'next    '}{line}", markup=False)
@@ -57,6 +60,7 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
         files = write_comparison(found, into or folder_for("compare", data.paths, json))
         views = [] if mcap is None else write_modelled(mcap, modelled_tests(found))
     print_comparison(console, found)
+    _tell_of_own(console, data)
     tell_of_views(console, views)
     console.print(f"page    {files[-1]}", markup=False)
     own = "" if names[-1] == "published" else f" --model {names[-1]}"
@@ -80,7 +84,16 @@ def add(there: list[Path], names_and_paths: list[str], name: str, model: str, js
         done = add_effects(data, names, name, model, report)
         write_answer(json, done.content)
     print_addition(console, done.found, names, done.path)
+    _tell_of_own(console, data)
     console.print(f"next    hjcamp compare {joined(paths)} --model {model} --model {name}", markup=False)
+
+
+def _tell_of_own(console: Console, data: Data) -> None:
+    """Say what is wrong with effects of the user's own at the plant of these tests."""
+    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.effects import faults_of_own
+
+    print_wrapped(console, faults_of_own(data.measured.plant), 8, "own")
 
 
 def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool, json: Path | None = None) -> None:
