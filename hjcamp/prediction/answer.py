@@ -23,6 +23,7 @@ from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.by_condition import Differs
 from hjcamp.prediction.verdict.free_curve import curve_of, knots_of
 from hjcamp.prediction.verdict.functional import functional
+from hjcamp.prediction.verdict.given_constants import Constant
 from hjcamp.prediction.verdict.leading import leading
 from hjcamp.prediction.verdict.swings import Swing
 from hjcamp.prediction.verdict.verdict import Verdict
@@ -65,6 +66,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "false_claims": {} if analysis.measured.repeated else _false_claims(analysis, verdict),
         "swings": swing_row(verdict.swing) if verdict.swing else {},
         "by_condition": by_condition_row(analysis, verdict.differs) if verdict.differs else {},
+        "constants": {one.interval.name: constant_row(analysis, one) for one in verdict.constants},
         "follows_motion": {
             "share": verdict.follows, "quantities": _leading(analysis, verdict), "beside_law": _beside_law(analysis, verdict),
         },
@@ -102,6 +104,13 @@ def by_condition_row(analysis: Analysis, differs: Differs) -> dict[str, Any]:
             for name, found in differs.parameters.items()
         },
     }  # fmt: skip
+
+
+def constant_row(analysis: Analysis, one: Constant) -> dict[str, Any]:
+    """Return a constant of the plant's file: as it is given, as tests have it, and what that leaves, over the floor."""
+    item = analysis.measured.plant.parameters[one.interval.name]
+    left = one.left_out / floor_size(analysis)
+    return {"unit": item.unit, "declared": item.default, "value": one.interval.value, **one.interval.row, "left": left}
 
 
 def _false_claims(analysis: Analysis, verdict: Verdict) -> dict[str, float]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.levels import MATTERS
-from hjcamp.report.units import plain, told
+from hjcamp.report.units import plain, told, told_interval
 
 if TYPE_CHECKING:
     from hjcamp.model.effect import Effect
@@ -40,6 +40,19 @@ def by_condition_words(row: Mapping[str, Any], before: float) -> list[str]:
         f"{before:.2f}. {each[:1].upper()}{each[1:]}.",
         "What is known to differ can be given with each test: Parameter(..., given=NAME), and NAME in the metadata of its log.",
     ]
+
+
+def constant_words(rows: Mapping[str, Mapping[str, Any]], before: float) -> list[str]:
+    """Say which constant of the plant's file may be another one, beside the error of the base ``before``, over the floor."""
+    said = []
+    for name, one in rows.items():
+        label, unit = name.replace("_", " "), one["unit"]
+        said.append(
+            f"The plant's file gives {label} as {told(one['declared'], unit)}. With {told(one['value'], unit, 4)} "
+            f"({told_interval(one, 4)}) and nothing else the error is {one['left']:.2f} times the floor instead of "
+            f"{before:.2f}: if it is not known so well, write base=True at {name} and ask again."
+        )
+    return said
 
 
 def seldom(candidates: Sequence[Mapping[str, Any]], window_s: float) -> list[str]:

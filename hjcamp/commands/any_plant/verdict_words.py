@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.commands.any_plant.outside_words import by_condition_words, never_alone, seldom, swing_words
+from hjcamp.commands.any_plant.outside_words import by_condition_words, constant_words, never_alone, seldom, swing_words
 from hjcamp.commands.any_plant.plant_hints import far_states, without_contact
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
@@ -154,6 +154,7 @@ class Words:
             found.append(swing_words(self.content["swings"]))
         if self.content["by_condition"]:
             found += by_condition_words(self.content["by_condition"], error["augmented"])
+        found += constant_words(self.content["constants"], error["baseline"])
         if verdict.follows:
             found.append(
                 f"{100.0 * verdict.follows:.0f} % of the error can be told from the motion and the inputs of its moment (a "

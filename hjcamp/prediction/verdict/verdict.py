@@ -18,6 +18,7 @@ from hjcamp.prediction.selection.width import longest_width
 from hjcamp.prediction.verdict.borne_out import not_borne_out
 from hjcamp.prediction.verdict.by_condition import Differs, differs_by_condition
 from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing, held_by_bounds
+from hjcamp.prediction.verdict.given_constants import Constant, constants_otherwise
 from hjcamp.prediction.verdict.rivals import confidence_set, ruled_out, taken
 from hjcamp.prediction.verdict.swings import Swing, swing_of
 
@@ -32,7 +33,8 @@ class Verdict:
     ``confidence_set`` every set of names that the tests do not rule out; ``law_left`` the share that the named laws leave of
     what the freest law takes; ``unknown`` the unknown that takes it; ``follows`` the share of the error
     that follows from the motion though no law takes it; ``refused`` are names that take less than half of what it takes; ``swing`` is
-    what swings by itself; ``differs`` a base for each condition that leaves less than what was found; ``rivals`` are the models of
+    what swings by itself; ``differs`` a base for each condition that leaves less than what was found; ``constants`` of the
+    plant's file of which another value leaves no more; ``rivals`` are the models of
     all sets but the first.
     """
 
@@ -48,6 +50,7 @@ class Verdict:
     refused: tuple[str, ...] = ()
     swing: Swing | None = None
     differs: Differs | None = None
+    constants: tuple[Constant, ...] = ()
     rivals: tuple[Scored, ...] = ()
 
     @property
@@ -59,15 +62,19 @@ class Verdict:
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width."""
     analysis, verdict = _looked_at(analysis, at)
-    return analysis, _by_condition(analysis, _doubted(analysis, _swinging(analysis, _of_no_constant(analysis, verdict))))
+    return analysis, _of_other_base(analysis, _doubted(analysis, _swinging(analysis, _of_no_constant(analysis, verdict))))
 
 
-def _by_condition(analysis: Analysis, verdict: Verdict) -> Verdict:
-    """Return the verdict with a base for each condition where that leaves less than what was found."""
+def _of_other_base(analysis: Analysis, verdict: Verdict) -> Verdict:
+    """Return the verdict with a base of another kind where that leaves no more than what was found.
+
+    It has other parameters in each condition, or a constant that the plant's file gives is another one.
+    """
     if verdict.word not in (OUTSIDE, EFFECT, ONE_OF) or verdict.swing:
         return verdict
-    rival = verdict.model if verdict.effects else verdict.unknown
-    return replace(verdict, differs=differs_by_condition(analysis, _least(analysis), rival))
+    rival, least = verdict.model if verdict.effects else verdict.unknown, _least(analysis)
+    constants = constants_otherwise(analysis, least, rival)
+    return replace(verdict, differs=differs_by_condition(analysis, least, rival), constants=constants)
 
 
 def _swinging(analysis: Analysis, verdict: Verdict) -> Verdict:
