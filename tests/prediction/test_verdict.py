@@ -177,7 +177,7 @@ def test_where_nothing_is_seen_longer_windows_are_looked_at(
     monkeypatch.setattr(verdict, "_doubted", lambda analysis, said: said)
     monkeypatch.setattr(verdict, "_of_no_constant", lambda analysis, said: said)
     monkeypatch.setattr(verdict, "_swinging", lambda analysis, said: said)
-    monkeypatch.setattr(verdict, "_by_condition", lambda analysis, said: said)
+    monkeypatch.setattr(verdict, "_of_other_base", lambda analysis, said: said)
     monkeypatch.setattr(verdict, "_takes_too_little", lambda analysis, other: other.effects == ("cubic_spring",))
     analysis, found = verdict.agreed(of(100), of)
     assert (analysis.windows.layout.width, found.word) == (width, word)
