@@ -106,12 +106,30 @@ def load_kernel(source: str) -> types.ModuleType:
         return sys.modules[name]
 
 
+def written_file(source: str) -> Path:
+    """Return the file of a kernel in the cache folder, written where it is not there."""
+    return _written(kernel_name(source), _cached(source))
+
+
+def load_written(path: Path) -> types.ModuleType:
+    """Return the kernel of a file in the cache folder as a module whose functions are kept when they are compiled."""
+    from hjcamp.model.kernel_objects import guard  # numba takes its time to import
+
+    # numba looks its functions up by the name of their module
+    sys.modules[path.stem] = module = _executed(path.stem, path.read_bytes().decode(), str(path))
+    guard(module, say_once)
+    return module
+
+
+def _cached(source: str) -> str:
+    return source.replace("{decorator}", NUMBA.format(cache=True))
+
+
 def _loaded(name: str, source: str) -> types.ModuleType:
     from hjcamp.model.kernel_objects import guard  # numba takes its time to import
 
-    text = source.replace("{decorator}", NUMBA.format(cache=True))
     try:
-        module = _executed(name, text, str(_written(name, text)))
+        module = _executed(name, _cached(source), str(written_file(source)))
     except (OSError, RuntimeError) as problem:  # numba's RuntimeError: no folder takes what it compiles
         reason = getattr(problem, "strerror", None) or problem
         say_once(f"the cache folder {cache_folder()} cannot be written ({reason})")

@@ -94,13 +94,18 @@ class Simulator:
         return kernel_source(composition, "\n".join(lines) + "\n\n\n" + copied(driving, ("follow",)))
 
     @cached_property
-    def kernel(self) -> ModuleType:
-        """The imported kernel; raises ``UsageError`` for a user's effect or controller that cannot be compiled."""
+    def checked_source(self) -> str:
+        """The text of the kernel; raises ``UsageError`` for a user's effect or controller that cannot be compiled."""
         for effect in self.composition.effects:
             check_compiles(effect, tuple(MATHEMATICS))  # type: ignore[arg-type]
         for law in self.laws:
             check_law_compiles(law, tuple(MATHEMATICS))  # type: ignore[arg-type]
-        return load_model(self.source)
+        return self.source
+
+    @cached_property
+    def kernel(self) -> ModuleType:
+        """The imported kernel of the text that was checked."""
+        return load_model(self.checked_source)
 
     @cached_property
     def users_files(self) -> str:

@@ -216,18 +216,21 @@ def notes_on(found: Comparison) -> list[str]:
 
 
 def further_off(found: Comparison) -> list[str]:
-    """Return in words where the last model is the worse for being calibrated, and where one errs less in a channel."""
+    """Return in words where the last model is the worse for being calibrated, and where one errs less in a channel than a nearer."""
     from hjcamp.report.floor_words import worse_calibrated
 
     last, here = found.models[-1], found.calibrated
     why = "the fit weighs what scatters more for less, this number counts all alike; use it as it stands"
     said = worse_calibrated(last.name, last.score, here.score, why)
+    beside = [(here, "what is calibrated here"), *((one, one.name) for one in found.models)]
     better = [
-        f"{one.name} errs less in {sensor.quantity.replace('_', ' ')} than what is calibrated here, though it is farther over the "
-        "floor: where something is missing, the fit gives up some of the largest shape of the error for the others."
+        f"{one.name} errs less in {sensor.quantity.replace('_', ' ')} than {label}, though it is farther over the floor: that counts "
+        "all shapes of the error in all channels alike, each by its noise; an rms is mostly its largest shape, of which a fit gives up "
+        "some for the others where something is missing."
+        for other, label in beside
         for k, sensor in enumerate(found.analysis.measured.sensors)
         for one in found.models
-        if one.rms[k] < (1.0 - MATTERS) * here.rms[k] and one.score > here.score
+        if one.rms[k] < (1.0 - MATTERS) * other.rms[k] and one.score > other.score
     ]
     return said + better[:1]
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from hjcamp.errors import UsageError
 from hjcamp.model.candidate import Candidate
+from hjcamp.model.compiled_ahead import compile_ahead
 from hjcamp.model.compose import MOST_GATED, Composition
 from hjcamp.model.effect import Effect
 from hjcamp.model.plant import Plant
@@ -15,10 +16,11 @@ from hjcamp.model.simulator import Simulator
 
 @dataclass
 class Kernels:
-    """Simulators of a plant with any of ``effects``, each compiled once."""
+    """Simulators of a plant with any of ``effects``, each compiled once; where ``ahead``, by another process before it is needed."""
 
     plant: type[Plant]
     effects: Mapping[str, type[Effect]]
+    ahead: bool = False
     _held: tuple[str, ...] = ()
     _chunks: list[tuple[str, ...]] = field(default_factory=list)
     _made: dict[tuple[str, ...], Simulator] = field(default_factory=dict)
@@ -46,6 +48,12 @@ class Kernels:
         for k in range(0, len(rest), size):
             part = kept.union(rest[k : k + size])
             self._chunks.append(tuple(name for name in self.effects if name in part))
+
+    def prepare(self, names: Collection[str]) -> None:
+        """Let what models with one of these effects need be compiled ahead: this process itself begins with the first of it."""
+        wanted = [chunk for chunk in self._chunks if not set(names).isdisjoint(chunk)]
+        if self.ahead:
+            compile_ahead([self._simulator(chunk).checked_source for chunk in (*wanted[1:], *wanted[:1])])
 
     def model(self, candidate: Candidate) -> tuple[Simulator, dict[str, float]]:
         """Return the simulator for a candidate and its parameters by full name, gates among them."""

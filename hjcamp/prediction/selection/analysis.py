@@ -145,7 +145,8 @@ def calibrated(
             base[ZERO + sensor.field] = 0.0
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
     begun = candidate.with_base(known.base)
-    kernels = Kernels(plant, both)
+    kernels = Kernels(plant, both, ahead=workers > 1)
+    kernels.prepare(both)
     windows, begun = predictable(measured, kernels, begun, free, width or width_of(measured), effort)
     windows = windows if width else simulated_through(windows, Candidate(base, {}), free)
     layout = windows.layout

@@ -41,6 +41,7 @@ class Search(Claims):
         projection, _ = Projection(fitted), self.beside(fitted)
         looked_for = tuple(among) or (*self.library, *self.unknowns)
         names = [name for name in looked_for if self.may_be_added(name, fitted.candidate.effects)]
+        self.windows.kernels.prepare(names)
         found = self.each(
             lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}"
         )

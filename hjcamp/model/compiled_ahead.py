@@ -1,0 +1,78 @@
+"""Another process that compiles kernels which are needed soon, while this one works with those that are there.
+
+It is given the kernels' files in the cache folder, one a line, and ends when its input does.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import subprocess
+import sys
+import types
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hjcamp.model import kernel_cache
+from hjcamp.model.kernel import shared_source
+
+_asked: set[str] = set()
+_running: list[subprocess.Popen[bytes]] = []
+
+
+def compile_ahead(sources: Sequence[str]) -> None:
+    """Let another process compile kernels that run free, if no process has compiled them.
+
+    Where there is none, or no folder for what it compiles, each is compiled where it is first needed.
+    """
+    missing = [one for one in sources if one not in _asked and not kernel_cache.is_compiled(one, "run_free")]
+    if not missing:
+        return
+    _asked.update(missing)
+    with contextlib.suppress(OSError):
+        files = [kernel_cache.written_file(one) for one in missing]
+        if not _running or _running[0].poll() is not None:
+            _running[:] = [_started()]
+            atexit.register(_running[0].kill)
+        into = _running[0].stdin
+        assert into is not None
+        into.write("".join(f"{file}\n" for file in files).encode())
+        into.flush()
+
+
+def _started() -> subprocess.Popen[bytes]:
+    # A session of its own: Ctrl-C is for the work, and this process ends when that does.
+    own: dict[str, Any] = {"start_new_session": True}
+    if os.name == "nt":
+        own = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined, unused-ignore]
+    command = [sys.executable, "-m", "hjcamp.model.compiled_ahead"]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **own)
+
+
+def compile_free(kernel: types.ModuleType) -> None:
+    """Compile what runs a model free, for the arrays that a simulator gives it."""
+    from numba import typeof
+
+    line, table, whole = np.zeros(1), np.zeros((1, 1)), np.zeros(1, dtype=np.int64)
+    given = (line, line, line, whole, table, table, 1.0, whole, line, table, table, table, table, table, table)
+    kernel.run_free.compile(tuple(typeof(one) for one in given))
+
+
+def main() -> None:
+    """Compile the kernels that standard input names, until it ends or who asked for them is gone."""
+    who = os.getppid()
+    kernel_cache.load_kernel(shared_source())
+    for line in sys.stdin.buffer:
+        if os.getppid() != who:
+            break
+        # what cannot be compiled here is told where it is needed
+        with contextlib.suppress(Exception):
+            compile_free(kernel_cache.load_written(Path(line.decode().rstrip("\n"))))
+
+
+if __name__ == "__main__":
+    main()

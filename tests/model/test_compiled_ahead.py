@@ -1,0 +1,58 @@
+"""What another process compiles ahead is what this one would compile, and is not compiled here again."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from wheel_plant import WHEEL
+
+from hjcamp.known_plants import find_plant
+from hjcamp.model import compiled_ahead
+from hjcamp.model.compose import Composition
+from hjcamp.model.course import Given
+from hjcamp.model.kernel_cache import is_compiled
+from hjcamp.model.simulator import Simulator
+
+
+def test_a_kernel_that_is_compiled_ahead_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HJCAMP_CACHE", str(tmp_path / "cache"))
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "wheel.py").write_text(WHEEL.replace("2e-3\n", "3e-3\n"), encoding="utf-8")
+    wheel = Simulator(Composition(find_plant("wheel")), free=True)
+    assert not is_compiled(wheel.source, "run_free")
+    compiled_ahead.compile_ahead([wheel.source])
+    other = compiled_ahead._running[0]
+    try:
+        for _ in range(600):
+            if is_compiled(wheel.source, "run_free"):
+                break
+            time.sleep(0.1)
+        inputs = np.tile(wheel.inputs(), (4, 1))[:, : len(wheel.composition.inputs)]
+        starts = np.ones((1, len(wheel.states)))
+        given = Given(2e-3, np.array([1, 0, 0, 0]), 2e-3 * np.arange(4.0), np.ascontiguousarray(inputs), starts)
+        ran = wheel.run_to_ends(wheel.vector({}), given)
+        assert np.all(np.isfinite(ran.readings)) and ran.readings[0] == 1.0 > ran.readings[3] > 0.0
+        hits, misses = wheel.kernel.run_free.stats.cache_hits, wheel.kernel.run_free.stats.cache_misses
+        assert sum(hits.values()) == 1 and not misses
+        # what is there is asked of nobody
+        compiled_ahead.compile_ahead([wheel.source])
+    finally:
+        assert other.stdin is not None
+        other.stdin.close()
+        assert other.wait(20.0) == 0
+        compiled_ahead._running.clear()
+
+
+def test_a_folder_that_takes_nothing_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(source: str) -> Path:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(compiled_ahead.kernel_cache, "written_file", refused)
+    monkeypatch.setattr(compiled_ahead.kernel_cache, "is_compiled", lambda source, last: False)
+    monkeypatch.setattr(compiled_ahead, "_asked", set())
+    compiled_ahead.compile_ahead(["text"])
+    assert not compiled_ahead._running
