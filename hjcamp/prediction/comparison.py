@@ -87,8 +87,9 @@ def predicted_errors(analysis: Analysis, candidate: Candidate) -> tuple[Array, A
 
     They begin as measured, whatever other models were looked at before.
     """
-    windows = replace(analysis.windows)
-    windows.starts, windows.remembered = analysis.begun.copy(), {}
+    windows, first = replace(analysis.windows), analysis.search.first
+    assert first is not None
+    windows.starts, windows.remembered = first.starts.copy(), {}
     windows.move_starts(candidate, rounds=1)
     return settled(windows, candidate, (), turns=TURNS_OF_BASE).features, windows.errors(candidate)
 

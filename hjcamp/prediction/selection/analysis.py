@@ -70,14 +70,13 @@ class Known:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Windows of the tests with a model to start from, calibrated; ``begun`` (windows, states) is where these began before any fit."""
+    """Windows of the tests with a model to start from, calibrated; where they began before any fit is what the search has as first."""
 
     windows: Windows
     search: Search
     start: Candidate
     base: Scored
     floor: Floor
-    begun: Array
 
     @property
     def measured(self) -> Measured:
@@ -155,9 +154,9 @@ def calibrated(
         windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed, wanted=frozenset(wanted),
         declared=dict(candidate.base),
     )  # fmt: skip
-    first = windows.starts.copy()
+    before = windows.starts.copy()
     windows.move_starts(begun)
-    search.first = windows.place._replace(starts=first)
+    search.first = windows.place._replace(starts=before)
     fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
     if layout.short or above_noise(layout, fitted.features):
         if layout.short or not known.keeps(fitted.candidate):
@@ -179,7 +178,7 @@ def calibrated(
     scored = with_contact_forms(search, scored, known.shown)
     known.shown |= set(scored.names) & windows.forms
     known.base = dict(scored.fitted.candidate.base)
-    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features), first)
+    return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
 
 
 def predictable(
