@@ -111,9 +111,10 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     if quantity in BENT:
         [expression] = row["slots"]
         factor = f"{expression} + "
-    table = Table("amplitude", tuple(row["slots"]), values, curve["y_unit"], text, factor)
+    against = () if port is None or port.kind != "partition" else (port.names["loss_beyond"],)
+    table = Table("amplitude", tuple(row["slots"]), values, curve["y_unit"], text, factor, against)
     subsystem = (port.subsystem or port.kind) if port else next(iter(found.subsystems), "parameter")
     return Begun(
-        plant, subsystem, signal.replace("_", " "), expression, (expression,), curve["x_unit"], first, last,
+        plant, subsystem, signal.replace("_", " "), expression, tuple(expression.split(" - ")), curve["x_unit"], first, last,
         (table,), f"the diagnosis {file}",
     )  # fmt: skip

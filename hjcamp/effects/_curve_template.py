@@ -60,7 +60,10 @@ METHOD = '''    @staticmethod
 
 @dataclass(frozen=True)
 class Table:
-    """Values at even steps of the driver, SI, added to ``slots`` with a ``factor`` (-1 or what turns with the motion)."""
+    """Values at even steps of the driver, SI, added to ``slots`` with a ``factor`` (-1 or what turns with the motion).
+
+    They are taken from the slots ``against``.
+    """
 
     amplitude: str
     slots: tuple[str, ...]
@@ -68,6 +71,7 @@ class Table:
     unit: str
     text: str
     factor: str = ""
+    against: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -175,7 +179,7 @@ def _method(begun: Begun, one: Table, slot: str) -> str:
         unit=one.unit,
         steps=len(one.values) - 1,
         expression=begun.expression,
-        factor=one.factor,
+        factor="-" if slot in one.against else one.factor,
         amplitude=one.amplitude,
         terms="\n".join(terms),
     )

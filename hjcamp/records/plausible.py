@@ -191,9 +191,11 @@ def _untypical(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Fi
             unit = min(fits, key=lambda one: abs(math.log(fits[one] * times)))
             small = fits[unit] > 1.0
             off = f"{fits[unit] if small else 1.0 / fits[unit]:.4g} times too {'small' if small else 'large'}"
-            own = "" if table.field(name).unit == "1" else f" {table.field(name).unit}"
-            goes = f"'{name}' goes to {times * typical:.4g}{own}, {times:.3g} times what is typical by the"
-            yield Finding(name, f"{goes} plant's file; if that is right, look at its unit: it looks like {unit}, {off}", False)
+            plain = table.field(name).unit == "1"
+            own = "" if plain else f" {table.field(name).unit}"
+            goes = f"'{name}' goes to {times * typical:.4g}{own}, {times:.3g} times what is typical by the plant's file"
+            taken = f"as where {unit} is taken for{' a ratio' if plain else own}"
+            yield Finding(name, f"{goes}; if that is right, look at its unit: it is {off}, {taken}", False)
 
 
 def _geared(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Finding]:

@@ -12,6 +12,7 @@ import pytest
 from hjcamp import cli
 from hjcamp.commands._plant_template import write_template
 from hjcamp.effects import load_effects
+from hjcamp.effects._curve_template import Begun, Table, curve_template
 from hjcamp.known_plants import find_plant
 from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
@@ -196,3 +197,12 @@ def test_a_file_that_exists_and_a_place_without_a_diagnosis(here: Path, capsys: 
     assert "no diagnosis is in this folder" in capsys.readouterr().err
     assert cli.run(["effects", "new", "other", "--from", "nowhere"]) == 2
     assert "does not exist" in capsys.readouterr().err
+
+
+def test_what_is_added_to_one_slot_may_be_taken_from_another() -> None:
+    table = Table("amplitude", ("one_loss", "other_loss"), (-2.0, 0.0, 2.0), "m^3/s", "a leak", "", ("other_loss",))
+    begun = Begun("tanks", "x", "a - b", "a - b", ("a", "b"), "m", -1.0, 1.0, (table,), "a diagnosis")
+    text = curve_template("leak", begun)
+    first, other = text.partition("def other_loss")[::2]
+    assert "def one_loss(a, b, amplitude, first, last)" in first and "(a - b - first) / (last - first)" in other
+    assert "return amplitude * (" in first and "return -amplitude * (" in other and "return amplitude" not in other

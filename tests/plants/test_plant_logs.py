@@ -291,7 +291,8 @@ def test_an_analysis_says_which_periods_it_knows(plants: Path, capsys: pytest.Ca
 def test_a_column_far_from_what_is_typical_may_be_in_another_unit(plants: Path) -> None:
     log = log_of("tanks")
     assert findings(log) == []
-    for factor, told in ((1e3, "goes to 3000 V, 600 times.*looks like mV, 1000 times too large"), (30.0, ""), (1e-3, "looks like kV")):
+    large = "goes to 3000 V, 600 times.*it is 1000 times too large, as where mV is taken for V"
+    for factor, told in ((1e3, large), (30.0, ""), (1e-3, "as where kV is taken for V")):
         wrong = TestLog({**log.columns, "level_v": log.columns["level_v"] * factor}, log.metadata)
         found = [one for one in findings(wrong) if not one.refused]
         assert bool(found) == bool(told)

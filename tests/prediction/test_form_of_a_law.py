@@ -59,7 +59,8 @@ def test_dry_friction_is_a_form_of_any_law_of_that_friction(axis: Path) -> None:
     ("free", "left", "mends"),
     [
         ("unknown_loss_over_level_at_lower", 1.51, True),
-        # it takes less than the further name
+        # it takes less than the further name, but not so that tests tell
+        ("unknown_loss_over_level_at_lower", 1.535, True),
         ("unknown_loss_over_level_at_lower", 1.56, False),
         # over the same level, but another thing
         ("unknown_reading_over_true", 1.51, False),
@@ -77,6 +78,7 @@ def test_a_further_name_is_none_where_the_law_of_the_first_is_off(known, free: s
     search = Search.__new__(Search)
     search.library, search.unknowns, search.windows = library, unknowns, SimpleNamespace(forms=frozenset())  # type: ignore[assignment]
     search.matters = lambda model, before, level=0.05: True  # type: ignore[method-assign]
+    search.beats = lambda model, other, level=0.05: model.left_out < other.left_out - 0.01  # type: ignore[method-assign]
     search.promised_beside = lambda model, among: []  # type: ignore[method-assign]
     assert search.mends(further, model, step) == mends  # type: ignore[arg-type]
 
@@ -98,6 +100,7 @@ def test_the_form_of_a_law_is_fitted_where_the_step_did_not(known) -> None:  # t
     search = Search.__new__(Search)
     search.library, search.unknowns, search.windows = library, unknowns, SimpleNamespace(forms=frozenset())  # type: ignore[assignment]
     search.matters = lambda model, before, level=0.05: level == 0.05  # type: ignore[method-assign]
+    search.beats = lambda model, other, level=0.05: model.left_out < other.left_out  # type: ignore[method-assign]
     search.promised_beside = promised  # type: ignore[method-assign,assignment]
     search.begun_unknown = lambda before, promise: SimpleNamespace(candidate=None)  # type: ignore[method-assign,assignment,return-value]
     search.fitted = lambda start, near=None: scored(2.4, "dead_band", "unknown_command_over_demand")  # type: ignore[method-assign,assignment,return-value]
@@ -180,3 +183,32 @@ def test_bristles_leave_nothing_of_how_a_rigid_contact_creeps(axis: Path) -> Non
     assert Fits.replaced(fits, both) == {"contact_creep"} and not Fits.replaced(fits, other)
     fits.windows.forms = set()
     assert not Fits.replaced(fits, both)
+
+
+def test_what_leaks_between_stores_may_follow_any_law_of_their_difference(two_pumps_unknowns: Any) -> None:
+    plant, unknowns = two_pumps_unknowns
+    library = load_effects([], plant)
+    [leak] = [one for one in unknowns.values() if one.driver == "difference"]
+    one, beyond = leak.signal.split(" - ")
+    assert {one, beyond} <= {*plant.states, *read_vocabulary(plant).signals}
+    assert (leak.low, leak.high) == (pytest.approx(-2.0e5, rel=0.01), pytest.approx(2.0e5, rel=0.01))
+    assert alike_laws(leak, library["internal_leakage"]) and not alike_laws(leak, library["leakage"])
+    taken, given = leak.effect.terms.values()
+    values = {"low": -2.0, "high": 2.0, **{f"a{k}": float(k) for k in range(6)}}
+    for level, expected in ((2.0, 5.0), (-2.0, 0.0), (9.0, 5.0), (0.4, 3.0)):
+        both = {one: level + 7.0, beyond: 7.0}
+        found = [
+            term.function(*({**both, **values}[dict(term.names).get(name, name) if term.names else name] for name in term.arguments))
+            for term in (taken, given)
+        ]
+        assert found == [pytest.approx(expected), pytest.approx(-expected)]
+
+
+@pytest.fixture
+def two_pumps_unknowns() -> Any:
+    plant = find_plant("two_pumps")
+    port = next(one for one in read_vocabulary(plant).ports.values() if one.kind == "partition")
+    rising = np.linspace(-1.0, 1.0, 101)
+    courses = {port.names["level"]: 3.0e5 + 1.0e5 * rising, port.names["level_beyond"]: 3.0e5 - 1.0e5 * rising}
+    ranges = {name: (float(one.min()), float(one.max())) for name, one in courses.items()}
+    return plant, unknowns_of(plant, ranges, {name: np.concatenate([one[:1], one, one[-1:]]) for name, one in courses.items()})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 from carriage import PERIOD, measured_log
 
 from hjcamp.prediction.measured.tests import Measured, measured_tests
-from hjcamp.prediction.next.menu import menu
+from hjcamp.prediction.next.menu import _changed, menu
 from hjcamp.prediction.next.wanted import Wanted
 from hjcamp.records.log import TestLog
 
@@ -67,3 +68,9 @@ def test_courses_of_an_input_stay_in_its_range(measured: Measured) -> None:
         assert volts.min() - 1e-9 <= one.inputs[:, 0].min() and one.inputs[:, 0].max() <= volts.max() + 1e-9
         assert sum(seconds for _, seconds in one.pieces) == pytest.approx(SAMPLES * PERIOD)
         assert one.inputs[0, 0] == one.pieces[0][0] and one.inputs[-1, 0] == one.pieces[-1][0]
+
+
+def test_a_test_that_nothing_drives_is_proposed_as_it_was_alone(measured: Measured) -> None:
+    at_rest = tuple(replace(one, inputs=np.zeros_like(one.inputs)) for one in measured.tests)
+    names = [one.name for one in _changed(replace(measured, tests=at_rest), 0, SAMPLES, by_motion=True)]
+    assert names == ["swing_again"] and len(list(_changed(measured, 0, SAMPLES, by_motion=True))) > 3

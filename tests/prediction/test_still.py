@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from gauge import measured_log
 
 from hjcamp.commands.any_plant.words import still_words
 from hjcamp.prediction.answer import still_rows
 from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection import analysis
+from hjcamp.prediction.selection.analysis import what_lacks
 
 
 def test_an_input_that_never_moves_is_said_so(tanks: Path) -> None:
@@ -22,3 +26,16 @@ def test_an_input_that_never_moves_is_said_so(tanks: Path) -> None:
     assert still.still == {"pump_v": 2.5} and still_rows(still) == {"pump_v": {"value": 2.5, "unit": "V"}}
     (said,) = still_words(still_rows(still))
     assert said.startswith("pump keeps one value, 2.5 V, in all tests")
+
+
+def test_what_moves_before_what_is_looked_at_is_not_still(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = measured_log(seed=1)
+    begun = np.full_like(log.columns["pump_v"], 2.5)
+    begun[0] = 0.0
+    measured = measured_tests([replace(log, columns=log.columns | {"pump_v": begun})])
+    [test] = measured.tests
+    assert len(test.earlier) and np.ptp(test.inputs[:, 0]) == 0.0 and measured.still == {}
+    monkeypatch.setattr(analysis, "chapters_of", lambda layout: np.arange(2))
+    monkeypatch.setattr(analysis, "moves", lambda layout: np.ones(3, dtype=bool))
+    [lead] = what_lacks(measured, SimpleNamespace(of_test=np.zeros(3), width=16))  # type: ignore[arg-type]
+    assert f"these have {test.samples} behind {len(test.earlier)} that tell what inputs were before)" in lead

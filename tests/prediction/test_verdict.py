@@ -211,6 +211,9 @@ def test_a_name_at_a_bound_that_no_test_tells_is_not_said(
     monkeypatch.setattr(doubts, "intervals", lambda fitted, chapters: [row, base])
     said = doubts.doubt_of_names(analysis, analysis.base, ("spring",))
     assert ("at a value that its bounds tell" in said) == (at_bound and (pushed or not told))
+    # so too where a bound holds a base parameter that the tests tell
+    analysis.__dict__["held"] = ("viscous",)
+    assert ("at a value that its bounds tell" in doubts.doubt_of_names(analysis, analysis.base, ("spring",))) == at_bound
 
 
 @pytest.mark.parametrize(

@@ -313,7 +313,10 @@ def _false_claims(shares: Mapping[str, float]) -> list[str]:
         "twins": "residuals drawn at random", "shifted": "residuals moved in time", "decoys": "effects each moved in time by itself",
     }  # fmt: skip
     said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
-    return [f"No test was repeated. As much as was found is promised in {', '.join(said)}, where nothing is."] if said else []
+    return [
+        f"No test was repeated. Where nothing is, screening promises as much before any fit in {', '.join(said)}; what is said "
+        "rests on fits to chapters left out."
+    ] if said else []
 
 
 def free_law(row: Mapping[str, Any]) -> str:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 FLOORS = {
     "repetitions": "floor: what repetitions do not share",
-    "near_replicates": "floor: by which alike moments differ (Gamma test; no test was repeated)",
+    "near_replicates": "floor: by which alike moments differ (Gamma test; no test was repeated); beside a better model it may be lower",
     "sensor": "floor unknown: no repetitions and too few alike moments; the sensor's noise in that part is shown, a lower bound",
 }
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from hjcamp.model.effect import Effect, Term
+from hjcamp.model.source_text import names_in
 from hjcamp.prediction.laws.unknowns import Unknown
 
 
@@ -29,7 +30,7 @@ def alike_laws(free: Unknown, named: type[Effect]) -> bool:
     own = {*named.parameters, *named.terms}
     drivers = [set(term.arguments) - own for term in named.terms.values()]
     dry = kind_of(named) == "contact" and not (named.states or any(drivers))
-    driven = dry or any(free.signal in one for one in drivers) or _bends(named) & _bends(free.effect)
+    driven = dry or any(names_in(free.signal) <= one for one in drivers) or _bends(named) & _bends(free.effect)
     kinds = {kind_of(free.effect), kind_of(named)}
     return bool(driven) and (not set(free.effect.terms).isdisjoint(named.terms) or kinds == {"store", "path"})
 

@@ -24,8 +24,9 @@ class _Hats:
 
     .. math:: h(x) = \sum_k a_k \max(0, 1 - |w - k|), \quad w = (n - 1) \min(\max(\tfrac{x - low}{high - low}, 0), 1)
 
-    ``on`` are the slots on which it acts, in units of the last one; ``over`` is what drives it. A law that ``changes`` its
-    slot comes after all that add to it; one that is a share of something is so many ``times`` that, and its driver is in ``unit``.
+    ``on`` are the slots on which it acts, in units of the last one, ``against`` those that it takes from; ``over`` is what drives
+    it, a name or one less another one. A law that ``changes`` its slot comes after all that add to it; one that is a share of
+    something is so many ``times`` that, and its driver is in ``unit``.
     One that is ``positive`` leaves h + sqrt(1 + h^2) times its slot, whatever h is.
     """
 
@@ -33,30 +34,31 @@ class _Hats:
 
     def __init_subclass__(
         cls, on: str, over: str, knots: int, changes: bool = False, times: str = "", unit: str = "",
-        positive: bool = False,
+        positive: bool = False, against: str = "",
     ) -> None:  # fmt: skip
-        slots, unit = on.split(), unit or ("s" if over == "time" else over)
+        slots, unit = on.split(), unit or ("s" if over == "time" else over.partition(" ")[0])
         own = {"low": Parameter(unit, -1.0, BIG), "high": Parameter(unit, 1.0, (-9e8, 1.1e9))}
         own |= {f"a{k}": Parameter("1" if times else slots[-1], 0.0, BIG, off=0.0) for k in range(knots)}
         for name, parameter in own.items():
             setattr(cls, name, parameter)
             parameter.__set_name__(cls, name)
-        for slot in slots:
-            setattr(cls, slot, staticmethod(_sum_of_hats(cls.__name__, slot, over, knots, changes, times, positive)))
+        for slot in (*slots, *against.split()):
+            taken = slot in against.split()
+            setattr(cls, slot, staticmethod(_sum_of_hats(cls.__name__, slot, over, knots, changes, times, positive, taken)))
         cls.positive = positive
         super().__init_subclass__()
 
 
 def _sum_of_hats(
-    law: str, slot: str, over: str, knots: int, changes: bool, times: str, positive: bool
+    law: str, slot: str, over: str, knots: int, changes: bool, times: str, positive: bool, taken: bool
 ) -> Callable[..., Any]:
     """Return the method of a slot; its text is kept where ``inspect``, and so the kernel, finds it."""
-    first = [*([slot] if changes or times == slot else []), over, *([times] if times else [])]
+    first = [*([slot] if changes or times == slot else []), *over.split(" - "), *([times] if times else [])]
     names = [*dict.fromkeys(first), "low", "high", *(f"a{k}" for k in range(knots))]
     factor = f"{times} * " if times else ""
     hats = [f"{factor}a{k} * max(0.0, 1.0 - abs(w{f' - {k}.0' if k else ''}))" for k in range(knots)]
     share = " + ".join(one.removeprefix(factor) for one in hats)
-    whole = f"{slot} * (({share}) + hypot(1.0, {share}))" if positive else ""
+    whole = f"{slot} * (({share}) + hypot(1.0, {share}))" if positive else f"-({share})" if taken else ""
     text = (
         f"def {slot}({', '.join(names)}):\n"
         f'    """Value at this {over}."""\n'
@@ -161,6 +163,15 @@ class LossOverTime(_Hats, Effect, on="loss", over="time", knots=6):
     acts_on = "store"
 
 
+class LossOverDifference(_Hats, Effect, on="loss", against="loss_beyond", over="level - level_beyond", knots=6):
+    r"""What leaks from one store into another one that no path joins, depending on the difference of their levels.
+
+    .. math:: q_1 \mathrel{+}= h(p_1 - p_2), \quad q_2 \mathrel{-}= h(p_1 - p_2)
+    """
+
+    acts_on = "partition"
+
+
 class FlowOverHead(_Hats, Effect, on="flow", over="head", knots=6, changes=True):
     r"""A flow of a path that depends on its head: what is upstream of it, less what is downstream where the path has that.
 
@@ -211,7 +222,7 @@ class ReadingOverTrue(_Hats, Effect, on="reading", over="reading", knots=12, cha
 
 LAWS: tuple[type[Effect], ...] = (
     ForceOverPosition, FineForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
-    FrictionOverLoad, LossOverLevel, LossOverTime, FlowOverHead, CommandOverDemand, OutputOverInput,
+    FrictionOverLoad, LossOverLevel, LossOverTime, LossOverDifference, FlowOverHead, CommandOverDemand, OutputOverInput,
     OutputOverTwist, ReadingOverTrue,
 )  # fmt: skip
 

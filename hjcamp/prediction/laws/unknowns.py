@@ -42,7 +42,7 @@ def times_of(port: Port) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Unknown:
-    """An unknown at one place: its effect, the plant's name of what drives it, and the range of that in the tests, SI.
+    """An unknown at one place: its effect, the plant's name of what drives it, or one less another, and its range in the tests, SI.
 
     ``levels`` are the values of what drives it where it has no more of them than the law has knots: between these nothing is told.
     """
@@ -105,11 +105,16 @@ def unknowns_of(
                 (name for term in effect.terms.values() for name in term.arguments if _drives(term, name, driver)),
                 port.names.get(driver, driver),
             )
+            course = (courses or {}).get(signal, np.zeros(0))
+            if law.acts_on == "partition":
+                one, beyond = (port.names[level] for level in ("level", "level_beyond"))
+                signal, course = f"{one} - {beyond}", _difference(courses or {}, one, beyond)
+                ranges = {**ranges, **ranges_of({signal: course})}
             low, high = ranges.get(signal, (0.0, 0.0))
             if high - low > 1e-9 * max(abs(low), abs(high)):
                 usual = ranges.get(port.size_of(getattr(law, "sized", next(iter(law.terms)))), (0.0, 1.0))
                 size = max(abs(usual[0]), abs(usual[1])) or 1.0
-                levels = _levels((courses or {}).get(signal, np.zeros(0)), low, high, len(amplitudes_of_law(effect)))
+                levels = _levels(course, low, high, len(amplitudes_of_law(effect)))
                 found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size, levels)
     return found | _gains(plant, ranges)
 
@@ -168,6 +173,12 @@ def _levels(course: Array, low: float, high: float, most: int) -> tuple[float, .
     return tuple(float(one) for one in found) if 2 <= len(found) <= most else ()
 
 
+def _difference(courses: Mapping[str, Array], one: str, other: str) -> Array:
+    """Return by how much one course is above another one, which were seen at the same places."""
+    both = [courses.get(name, np.zeros(0)) for name in (one, other)]
+    return both[0] - both[1] if len(both[0]) == len(both[1]) else np.zeros(0)
+
+
 def _drives(term: Any, name: str, driver: str) -> bool:
     return dict(term.names).get(driver, driver) == name
 
@@ -215,12 +226,13 @@ def courses_of(plant: type[Plant], values: Mapping[str, float], states: Array, i
     return {name: np.array(values) for name, values in seen.items()}
 
 
-def ranges_of(courses: Mapping[str, Array], time: Array) -> dict[str, tuple[float, float]]:
-    """Return the range (1st to 99th percentile) of every course, SI, and that of the time."""
+def ranges_of(courses: Mapping[str, Array], time: Array | None = None) -> dict[str, tuple[float, float]]:
+    """Return the range (1st to 99th percentile) of every course, SI, and that of the time where it is given."""
     found = {}
     for name, all_of in courses.items():
         finite = all_of[np.isfinite(all_of)]
         if len(finite):
             found[name] = (float(np.percentile(finite, 1.0)), float(np.percentile(finite, 99.0)))
-    found["time"] = (float(time.min()), float(time.max()))
+    if time is not None:
+        found["time"] = (float(time.min()), float(time.max()))
     return found

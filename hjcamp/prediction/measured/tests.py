@@ -147,7 +147,10 @@ class Measured:
         """The recorded inputs, by field, that keep one value in all tests, SI: nothing can be told of how these act."""
         places = enumerate(_inputs_of(self.plant).values())
         recorded = {field: k for k, field in places if all(field in one.log.command_phase for one in self.tests)}
-        found = {field: np.concatenate([one.inputs[:, k] for one in self.tests]) for field, k in recorded.items()}
+        found = {
+            field: np.concatenate([part[:, k] for one in self.tests for part in (one.earlier, one.inputs) if len(part)])
+            for field, k in recorded.items()
+        }
         return {field: float(values[0]) for field, values in found.items() if np.ptp(values) == 0.0}
 
     def shown(self, true: Array) -> Array:

@@ -44,13 +44,15 @@ def _cut(test: MeasuredTest, rows: Array, samples: int) -> tuple[Array, Array]:
 
 
 def _changed(measured: Measured, place: int, samples: int, by_motion: bool) -> Iterator[Wanted]:
-    """Yield a measured test as it was, smaller, larger, slower, faster and the other way round."""
+    """Yield a measured test as it was, smaller, larger, slower, faster and the other way round; as it was where nothing drives it."""
     test = measured.tests[place]
     steps = np.arange(samples, dtype=float)
     inputs, readings = _cut(test, steps, samples)
     called, said = test.condition, test.condition or test.name
     plain = Wanted(f"{called}_again", f"{said} once more", place, inputs, readings, test.given)
     yield plain
+    if not np.any(np.ptp(np.concatenate([one.inputs for one in measured.tests]), axis=0) > 0.0):
+        return
     whole = np.concatenate([one.readings if by_motion else one.inputs for one in measured.tests])
     low, high = whole.min(axis=0), whole.max(axis=0)
     own = readings if by_motion else inputs

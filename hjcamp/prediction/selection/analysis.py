@@ -97,11 +97,17 @@ def what_lacks(measured: Measured, layout: Layout) -> list[str]:
         found.append(
             f"{len(layout.of_test)} windows of {layout.width * measured.period:.4g} s in {chapters} chapters; "
             f"{3 * FEWEST} windows in {FEWEST} chapters are needed: longer or more tests (at least {3 * FEWEST * SHORTEST_OF_ALL} "
-            f"samples, these have {sum(test.samples for test in measured.tests)})"
+            f"samples, these have {sum(test.samples for test in measured.tests)}{_before(measured)})"
         )
     if not moves(layout)[: MOTION_ORDERS * len(measured.sensors)].any():
         found.append("nothing that is measured changes in these tests by more than its noise")
     return found
+
+
+def _before(measured: Measured) -> str:
+    """Return in words how many samples of the logs are not looked at, as they tell what inputs were before the tests."""
+    lead = sum(len(test.earlier) for test in measured.tests)
+    return f" behind {lead} that tell what inputs were before" if lead else ""
 
 
 def calibrated(

@@ -49,7 +49,8 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> s
     rows = intervals(model.fitted, analysis.search.chapters)
     # of a gain whose sign is wrong next to nothing is left, of which the tests tell nothing
     alone = intervals(analysis.base.fitted, analysis.search.chapters)
-    pushed = any(not one.effect and one.at_bound and not one.told and not one.name.startswith((DELAY, ZERO)) for one in alone)
+    lost = (not one.effect and one.at_bound and not one.told and not one.name.startswith((DELAY, ZERO)) for one in alone)
+    pushed = bool(analysis.held) or any(lost)
     for name in names:
         own = [one for one in rows if one.effect == name]
         if any(one.at_bound for one in own) and (not any(one.told for one in own) or (pushed and all(one.at_bound for one in own))):

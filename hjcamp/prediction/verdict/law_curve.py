@@ -118,8 +118,8 @@ def _moment(
     theirs, ours = seen[1] - seen[0], seen[2] - seen[0]
     square = float(ours @ ours)
     amount = unknown.amount(unknown.usual) * float(theirs @ ours) / square if square > 0.0 else np.nan
-    driver = signals.get(unknown.signal, place.get(unknown.signal, np.nan))
-    return float(driver), amount, sign
+    first, *less = (float(signals.get(name, place.get(name, np.nan))) for name in unknown.signal.split(" - "))
+    return first - sum(less), amount, sign
 
 
 def _answers(model: PlainModel, place: Mapping[str, float], unknown: Unknown) -> Array:

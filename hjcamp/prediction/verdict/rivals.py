@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.laws.alike import alike_laws
 from hjcamp.prediction.levels import MATTERS, MOST_OF_IT
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored, Step
@@ -19,11 +20,14 @@ def taken(base: Scored, model: Scored) -> float:
 def confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], unknown: Scored | None) -> list[Scored]:
     """Return the model and every model with one name exchanged that is not worse at the level of all claims.
 
-    Where a free law takes a share that matters beside the model, rivals are compared beside it: what it takes is no scatter.
+    Where a free law takes a share that matters beside the model, rivals are compared beside it: what it takes is no scatter. Where it
+    is another form of a name, and of a rival that takes most of what it takes, the two are compared beside it alone: of two
+    wrong forms the nearer one is not thereby the kind.
     """
     search, found = analysis.search, [model]
     best = unknown or model
     laws = {name: own for name, own in best.fitted.candidate.effects.items() if name not in model.names}
+    free = [search.unknowns[name] for name in laws if name in search.unknowns]
     for step in search.steps:
         here = [
             name for name in added if any(name in one.names for one in step.named) and name not in step.before.names
@@ -36,7 +40,9 @@ def confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], un
                     continue
                 beside = len(added) > 1 and other in search.of_same_law(name, model)
                 takes = beside or search.error_ratio(one, step.before) <= 1.0 - MATTERS
-                if not takes or (not beside and ruled_out(analysis, one, _of(step, name), step.before)):
+                formless = any(all(alike_laws(law, search.library[each]) for each in (name, other)) for law in free)
+                formless = formless and taken(step.before, one) >= MOST_OF_IT * taken(step.before, best)
+                if not takes or (not beside and not formless and ruled_out(analysis, one, _of(step, name), step.before)):
                     continue
                 values = {other: one.fitted.candidate.effects[other], **laws}
                 rival = search.fitted(_with(model.fitted.candidate.without([name]), values))
