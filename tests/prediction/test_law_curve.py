@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hjcamp.commands.any_plant.verdict_words import free_law
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
@@ -89,3 +90,10 @@ def test_drag_over_speed_is_as_much_friction(axis: Path) -> None:
     for one in found:
         seen = np.isfinite(one.y)
         assert one.y[seen] == pytest.approx(drag * one.x[seen] ** 2, abs=drag * 0.8 * 2 * 0.8 / 28 + 1e-9)
+
+
+def test_what_leaks_between_stores_is_said_of_both() -> None:
+    row = {"quantity": "loss", "port": "a_and_b", "driver": "a_and_b_difference", "signal": "pressure_a - pressure_b"}
+    assert free_law(row) == "leak from pressure a to pressure b that depends on their difference"
+    row = {"quantity": "force", "port": "velocity", "driver": "velocity_position", "signal": "position"}
+    assert free_law(row) == "force at velocity that depends on its position"

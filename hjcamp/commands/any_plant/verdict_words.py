@@ -57,6 +57,7 @@ TELLING = {
     "time": "the same move at the beginning and at the end of a long test",
     "load": "the same moves with another mass or load",
     "level": "holds at several levels without inflow",
+    "difference": "holds with several differences of the two levels, without inflow",
     "upstream": "emptying from several levels",
     "demand": "steps of several sizes, small ones among them, in both directions",
     "true": "holds at several values, with another instrument beside the sensor",
@@ -190,7 +191,7 @@ class Words:
                     "together. Its curve is on the page."
                 )
             else:
-                freest = f"a free law over {first['driver'].replace('_', ' ')}" if first else "a regression on the motion"
+                freest = _a(free_law(first)) if first else "a regression on the motion"
                 law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"
                 found.append(f"{law} leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
         if verdict.word in ("effect", "one_of"):
@@ -324,6 +325,8 @@ def free_law(row: Mapping[str, Any]) -> str:
     if row["quantity"] in ("gain", "value"):
         return f"{row['quantity']} of {row['port'].replace('_', ' ')} that depends on {row['driver'].replace('_', ' ')}"
     place, driver = row["port"], _local(row["driver"].rpartition("_")[2])
+    if driver == "difference":
+        return f"leak from {' to '.join(row['signal'].replace('_', ' ').split(' - '))} that depends on their difference"
     where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
     return f"{row['quantity']} {where} {driver}"
 
