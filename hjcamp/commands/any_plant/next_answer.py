@@ -144,7 +144,8 @@ def sentences(done: PlantProposed) -> list[str]:
             found.append(f"Still alike after these tests: {pairs}.")
         if proposal.by_motion:
             found.append(
-                "The motion is what is asked of the loop; what it has to give for it is in the answer (beyond)."
+                "Each test is a motion, as this plant stays where it is moved: a loop or a course of inputs has to make it; what that "
+                "has to give is in the answer (beyond), and may be more than your drive can."
             )
     if said and (not proposal.chosen or any(value < _needed() for value in proposal.together.values())):
         which = "Kinds of test that tell" if proposal.chosen else "Beyond what was tried, kinds of test that may tell"
@@ -167,7 +168,7 @@ def _left_out(done: PlantProposed) -> list[str]:
 def no_campaign(proposal: Proposal) -> str:
     """Return why the proposed tests are no campaign of `hjcamp run`."""
     if proposal.by_motion:
-        return "none: motions are asked of a loop outside the plant's equations, and hjcamp run gives an input"
+        return "none: these tests are motions, for a loop outside the plant's equations or a hand, and hjcamp run gives an input"
     changed = [one.wanted.text for one in proposal.tests[: proposal.chosen] if not one.wanted.pieces]
     if changed:
         return f"none: hjcamp run holds an input at levels, and '{changed[0]}' is a measured test that is changed"
