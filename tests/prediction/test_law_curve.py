@@ -97,3 +97,4 @@ def test_what_leaks_between_stores_is_said_of_both() -> None:
     assert free_law(row) == "leak from pressure a to pressure b that depends on their difference"
     row = {"quantity": "force", "port": "velocity", "driver": "velocity_position", "signal": "position"}
     assert free_law(row) == "force at velocity that depends on its position"
+    assert free_law({**row, "driver": "time", "signal": "time"}) == "force at velocity that changes with time"

@@ -48,6 +48,10 @@ TITLES = {
 }
 STYLES = {"nothing_missing": "green", "effect": "bold", "one_of": "bold"}
 CANDIDATES = ("effect", "t", "left", "parameter", "value", "95 %")
+OVER_TIME = (
+    "Of tests that were not repeated, what depends on time may as well be what the plant remembers: a second store beside one that is "
+    "there, something that warms, fills or settles with what was done."
+)
 # What kind of test tells laws over these drivers apart.
 TELLING = {
     "velocity": "the same moves at other speeds, equal speeds in both directions",
@@ -146,6 +150,8 @@ class Words:
                 f"{_a(free_law(self.content['unknowns'][0]), begins=True)}, of a form that no effect of the library has, predicts "
                 f"better: it leaves {100.0 * self.content['unknowns'][0]['left']:.0f} % of the error. Its curve is on the page."
             )
+            if self.content["unknowns"][0]["driver"] == "time" and not self.analysis.measured.repeated:
+                found.append(OVER_TIME)
         if beside := self.content["follows_motion"]["beside_law"]:
             found.append(
                 f"Of what it leaves {100.0 * beside:.0f} % can be told from the motion and the inputs of its moment all the same (a "
@@ -327,6 +333,8 @@ def free_law(row: Mapping[str, Any]) -> str:
     place, driver = row["port"], _local(row["driver"].rpartition("_")[2])
     if driver == "difference":
         return f"leak from {' to '.join(row['signal'].replace('_', ' ').split(' - '))} that depends on their difference"
+    if driver == "time":
+        return f"{row['quantity']} at {place.replace('_', ' ')} that changes with time"
     where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
     return f"{row['quantity']} {where} {driver}"
 
