@@ -242,9 +242,10 @@ class Search(Claims):
         return model.fitted.candidate.without([name]).with_effect(other, own)
 
     def mends(self, further: Scored, model: Scored, step: Step) -> bool:
-        """Whether a further name is not shown to take more than a free law over what drives a name that is there.
+        """Whether a further name takes no more than a free law over what drives a name that is there.
 
-        Then the law of that one is off in form, which the answer says, and is no second thing that is missing.
+        Then the law of that one is off in form, which the answer says, and is no second thing that is missing. Of two laws that are
+        both forms of that free law the second has to be shown to take more: two functions of one quantity are one.
         """
         named = (self.library[name] for name in model.names if name in self.library and name not in self.windows.forms)
         there = [one for one in named if not one.states]
@@ -255,7 +256,13 @@ class Search(Claims):
             begun = self.begun_unknown(model.fitted, promise)
             fitted[promise.effect] = self.fitted(begun.candidate, begun)
         level = step.claims / max(len(fitted), 1)
-        shown = (one for name, one in fitted.items() if name in forms and not self.beats(further, one))
+        second = {self.library[name] for name in set(further.names) - set(model.names) if name in self.library}
+        shown = (
+            one for name, one in fitted.items() if name in forms and (
+                one.left_out <= further.left_out
+                or (any(alike_laws(self.unknowns[name], own) for own in second) and not self.beats(further, one))
+            )
+        )  # fmt: skip
         return any(self.matters(one, model, level) for one in shown)
 
     def better_than_free_laws(self, before: Scored, step: Step) -> Scored | None:
