@@ -1,6 +1,6 @@
-"""Another process that compiles kernels which are needed soon, while this one works with those that are there.
+"""Other processes that compile kernels which are needed soon, while this one works with those that are there.
 
-It is given the kernels' files in the cache folder, one a line, and ends when its input does.
+Each is given kernels' files in the cache folder, one a line, and ends when its input does.
 """
 
 from __future__ import annotations
@@ -20,28 +20,38 @@ import numpy as np
 from hjcamp.model import kernel_cache
 from hjcamp.model.kernel import shared_source
 
-_asked: set[str] = set()
+# Each takes some hundred megabytes.
+MOST = 2
+_asked: list[str] = []
 _running: list[subprocess.Popen[bytes]] = []
 
 
 def compile_ahead(sources: Sequence[str]) -> None:
-    """Let another process compile kernels that run free, if no process has compiled them.
+    """Let other processes compile kernels that run free, in turns, if no process has compiled them.
 
     Where there is none, or no folder for what it compiles, each is compiled where it is first needed.
     """
     missing = [one for one in sources if one not in _asked and not kernel_cache.is_compiled(one, "run_free")]
     if not missing:
         return
-    _asked.update(missing)
-    with contextlib.suppress(OSError):
-        files = [kernel_cache.written_file(one) for one in missing]
-        if not _running or _running[0].poll() is not None:
-            _running[:] = [_started()]
-            atexit.register(_running[0].kill)
-        into = _running[0].stdin
-        assert into is not None
-        into.write("".join(f"{file}\n" for file in files).encode())
-        into.flush()
+    for source in missing:
+        _asked.append(source)
+        with contextlib.suppress(OSError):
+            file = kernel_cache.written_file(source)
+            into = _next((len(_asked) - 1) % MOST).stdin
+            assert into is not None
+            into.write(f"{file}\n".encode())
+            into.flush()
+
+
+def _next(place: int) -> subprocess.Popen[bytes]:
+    """Return the process whose turn it is; one that is not there, or has ended, is started."""
+    if place >= len(_running):
+        place = len(_running)
+        _running.append(_started())
+    elif _running[place].poll() is not None:
+        _running[place] = _started()
+    return _running[place]
 
 
 def _started() -> subprocess.Popen[bytes]:
@@ -50,7 +60,9 @@ def _started() -> subprocess.Popen[bytes]:
     if os.name == "nt":
         own = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined, unused-ignore]
     command = [sys.executable, "-m", "hjcamp.model.compiled_ahead"]
-    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **own)
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **own)
+    atexit.register(process.kill)
+    return process
 
 
 def compile_free(kernel: types.ModuleType) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -25,8 +26,9 @@ def test_a_kernel_that_is_compiled_ahead_is_read(tmp_path: Path, monkeypatch: py
     (tmp_path / "plants" / "wheel.py").write_text(WHEEL.replace("parameter.gain *", "0.987 * parameter.gain *"), encoding="utf-8")
     wheel = Simulator(Composition(find_plant("wheel")), free=True)
     assert not is_compiled(wheel.source, "run_free")
+    monkeypatch.setattr(compiled_ahead, "_running", [])
     compiled_ahead.compile_ahead([wheel.source])
-    other = compiled_ahead._running[0]
+    [other] = compiled_ahead._running
     try:
         for _ in range(600):
             if is_compiled(wheel.source, "run_free"):
@@ -45,7 +47,6 @@ def test_a_kernel_that_is_compiled_ahead_is_read(tmp_path: Path, monkeypatch: py
         assert other.stdin is not None
         other.stdin.close()
         assert other.wait(20.0) == 0
-        compiled_ahead._running.clear()
 
 
 def test_a_folder_that_takes_nothing_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -54,6 +55,26 @@ def test_a_folder_that_takes_nothing_is_no_fault(monkeypatch: pytest.MonkeyPatch
 
     monkeypatch.setattr(compiled_ahead.kernel_cache, "written_file", refused)
     monkeypatch.setattr(compiled_ahead.kernel_cache, "is_compiled", lambda source, last: False)
-    monkeypatch.setattr(compiled_ahead, "_asked", set())
+    monkeypatch.setattr(compiled_ahead, "_asked", [])
+    monkeypatch.setattr(compiled_ahead, "_running", [])
     compiled_ahead.compile_ahead(["text"])
     assert not compiled_ahead._running
+
+
+def test_kernels_are_given_to_processes_in_turns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[list[str]] = []
+
+    def started() -> SimpleNamespace:
+        lines: list[str] = []
+        given.append(lines)
+        into = SimpleNamespace(write=lambda line: lines.append(line.decode().strip()), flush=lambda: None)
+        return SimpleNamespace(stdin=into, poll=lambda: None)
+
+    monkeypatch.setattr(compiled_ahead.kernel_cache, "written_file", lambda source: tmp_path / source)
+    monkeypatch.setattr(compiled_ahead.kernel_cache, "is_compiled", lambda source, last: source == "there")
+    monkeypatch.setattr(compiled_ahead, "_asked", [])
+    monkeypatch.setattr(compiled_ahead, "_running", [])
+    monkeypatch.setattr(compiled_ahead, "_started", started)
+    compiled_ahead.compile_ahead(["a", "b", "there", "c"])
+    compiled_ahead.compile_ahead(["c", "d", "a"])
+    assert sorted(map(len, given)) == [2, 2] and sorted(one[-1] for each in given for one in each) == ["a", "b", "c", "d"]
