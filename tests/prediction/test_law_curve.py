@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hjcamp.commands.any_plant.outside_words import over_time_words
 from hjcamp.commands.any_plant.verdict_words import free_law
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
@@ -98,3 +99,9 @@ def test_what_leaks_between_stores_is_said_of_both() -> None:
     row = {"quantity": "force", "port": "velocity", "driver": "velocity_position", "signal": "position"}
     assert free_law(row) == "force at velocity that depends on its position"
     assert free_law({**row, "driver": "time", "signal": "time"}) == "force at velocity that changes with time"
+
+
+@pytest.mark.parametrize(("driver", "repeated", "said"), [("time", False, 1), ("time", True, 0), ("velocity_position", False, 0)])
+def test_what_changes_with_time_in_one_test_may_be_remembered(driver: str, repeated: bool, said: int) -> None:
+    found = over_time_words({"driver": driver}, repeated)
+    assert len(found) == said and all("what the plant remembers" in one for one in found)

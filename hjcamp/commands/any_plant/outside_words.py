@@ -55,6 +55,14 @@ def constant_words(rows: Mapping[str, Mapping[str, Any]], before: float) -> list
     return said
 
 
+def over_time_words(row: Mapping[str, Any], repeated: bool) -> list[str]:
+    """Say of a free law over time what else it may be where no test was repeated."""
+    return [
+        "Of tests that were not repeated, what depends on time may as well be what the plant remembers: a second store beside one that "
+        "is there, something that warms, fills or settles with what was done."
+    ] if row["driver"] == "time" and not repeated else []
+
+
 def seldom(candidates: Sequence[Mapping[str, Any]], window_s: float) -> list[str]:
     """Return which effect would take most of the error, a share that matters, but in too few parts of the tests to be shown.
 

@@ -6,7 +6,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.commands.any_plant.outside_words import by_condition_words, constant_words, never_alone, seldom, swing_words
+from hjcamp.commands.any_plant.outside_words import (
+    by_condition_words,
+    constant_words,
+    never_alone,
+    over_time_words,
+    seldom,
+    swing_words,
+)
 from hjcamp.commands.any_plant.plant_hints import far_states, without_contact
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
@@ -48,10 +55,6 @@ TITLES = {
 }
 STYLES = {"nothing_missing": "green", "effect": "bold", "one_of": "bold"}
 CANDIDATES = ("effect", "t", "left", "parameter", "value", "95 %")
-OVER_TIME = (
-    "Of tests that were not repeated, what depends on time may as well be what the plant remembers: a second store beside one that is "
-    "there, something that warms, fills or settles with what was done."
-)
 # What kind of test tells laws over these drivers apart.
 TELLING = {
     "velocity": "the same moves at other speeds, equal speeds in both directions",
@@ -150,8 +153,7 @@ class Words:
                 f"{_a(free_law(self.content['unknowns'][0]), begins=True)}, of a form that no effect of the library has, predicts "
                 f"better: it leaves {100.0 * self.content['unknowns'][0]['left']:.0f} % of the error. Its curve is on the page."
             )
-            if self.content["unknowns"][0]["driver"] == "time" and not self.analysis.measured.repeated:
-                found.append(OVER_TIME)
+            found += over_time_words(self.content["unknowns"][0], self.analysis.measured.repeated)
         if beside := self.content["follows_motion"]["beside_law"]:
             found.append(
                 f"Of what it leaves {100.0 * beside:.0f} % can be told from the motion and the inputs of its moment all the same (a "
