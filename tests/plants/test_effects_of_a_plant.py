@@ -62,7 +62,7 @@ def answer(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, s
 
 def test_the_catalogue_of_a_plant_names_what_fits_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = answer(capsys, "--plant", "tanks")
-    assert code == 0 and "18 effects" in out and "overflow_at_lower" in out and "hjcamp plants tanks" in out
+    assert code == 0 and "20 effects" in out and "overflow_at_lower" in out and "hjcamp plants tanks" in out
     assert "stribeck" not in out and "pump_backlash" not in out
     code, out, _ = answer(capsys)
     assert "22 effects" in out and "kind of place" in out and "overflow" in out and "stribeck_excess" in out

@@ -24,11 +24,12 @@ ALONE = {
 }  # fmt: skip
 FITS = {
     "axis": "action_lag command_delay constant_force contact_creep coulomb_asymmetry cubic_spring dead_band friction_drift "
-    "hard_stop position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag sensor_offset "
-    "soft_stop spring static_friction_ageing stribeck_excess viscous_asymmetry",
+    "hard_stop maxwell_element position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag "
+    "sensor_offset soft_stop spring static_friction_ageing stribeck_excess viscous_asymmetry",
     "tanks": "action_lag check_valve_at_between check_valve_at_outflow command_delay cross_leakage dead_band "
     "flow_exponent_at_between flow_exponent_at_outflow leakage_at_lower "
-    "leakage_at_upper overflow_at_lower overflow_at_upper saturation sensor_drift sensor_gain sensor_lag sensor_offset spill_over",
+    "leakage_at_upper overflow_at_lower overflow_at_upper saturation second_store_at_lower second_store_at_upper sensor_drift "
+    "sensor_gain sensor_lag sensor_offset spill_over",
 }
 
 

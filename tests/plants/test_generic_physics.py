@@ -111,6 +111,18 @@ def test_forces_that_depend_on_position(position: float) -> None:
     assert added("cubic_spring", here, stiffness=3e3, rest_position=0.1) == pytest.approx(-3e3 * (position - 0.1) ** 3)
 
 
+def test_a_maxwell_element_is_a_spring_at_first_and_lets_go_with_time() -> None:
+    made = model("axis", "maxwell_element", stiffness=30.0, relaxation=50 * MILLI)
+    plain = seen(PlainModel(find_plant("axis")), [{"position": 0.0}], "friction_push")[0]
+    held = seen(made, [{"position": 0.0}, *[{"position": 0.2}] * 200], "friction_push")
+    ramp = (1.0 - exp(-1.0 / 50.0)) * 50.0
+    for k in (1, 51, 200):
+        assert held[k] - plain == pytest.approx(-30.0 * 0.2 * ramp * exp(-(k - 1) / 50.0), rel=1e-3)
+    # drawn out slowly it is a damper of k tau
+    slow = seen(made, [{"position": 0.01 * k * MILLI} for k in range(600)], "friction_push")
+    assert slow[-1] - plain == pytest.approx(-30.0 * 50 * MILLI * 0.01, rel=1e-3)
+
+
 @pytest.mark.parametrize(("position", "force"), [(0.25, -50.0), (0.2, 0.0), (-0.1, 0.0), (-0.15, 50.0)])
 def test_a_soft_stop_pushes_back_at_both_ends(position: float, force: float) -> None:
     found = added("soft_stop", {"position": position}, free_travel=0.15, centre=0.05, stiffness=1e3)
@@ -267,14 +279,18 @@ def test_bristles_are_springs_before_breakaway_and_slide_at_coulomb_friction() -
 # --- Stores and paths
 
 
-def test_losses_of_a_store() -> None:
-    leak = model("tanks", "leakage_at_upper", conductance=0.01, threshold=4.0, conductance_above=0.05)
-    over = model("tanks", "overflow_at_upper", brim=6.0, spill=2.0)
-    for level in (2.0, 5.0, 6.5):
-        place = {"upper": level, "lower": 1.0, "pump": 3.0}
-        assert leak.signals(place)["upper_loss"] == pytest.approx(0.01 * level + 0.05 * max(level - 4.0, 0.0))
-        assert over.signals(place)["upper_loss"] == pytest.approx(2.0 * max(level - 6.0, 0.0))
-        assert over.rates(place)["upper"] == pytest.approx(0.15 - 0.05 * sqrt(level) - 2.0 * max(level - 6.0, 0.0))
+def test_a_second_store_beside_one_gives_back_what_it_took() -> None:
+    period = find_plant("tanks").period
+    made = model("tanks", "second_store_at_upper", conductance=0.01, delay=100.0 * period)
+    found = seen(made, [{"upper": 2.0}, *[{"upper": 5.0}] * 400, *[{"upper": 2.0}] * 1000], "upper_loss")
+    # of a step of 3 the flow is G times what the second store lacks; the step itself is a ramp of one sample here
+    ramp = (1.0 - exp(-0.01)) / 0.01
+    for k in (1, 100, 400):
+        assert found[k] == pytest.approx(0.01 * 3.0 * ramp * exp(-0.01 * (k - 1)), rel=1e-3)
+    # what went in comes out again: C = G tau of each unit of level
+    taken = 0.01 * 3.0 * 100.0 * (1.0 - exp(-4.0))
+    assert sum(found[:401]) == pytest.approx(taken, rel=0.01) and sum(found[401:]) == pytest.approx(-taken, rel=0.01)
+    assert found[0] == 0.0
 
 
 @pytest.mark.parametrize("caught", [0.0, 0.4, 1.0])

@@ -276,6 +276,8 @@ COVERS = {
     "cubic_spring": "the lines hold the sliders like a spring (line_stiffness); entrained_air makes it progressive",
     "soft_stop": "travel_stop and stop_stiffness are parameters of the joint",
     "hard_stop": "travel_stop and stop_stiffness are parameters of the joint",
+    "maxwell_element": "the lines hold the sliders like a spring (line_stiffness), and tubing_creep relaxes them",
+    "second_store": "tubing_creep takes up water late and gives it back",
     "overflow": "a closed line has no brim",
     "spill_over": "a closed line has no brim",
     "check_valve": "no flow crosses between the lines but cross_leakage, a gap that has no direction",
