@@ -15,12 +15,12 @@ from hjcamp.model.candidate import Candidate
 from hjcamp.model.effect import Term
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.laws.alike import alike_laws, replaces
-from hjcamp.prediction.laws.unknown_laws import CommandOverDemand
+from hjcamp.prediction.laws.unknown_laws import ENDS, KNOT, CommandOverDemand
 from hjcamp.prediction.laws.unknowns import Unknown, unknowns_of
 from hjcamp.prediction.measured.floor import _alike_by_no_means
 from hjcamp.prediction.selection.fits import Fits
 from hjcamp.prediction.selection.forward import Search
-from hjcamp.prediction.verdict.verdict import _simpler
+from hjcamp.prediction.verdict.verdict import _forms_of, _simpler
 
 
 @pytest.fixture
@@ -127,7 +127,7 @@ def test_a_free_law_of_a_drive_bends_what_arrives_behind_a_lag(known) -> None:  
     [(slot, term)] = law.effect.terms.items()
     width = 1.0 / (len(knots) - 1)
     for arrived, share in ((0.0, 0.0), (2.5 * width, 0.25), (1.0, 0.5)):
-        given = {"low": 0.0, "high": 1.0, **knots, slot: arrived}
+        given = {**dict(zip(ENDS, (0.0, 1.0), strict=True)), **knots, slot: arrived}
         assert set(term.arguments) == set(given)
         assert CommandOverDemand.command(arrived, 0.0, 1.0, *knots.values()) == pytest.approx(arrived + share)  # type: ignore[attr-defined]
 
@@ -158,6 +158,23 @@ def test_one_free_law_is_simpler_than_several_names(known, law: str, names: tupl
     assert _simpler(analysis, scored(left, 12, law), model, names) == simpler  # type: ignore[arg-type]
     # with no more parameters it always is
     assert _simpler(analysis, scored(left, 8, law), model, names)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("names", "left", "forms"),
+    [
+        (("second_store_at_upper", "leakage_at_upper"), 1.4, ("leakage_at_upper",)),
+        # together they leave less: it may take both
+        (("second_store_at_upper", "leakage_at_upper"), 1.6, ()),
+        (("leakage_at_upper", "overflow_at_upper"), 1.4, ()),
+        (("second_store_at_upper",), 1.4, ()),
+    ],
+)
+def test_a_free_law_alone_leaves_no_second_thing_to_name(known, names: tuple[str, ...], left: float, forms: tuple[str, ...]) -> None:  # type: ignore[no-untyped-def]
+    library, unknowns = known
+    analysis = SimpleNamespace(search=SimpleNamespace(unknowns=unknowns, library=library))
+    free = SimpleNamespace(left_out=left, names=("unknown_loss_over_level_at_upper",))
+    assert _forms_of(analysis, free, SimpleNamespace(left_out=1.5), names) == forms  # type: ignore[arg-type]
 
 
 def test_alike_moments_that_differ_as_much_as_any_tell_no_floor() -> None:
@@ -198,7 +215,7 @@ def test_what_leaks_between_stores_may_follow_any_law_of_their_difference(two_pu
     assert (leak.low, leak.high) == (pytest.approx(-2.0e5, rel=0.01), pytest.approx(2.0e5, rel=0.01))
     assert alike_laws(leak, library["internal_leakage"]) and not alike_laws(leak, library["leakage"])
     taken, given = leak.effect.terms.values()
-    values = {"low": -2.0, "high": 2.0, **{f"a{k}": float(k) for k in range(6)}}
+    values = {**dict(zip(ENDS, (-2.0, 2.0), strict=True)), **{f"{KNOT}{k}": float(k) for k in range(6)}}
     for level, expected in ((2.0, 5.0), (-2.0, 0.0), (9.0, 5.0), (0.4, 3.0)):
         both = {one: level + 7.0, beyond: 7.0}
         found = [

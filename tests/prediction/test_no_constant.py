@@ -187,7 +187,7 @@ def test_what_no_reading_depends_on_is_as_beside_it(kettle: Path) -> None:
     slopes = np.ones((5, 3, 6))
     slopes[:, :, 4:] = 0.0
     own = dict(zip(law.amplitudes, (0.1, 0.2, 0.3, 0.4, 0.0, 0.0), strict=True))
-    fitted = SimpleNamespace(free=free, slopes=slopes, candidate=Candidate({}, {name: {"low": 0.0, "high": 10.0, **own}}))
+    fitted = SimpleNamespace(free=free, slopes=slopes, candidate=Candidate({}, {name: {**law.ends, **own}}))
     analysis: Any = SimpleNamespace(search=SimpleNamespace(unknowns={name: law}))
     model: Any = SimpleNamespace(fitted=fitted)
     found = knots_of(analysis, model, name)

@@ -120,8 +120,8 @@ def _after(words: Words, known: Unknown) -> Scored | None:
             for one in step.unknown:
                 if known.effect.name in one.names:
                     return one
-    ends = {"low": known.low, "high": known.high, **dict.fromkeys(known.amplitudes, 0.0)}
-    fitted = search.fitted(model.fitted.candidate.with_effect(known.effect.name, ends))
+    none = {**known.ends, **dict.fromkeys(known.amplitudes, 0.0)}
+    fitted = search.fitted(model.fitted.candidate.with_effect(known.effect.name, none))
     return fitted if np.isfinite(fitted.left_out) else None
 
 

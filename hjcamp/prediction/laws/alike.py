@@ -24,12 +24,12 @@ def law_of(effect: type[Effect]) -> frozenset[tuple[str, frozenset[str]]] | None
 def alike_laws(free: Unknown, named: type[Effect]) -> bool:
     """Whether a free law is another form of a named one: over what drives it, in the same slot or in what a store gains and loses.
 
-    Dry friction, which nothing drives, is a form of every law of that friction. What bends a value as it arrives, such as a limit, is
-    a form of a free law of that value.
+    Dry friction, which nothing drives, is a form of every law of that friction; what remembers is a form of none elsewhere. What
+    bends a value as it arrives, such as a limit, is a form of a free law of that value.
     """
-    own = {*named.parameters, *named.terms}
-    drivers = [set(term.arguments) - own for term in named.terms.values()]
-    dry = kind_of(named) == "contact" and not (named.states or any(drivers))
+    own, rubs = {*named.parameters, *named.terms}, kind_of(named) == "contact"
+    drivers = [set(term.arguments) - own for term in named.terms.values() if rubs or named.states.keys().isdisjoint(term.arguments)]
+    dry = rubs and not (named.states or any(drivers))
     driven = dry or any(names_in(free.signal) <= one for one in drivers) or _bends(named) & _bends(free.effect)
     kinds = {kind_of(free.effect), kind_of(named)}
     return bool(driven) and (not set(free.effect.terms).isdisjoint(named.terms) or kinds == {"store", "path"})

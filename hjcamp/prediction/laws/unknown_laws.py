@@ -17,10 +17,12 @@ from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter
 
 BIG = (-1e9, 1e9)
+# Names of its own that no state or parameter of a plant is likely to have.
+ENDS, KNOT, AT = ("knots_from", "knots_to"), "knot_", "knots_at"
 
 
 class _Hats:
-    r"""Gives a law the parameters and the methods of h, piecewise linear through ``knots`` knots from ``low`` to ``high``.
+    r"""Gives a law the parameters and the methods of h, piecewise linear through ``knots`` knots from the one of `ENDS` to the other.
 
     .. math:: h(x) = \sum_k a_k \max(0, 1 - |w - k|), \quad w = (n - 1) \min(\max(\tfrac{x - low}{high - low}, 0), 1)
 
@@ -37,8 +39,8 @@ class _Hats:
         positive: bool = False, against: str = "",
     ) -> None:  # fmt: skip
         slots, unit = on.split(), unit or ("s" if over == "time" else over.partition(" ")[0])
-        own = {"low": Parameter(unit, -1.0, BIG), "high": Parameter(unit, 1.0, (-9e8, 1.1e9))}
-        own |= {f"a{k}": Parameter("1" if times else slots[-1], 0.0, BIG, off=0.0) for k in range(knots)}
+        own = {ENDS[0]: Parameter(unit, -1.0, BIG), ENDS[1]: Parameter(unit, 1.0, (-9e8, 1.1e9))}
+        own |= {f"{KNOT}{k}": Parameter("1" if times else slots[-1], 0.0, BIG, off=0.0) for k in range(knots)}
         for name, parameter in own.items():
             setattr(cls, name, parameter)
             parameter.__set_name__(cls, name)
@@ -54,15 +56,15 @@ def _sum_of_hats(
 ) -> Callable[..., Any]:
     """Return the method of a slot; its text is kept where ``inspect``, and so the kernel, finds it."""
     first = [*([slot] if changes or times == slot else []), *over.split(" - "), *([times] if times else [])]
-    names = [*dict.fromkeys(first), "low", "high", *(f"a{k}" for k in range(knots))]
+    names = [*dict.fromkeys(first), *ENDS, *(f"{KNOT}{k}" for k in range(knots))]
     factor = f"{times} * " if times else ""
-    hats = [f"{factor}a{k} * max(0.0, 1.0 - abs(w{f' - {k}.0' if k else ''}))" for k in range(knots)]
+    hats = [f"{factor}{KNOT}{k} * max(0.0, 1.0 - abs({AT}{f' - {k}.0' if k else ''}))" for k in range(knots)]
     share = " + ".join(one.removeprefix(factor) for one in hats)
     whole = f"{slot} * (({share}) + hypot(1.0, {share}))" if positive else f"-({share})" if taken else ""
     text = (
         f"def {slot}({', '.join(names)}):\n"
         f'    """Value at this {over}."""\n'
-        f"    w = {knots - 1}.0 * min(max(({over} - low) / (high - low), 0.0), 1.0)\n"
+        f"    {AT} = {knots - 1}.0 * min(max(({over} - {ENDS[0]}) / ({ENDS[1]} - {ENDS[0]}), 0.0), 1.0)\n"
         f"    return {whole or ' + '.join([*([slot] if slot in names else []), *hats])}\n"
     )
     file = f"<{__name__}.{law}.{slot}>"
@@ -248,4 +250,4 @@ def gain_over(
 
 def amplitudes_of_law(law: type[Effect]) -> tuple[str, ...]:
     """Return the names of the values at a law's knots, in order."""
-    return tuple(name for name in law.parameters if name[1:].isdigit())
+    return tuple(name for name in law.parameters if name.startswith(KNOT))

@@ -20,7 +20,7 @@ from hjcamp.model.port import Port
 from hjcamp.model.source_text import names_in
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.laws import unknown_laws
-from hjcamp.prediction.laws.unknown_laws import amplitudes_of_law, gain_over
+from hjcamp.prediction.laws.unknown_laws import ENDS, amplitudes_of_law, gain_over
 
 Array = NDArray[np.float64]
 LOOKED_AT = 400
@@ -61,6 +61,11 @@ class Unknown:
     def amplitudes(self) -> tuple[str, ...]:
         """The names of its parameters that are fitted."""
         return amplitudes_of_law(self.effect)
+
+    @property
+    def ends(self) -> dict[str, float]:
+        """The values of its parameters that are not fitted: from where to where its knots stand."""
+        return dict(zip(ENDS, (self.low, self.high), strict=True))
 
     def amount(self, value: Any) -> Any:
         """Return what an amplitude stands for: itself, or the share by which a positive law changes its slot."""

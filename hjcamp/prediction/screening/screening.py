@@ -203,7 +203,7 @@ def _reach(item: Parameter) -> float:
 
 def probes_of_unknown(windows: Windows, beside: Beside, unknown: Unknown) -> Iterator[Probe]:
     """Yield the probe of an unknown: one response for each of its knots."""
-    ends, size = {"low": unknown.low, "high": unknown.high}, SMALL * unknown.usual
+    ends, size = unknown.ends, SMALL * unknown.usual
     columns = []
     for name in unknown.amplitudes:
         own = {**ends, **dict.fromkeys(unknown.amplitudes, 0.0), name: size}

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.prediction.fitting.intervals import APART, covariance_of, intervals
+from hjcamp.prediction.laws.unknown_laws import ENDS
 from hjcamp.prediction.laws.unknowns import Unknown
 from hjcamp.prediction.levels import LEVEL
 from hjcamp.prediction.selection.analysis import Analysis
@@ -24,7 +25,7 @@ def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
     values, low, high = (_of_value if known.quantity == "value" else _of_place)(analysis, model, known, x)
     parameters = known.effect.parameters
     return {
-        "x": x.tolist(), "x_unit": parameters["low"].unit, "y": values.tolist(), "y_unit": parameters["a0"].unit,
+        "x": x.tolist(), "x_unit": parameters[ENDS[0]].unit, "y": values.tolist(), "y_unit": parameters[known.amplitudes[0]].unit,
         "low": low.tolist(), "high": high.tolist(),
     }  # fmt: skip
 

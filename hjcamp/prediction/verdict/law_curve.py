@@ -76,7 +76,7 @@ def _moments(
         f"{effect.name}.{name}": value for effect in effects for name, value in candidate.effects[effect.name].items()
     }
     bare = unknown.effect.name
-    flat = {f"{bare}.low": unknown.low, f"{bare}.high": unknown.high}
+    flat = {f"{bare}.{name}": end for name, end in unknown.ends.items()}
     flat |= {f"{bare}.{name}": unknown.usual for name in unknown.amplitudes}
     ports = read_vocabulary(plant).ports.values()
     moving = next((port.names["velocity"] for port in ports if port.names.get("velocity") in plant.states), "")

@@ -22,7 +22,7 @@ def confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], un
 
     Where a free law takes a share that matters beside the model, rivals are compared beside it: what it takes is no scatter. Where it
     is another form of a name, and of a rival that takes most of what it takes, the two are compared beside it alone: of two
-    wrong forms the nearer one is not thereby the kind.
+    wrong forms the nearer one is not thereby the kind. A rival of which it is no form is held against it.
     """
     search, found = analysis.search, [model]
     best = unknown or model
@@ -42,7 +42,12 @@ def confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], un
                 takes = beside or search.error_ratio(one, step.before) <= 1.0 - MATTERS
                 formless = any(all(alike_laws(law, search.library[each]) for each in (name, other)) for law in free)
                 formless = formless and taken(step.before, one) >= MOST_OF_IT * taken(step.before, best)
-                if not takes or (not beside and not formless and ruled_out(analysis, one, _of(step, name), step.before)):
+                # a free law that is another form of the name, and none of the rival, predicts better than that
+                strange = len(added) == 1 and any(
+                    alike_laws(law, search.library[name]) and not alike_laws(law, search.library[other]) for law in free
+                )
+                held = best if strange else _of(step, name)
+                if not takes or (not beside and not formless and ruled_out(analysis, one, held, step.before)):
                     continue
                 values = {other: one.fitted.candidate.effects[other], **laws}
                 rival = search.fitted(_with(model.fitted.candidate.without([name]), values))

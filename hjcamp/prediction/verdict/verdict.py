@@ -266,6 +266,11 @@ def judged(analysis: Analysis) -> Verdict:
             model, unknown = (search.fitted(one.fitted.candidate.without(covered)) for one in (model, unknown))
             added, took = left, taken(base, model)
         law_left = max(law_left, 1.0 - took / max(taken(base, unknown), 1e-12))
+    formed = next((one for one in first.unknown if _forms_of(analysis, one, model, added)), None)
+    if formed is not None:
+        added = _forms_of(analysis, formed, model, added)
+        model, unknown = search.fitted(model.fitted.candidate.without(set(model.beyond(base)) - set(added))), formed
+        law_left = max(law_left, 1.0 - taken(base, model) / taken(base, formed))
     alone = next((one for one in first.unknown if _simpler(analysis, one, model, added)), None)
     if alone is not None:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, alone, ())
@@ -289,6 +294,17 @@ def _simpler(analysis: Analysis, free: Scored, model: Scored, names: tuple[str, 
         return True
     law = next(search.unknowns[name] for name in free.names if name in search.unknowns)
     return len(names) > 1 and free.left_out <= model.left_out and not any(alike_laws(law, search.library[name]) for name in names)
+
+
+def _forms_of(analysis: Analysis, free: Scored, model: Scored, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return those of several names of which a free law is another form that by itself leaves no more than all of them; else none.
+
+    What was found first decides nothing: the rest only mends the form of these.
+    """
+    search = analysis.search
+    law = next(search.unknowns[name] for name in free.names if name in search.unknowns)
+    forms = tuple(name for name in names if alike_laws(law, search.library[name]))
+    return forms if 0 < len(forms) < len(names) and free.left_out <= model.left_out else ()
 
 
 def _far_above_floor(analysis: Analysis, model: Scored) -> bool:

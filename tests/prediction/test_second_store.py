@@ -1,0 +1,116 @@
+"""What remembers is told from what does not: a second store beside one, a leak that grows faster than its level, a damper."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hjcamp.effects import load_effects
+from hjcamp.known_plants import find_plant
+from hjcamp.prediction.fitting.intervals import Interval
+from hjcamp.prediction.laws.alike import alike_laws
+from hjcamp.prediction.laws.unknown_laws import AT, ENDS, KNOT, gain_over
+from hjcamp.prediction.laws.unknowns import unknowns_of
+from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.prediction.verdict import doubts
+from hjcamp.prediction.verdict.verdict import judged
+from hjcamp.records.log import TestLog
+
+CAPACITY, LOSS, BESIDE, DELAY, PERIOD = 400.0, 1.0, 0.6, 300.0, 5.0
+PLANT = '''"""A plate."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, path, sensor, store
+
+
+class Plate(Plant):
+    """A plate that a heater warms and the air cools."""
+
+    period = 5.0
+    excess = State("K", typical=30.0)
+    heater = Input("W", typical=30.0)
+    capacity = Parameter("J/K", 500.0, (10.0, 1e5), "log-uniform", base=True)
+    conductance = Parameter("W/K", 0.8, (1e-3, 100.0), "log-uniform", base=True)
+    excess_k = Measured("probe", of="excess")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        heat = actuator(drive.heater)
+        loss = path(parameter.conductance * state.excess, upstream=state.excess)
+        rate.excess = store(heat - loss, capacity=parameter.capacity)
+        probe = sensor(state.excess)
+'''
+
+
+@pytest.fixture
+def plate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "plate.py").write_text(PLANT, encoding="utf-8")
+    return tmp_path
+
+
+def measured_log(seed: int, hidden: str) -> TestLog:
+    """Return a log of the plate, with a second mass beside it or a loss that grows with the third power of its excess."""
+    generator, count, small = np.random.default_rng(seed), 1200, 20
+    heater = np.repeat(generator.uniform(0.0, 60.0, 40), generator.integers(20, 80, 40))[:count]
+    first = second = 0.0
+    excess = np.empty(count)
+    for k in range(count):
+        excess[k] = first
+        for _ in range(small):
+            step = PERIOD / small
+            given = BESIDE * (first - second) if hidden == "second" else 2e-4 * first**3
+            second += step * given / (BESIDE * DELAY)
+            first += step * (heater[k] - LOSS * first - given) / CAPACITY
+    columns = {
+        "time_s": PERIOD * np.arange(count), "excess_k": excess + 0.05 * generator.standard_normal(count), "heater_w": heater,
+    }  # fmt: skip
+    return TestLog(columns, {"plant": "plate", "period_s": "5.0", "condition": f"train {seed}"})
+
+
+@pytest.mark.parametrize("hidden", ["second", "cube"])
+def test_what_remembers_is_told_from_what_does_not(plate: Path, hidden: str) -> None:
+    measured = measured_tests([measured_log(1, hidden), measured_log(2, hidden)])
+    library = load_effects(plant=measured.plant)
+    analysis = calibrated(measured, {name: library[name] for name in ("leakage", "overflow", "second_store", "sensor_lag")})
+    found = judged(analysis)
+    if hidden == "second":
+        own = found.model.fitted.candidate.effects["second_store"]
+        assert (found.word, found.effects) == ("effect", ("second_store",))
+        assert own == {"conductance": pytest.approx(BESIDE, rel=0.05), "delay": pytest.approx(DELAY, rel=0.05)}
+        assert found.model.fitted.candidate.base["capacity"] == pytest.approx(CAPACITY, rel=0.02)
+    else:
+        assert found.word in ("effect", "one_of") and set(found.effects) <= {"leakage", "overflow"} and found.law_left > 0.0
+
+
+def test_a_free_law_is_no_form_of_what_remembers(plate: Path) -> None:
+    plant = find_plant("plate")
+    library = load_effects(plant=plant)
+    law = unknowns_of(plant, {"excess": (0.0, 50.0)})["unknown_loss_over_level"]
+    assert alike_laws(law, library["leakage"]) and alike_laws(law, library["overflow"])
+    assert not alike_laws(law, library["second_store"])
+
+
+@pytest.mark.parametrize(("low", "high", "said"), [(5.0, 9.0, "least"), (300.0, 5e4, "most"), (200.0, 400.0, "")])
+def test_a_memory_that_stands_at_its_end_is_not_shown(plate: Path, low: float, high: float, said: str) -> None:
+    library = load_effects(plant=find_plant("plate"))
+    assert library["second_store"].parameters["delay"].bounds == (5.0, 5e4)
+    analysis: Any = SimpleNamespace(search=SimpleNamespace(library=library))
+    own = [Interval("second_store", "conductance", 0.5, 0.4, 0.6, False), Interval("second_store", "delay", 300.0, low, high, False)]
+    found = doubts._no_memory(analysis, "second_store", own)
+    assert (f"delay stands at the {said} that it may be" in found) if said else not found
+    # a lag that is short is hardly there, which its value says
+    lag = [Interval("sensor_lag", "lag", 0.5, 0.5, 0.6, True)]
+    assert not doubts._no_memory(analysis, "sensor_lag", lag)
+
+
+@pytest.mark.parametrize("driver", ["low", "high", "w", "a0"])
+def test_a_state_may_have_any_name_beside_those_of_a_free_law(driver: str) -> None:
+    law: Any = gain_over("arm", "force", "force", driver, "m")
+    assert set(law.terms["force"].arguments) == {"force", driver, *ENDS, *(f"{KNOT}{k}" for k in range(6))} and driver != AT
+    assert law.force(2.0, 0.5, 0.0, 1.0, *(0.1 * k for k in range(6))) == pytest.approx(2.0 * 1.25)
