@@ -10,7 +10,7 @@ import pytest
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.prediction.answer import unknown_rows
-from hjcamp.prediction.laws.unknown_laws import gain_over
+from hjcamp.prediction.laws.unknown_laws import ENDS, KNOT, gain_over
 from hjcamp.prediction.laws.unknowns import unknowns_of
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.selection.analysis import calibrated
@@ -96,9 +96,9 @@ def test_what_a_store_gets_or_loses_in_the_course_of_a_test_is_outside(bowl: Pat
 
 def test_a_positive_law_leaves_something_whatever_its_amplitudes_are(bowl: Path) -> None:
     law = gain_over("bowl", "level_capacity", "level_capacity", "level", "m", positive=True)
-    given = {"low": 0.0, "high": 1.0} | {f"a{k}": -1e3 for k in range(6)}
+    given = dict(zip(ENDS, (0.0, 1.0), strict=True)) | {f"{KNOT}{k}": -1e3 for k in range(6)}
     assert 0.0 < law.level_capacity(2.0, 0.5, **given) < 2e-3
-    nothing = given | {f"a{k}": 0.0 for k in range(6)}
+    nothing = given | {f"{KNOT}{k}": 0.0 for k in range(6)}
     assert law.level_capacity(2.0, 0.5, **nothing) == 2.0
     one = unknowns_of(find_plant("bowl"), {"level": (0.1, 2.0), "time": (0.0, 9.0)})["unknown_gain_of_level_capacity_over_level"]
     assert one.amount(0.0) == 0.0 and one.amount(0.75) == pytest.approx(0.75 + 1.25 - 1.0)

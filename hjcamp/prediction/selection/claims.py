@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from hjcamp.prediction.fitting.chapters import advantages, critical, ratio_t, told_apart
 from hjcamp.prediction.fitting.gauss_newton import SETTLED
+from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.fitting.likelihood import size
+from hjcamp.prediction.laws.alike import is_lag
 from hjcamp.prediction.levels import LEVEL, MATTERS, SCATTER
 from hjcamp.prediction.selection.fits import Fits
 from hjcamp.prediction.selection.regression import regression_of
@@ -26,10 +28,25 @@ class Claims(Fits):
     claims: float = LEVEL
 
     def matters(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
-        """Whether a model takes a share of the error that matters, and does so chapter by chapter."""
+        """Whether a model takes a share of the error that matters, does so chapter by chapter, and by what is shown."""
         if not self.beats(model, before, level) or self.error_ratio(model, before) > 1.0 - MATTERS:
             return False
-        return not self.only_scatter(model, before)
+        return not self.only_scatter(model, before) and not self.of_no_memory(model, before)
+
+    def of_no_memory(self, model: Scored, before: Scored) -> bool:
+        """Whether an effect, no lag, by which a model differs remembers for as short or as long as it may: that it does is not shown.
+
+        Of a relaxing spring a damper is left, or a spring: laws without memory, which are looked for by themselves.
+        """
+        effects = {name: self.library[name] for name in model.beyond(before) if name in self.library}
+        times = {
+            (name, one.name): one.bounds for name, effect in effects.items() if effect.states and not is_lag(effect)
+            for one in effect.parameters.values() if one.unit == "s"
+        }  # fmt: skip
+        if not times:
+            return False
+        rows = [one for one in intervals(model.fitted, self.chapters) if (one.effect, one.name) in times]
+        return any(one.low <= low or one.high >= high for one in rows for low, high in [times[one.effect, one.name]])
 
     def only_scatter(self, model: Scored, before: Scored) -> bool:
         """Whether friction differs with place or time by no more than every contact's does: that is how friction is, no effect."""

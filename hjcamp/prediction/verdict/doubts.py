@@ -8,8 +8,7 @@ import numpy as np
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.fitting.chapters import critical
-from hjcamp.prediction.fitting.intervals import Interval, intervals
-from hjcamp.prediction.laws.alike import is_lag
+from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
 from hjcamp.prediction.residuals.simulated import ZERO
 from hjcamp.prediction.selection.analysis import Analysis
@@ -59,28 +58,7 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> s
                 f"what is left is taken by {name} at a value that its bounds tell, not these tests: columns of the logs may be "
                 "exchanged, or a unit or a sign be wrong"
             )
-        if memory := _no_memory(analysis, name, own):
-            return memory
     return names_not_borne_out(analysis, model, names) if names else ""
-
-
-def _no_memory(analysis: Analysis, name: str, own: Sequence[Interval]) -> str:
-    """Return in words that an effect, no lag, remembers for no shorter or longer than it may; empty where it does not.
-
-    Of a relaxing spring a damper is left, or a spring: laws without memory, which may be missing as well.
-    """
-    effect = analysis.search.library[name]
-    if not effect.states or is_lag(effect):
-        return ""
-    for one in own:
-        low, high = effect.parameters[one.name].bounds
-        if effect.parameters[one.name].unit == "s" and (one.low <= low or one.high >= high):
-            end, other = ("least", "follows from the moment") if one.low <= low else ("most", "stays")
-            return (
-                f"what is left is taken by {name}, but its {one.name.replace('_', ' ')} stands at the {end} that it may be: these "
-                f"tests do not show that it remembers, and something that {other} may do the same"
-            )
-    return ""
 
 
 def held_by_bounds(analysis: Analysis) -> str:

@@ -40,6 +40,7 @@ def confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], un
                     continue
                 beside = len(added) > 1 and other in search.of_same_law(name, model)
                 takes = beside or search.error_ratio(one, step.before) <= 1.0 - MATTERS
+                takes = takes and not search.of_no_memory(one, step.before)
                 formless = any(all(alike_laws(law, search.library[each]) for each in (name, other)) for law in free)
                 formless = formless and taken(step.before, one) >= MOST_OF_IT * taken(step.before, best)
                 # a free law that is another form of the name, and none of the rival, predicts better than that
