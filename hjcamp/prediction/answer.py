@@ -247,10 +247,10 @@ def _few_windows(layout: Layout, features: Array, rows: NDArray[np.int64], k: in
 def calibration(analysis: Analysis, model: Scored | None = None) -> dict[str, dict[str, Any]]:
     """Return every base parameter: as declared, and as these tests have it; and how far contacts give way, where that is seen.
 
-    So the base has it by itself, or beside what a ``model`` has found.
+    So the base has it by itself, or beside what a ``model`` has found. What the model had before, its effects, is fitted again with it.
     """
-    plant, found = analysis.measured.plant, {}
-    forms = {name: analysis.search.library[name] for name in analysis.base.names if name not in analysis.start.effects}
+    plant, found, had = analysis.measured.plant, {}, analysis.start.effects
+    forms = {name: analysis.search.library[name] for name in analysis.base.names if name not in had}
     for one in intervals((model or analysis.base).fitted, analysis.search.chapters):
         if one.effect in forms and one.name == forms[one.effect].granted:
             item = forms[one.effect].parameters[one.name]
@@ -260,6 +260,11 @@ def calibration(analysis: Analysis, model: Scored | None = None) -> dict[str, di
                 "unit": item.unit,
                 **one.row,
             }
+        if one.effect in had:
+            unit = analysis.search.library[one.effect].parameters[one.name].unit
+            found[f"{one.effect} {one.name}"] = {
+                "published": had[one.effect][one.name], "value": one.value, "unit": unit, **one.row, "at_bound": one.at_bound,
+            }  # fmt: skip
         if one.effect or one.name.startswith(ZERO):
             continue
         declared = 0.0 if one.name.startswith(DELAY) else plant.parameters[one.name].default

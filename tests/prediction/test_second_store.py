@@ -11,6 +11,8 @@ import pytest
 
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
+from hjcamp.model.candidate import Candidate
+from hjcamp.prediction.answer import calibration
 from hjcamp.prediction.fitting.intervals import Interval
 from hjcamp.prediction.laws.alike import alike_laws
 from hjcamp.prediction.laws.unknown_laws import AT, ENDS, KNOT, gain_over
@@ -123,3 +125,14 @@ def test_a_state_may_have_any_name_beside_those_of_a_free_law(driver: str) -> No
     law: Any = gain_over("arm", "force", "force", driver, "m")
     assert set(law.terms["force"].arguments) == {"force", driver, *ENDS, *(f"{KNOT}{k}" for k in range(6))} and driver != AT
     assert law.force(2.0, 0.5, 0.0, 1.0, *(0.1 * k for k in range(6))) == pytest.approx(2.0 * 1.25)
+
+
+def test_what_a_model_has_is_fitted_with_the_base_and_shown_beside_it(plate: Path) -> None:
+    measured = measured_tests([measured_log(1, "second")])
+    library = load_effects(plant=measured.plant)
+    start = Candidate({}, {"second_store": {"conductance": 0.5, "delay": 250.0}})
+    rows = calibration(calibrated(measured, {"second_store": library["second_store"]}, start, unknowns=False))
+    assert {"capacity", "conductance", "second_store conductance", "second_store delay"} <= rows.keys()
+    row = rows["second_store delay"]
+    assert (row["published"], row["unit"]) == (250.0, "s") and row["value"] == pytest.approx(DELAY, rel=0.05)
+    assert row["ci95"][0] < DELAY < row["ci95"][1]

@@ -58,8 +58,8 @@ def constant_words(rows: Mapping[str, Mapping[str, Any]], before: float) -> list
 def over_time_words(row: Mapping[str, Any], repeated: bool) -> list[str]:
     """Say of a free law over time what else it may be where no test was repeated."""
     return [
-        "Of tests that were not repeated, what depends on time may as well be what the plant remembers: a second store beside one that "
-        "is there, something that warms, fills or settles with what was done."
+        "Of tests that were not repeated, what depends on time may as well be what the plant remembers: something that warms, fills or "
+        "settles with what was done, in a place that no store or body of the plant's file stands for."
     ] if row["driver"] == "time" and not repeated else []
 
 
