@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hjcamp.commands.any_plant.outside_words import no_memory_words
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
@@ -136,3 +137,15 @@ def test_what_a_model_has_is_fitted_with_the_base_and_shown_beside_it(plate: Pat
     row = rows["second_store delay"]
     assert (row["published"], row["unit"]) == (250.0, "s") and row["value"] == pytest.approx(DELAY, rel=0.05)
     assert row["ci95"][0] < DELAY < row["ci95"][1]
+
+
+@pytest.mark.parametrize(("ends", "said"), [((5.0, 9.0), "at the least"), ((300.0, 5e4), "at the most"), ((200.0, 400.0), "")])
+def test_a_memory_that_is_not_shown_is_said_to_be_none(plate: Path, ends: tuple[float, float], said: str) -> None:
+    library = load_effects(plant=find_plant("plate"))
+    row = {
+        "effect": "second_store", "heldout_error_ratio": 0.6, "t": 5.0, "t_needed": 3.0,
+        "parameters": {"conductance": {"ci95": [0.1, 0.2]}, "delay": {"ci95": [*ends]}},
+    }  # fmt: skip
+    found = no_memory_words([row], library, ())
+    assert [said in one and "would take 40 %, but its delay stands" in one for one in found] == ([True] if said else [])
+    assert no_memory_words([row], library, ("second_store",)) == no_memory_words([row | {"t": 2.0}], library, ()) == []

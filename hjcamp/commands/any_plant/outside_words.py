@@ -63,6 +63,26 @@ def over_time_words(row: Mapping[str, Any], repeated: bool) -> list[str]:
     ] if row["driver"] == "time" and not repeated else []
 
 
+def no_memory_words(candidates: Sequence[Mapping[str, Any]], library: Mapping[str, type[Effect]], named: Sequence[str]) -> list[str]:
+    """Say of an effect that would take a share that matters why it is not named: its memory stands at an end of what it may be."""
+    from hjcamp.prediction.laws.alike import times_remembered
+
+    said = []
+    for one in candidates:
+        if one["effect"] in named or one["heldout_error_ratio"] > 1.0 - MATTERS or one["t"] < one["t_needed"]:
+            continue
+        for name, (low, high) in times_remembered(library[one["effect"]]).items():
+            least, most = one["parameters"][name]["ci95"]
+            if least <= low or most >= high:
+                end, how = ("least", "depends on the rate") if least <= low else ("most", "depends on the moment alone")
+                took = f"{one['effect']} would take {100.0 * (1.0 - one['heldout_error_ratio']):.0f} %"
+                said.append(
+                    f"{took}, but its {name.replace('_', ' ')} stands at the {end} that it may be: these tests do not show that it "
+                    f"remembers, and a law that {how} would do the same."
+                )
+    return said
+
+
 def seldom(candidates: Sequence[Mapping[str, Any]], window_s: float) -> list[str]:
     """Return which effect would take most of the error, a share that matters, but in too few parts of the tests to be shown.
 

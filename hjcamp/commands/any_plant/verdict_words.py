@@ -10,6 +10,7 @@ from hjcamp.commands.any_plant.outside_words import (
     by_condition_words,
     constant_words,
     never_alone,
+    no_memory_words,
     over_time_words,
     seldom,
     swing_words,
@@ -225,7 +226,9 @@ class Words:
         # beside a lag that is named the base is as late as that model has it
         late = self.content["calibration_with_effects"] or rows
         found += other_sizes(rows, self.content["candidates"][:SHOWN])
-        found += ends_of_laws(verdict.effects, self.content["candidates"], self.analysis.search.library)
+        effects = self.analysis.search.library
+        found += ends_of_laws(verdict.effects, self.content["candidates"], effects)
+        found += no_memory_words(self.content["candidates"], effects, verdict.effects)
         found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
         found += run_away_words(self.content) + still_words(self.content["still"]) + never_alone(library)
         found += without_contact(self.analysis.measured.plant, self.content["unknowns"][:1]) + far_states(self.analysis.windows)

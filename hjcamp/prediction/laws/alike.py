@@ -70,6 +70,16 @@ def is_lag(effect: type[Effect]) -> bool:
     return bool(effect.states) and kind_of(effect) in ("actuator", "sensor")
 
 
+def times_remembered(effect: type[Effect]) -> dict[str, tuple[float, float]]:
+    """Return the bounds of the times for which an effect, no lag, remembers, by parameter, s.
+
+    At an end of these it need not remember: of a relaxing spring a damper is left, or a spring, laws that are looked for by themselves.
+    """
+    if not effect.states or is_lag(effect):
+        return {}
+    return {one.name: one.bounds for one in effect.parameters.values() if one.unit == "s"}
+
+
 def kind_of(effect: type[Effect]) -> str:
     """Return the kind of place that a bound effect acts on; empty where it was written in the names of one plant."""
     made_of = getattr(effect, "made_of", None)

@@ -12,7 +12,7 @@ from hjcamp.prediction.fitting.chapters import advantages, critical, ratio_t, to
 from hjcamp.prediction.fitting.gauss_newton import SETTLED
 from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.fitting.likelihood import size
-from hjcamp.prediction.laws.alike import is_lag
+from hjcamp.prediction.laws.alike import times_remembered
 from hjcamp.prediction.levels import LEVEL, MATTERS, SCATTER
 from hjcamp.prediction.selection.fits import Fits
 from hjcamp.prediction.selection.regression import regression_of
@@ -34,19 +34,12 @@ class Claims(Fits):
         return not self.only_scatter(model, before) and not self.of_no_memory(model, before)
 
     def of_no_memory(self, model: Scored, before: Scored) -> bool:
-        """Whether an effect, no lag, by which a model differs remembers for as short or as long as it may: that it does is not shown.
-
-        Of a relaxing spring a damper is left, or a spring: laws without memory, which are looked for by themselves.
-        """
-        effects = {name: self.library[name] for name in model.beyond(before) if name in self.library}
-        times = {
-            (name, one.name): one.bounds for name, effect in effects.items() if effect.states and not is_lag(effect)
-            for one in effect.parameters.values() if one.unit == "s"
-        }  # fmt: skip
-        if not times:
-            return False
-        rows = [one for one in intervals(model.fitted, self.chapters) if (one.effect, one.name) in times]
-        return any(one.low <= low or one.high >= high for one in rows for low, high in [times[one.effect, one.name]])
+        """Whether the time for which an effect remembers reaches an end of what it may be: that it remembers is not shown."""
+        effects = (name for name in model.beyond(before) if name in self.library)
+        times = {(name, key): ends for name in effects for key, ends in times_remembered(self.library[name]).items()}
+        rows = intervals(model.fitted, self.chapters) if times else []
+        ended = ((one, times[one.effect, one.name]) for one in rows if (one.effect, one.name) in times)
+        return any(one.low <= low or one.high >= high for one, (low, high) in ended)
 
     def only_scatter(self, model: Scored, before: Scored) -> bool:
         """Whether friction differs with place or time by no more than every contact's does: that is how friction is, no effect."""
