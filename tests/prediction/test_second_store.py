@@ -15,7 +15,7 @@ from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.answer import calibration
 from hjcamp.prediction.fitting.intervals import Interval
-from hjcamp.prediction.laws.alike import alike_laws
+from hjcamp.prediction.laws.alike import alike_laws, times_remembered
 from hjcamp.prediction.laws.unknown_laws import AT, ENDS, KNOT, gain_over
 from hjcamp.prediction.laws.unknowns import unknowns_of
 from hjcamp.prediction.measured.tests import measured_tests
@@ -137,6 +137,12 @@ def test_what_a_model_has_is_fitted_with_the_base_and_shown_beside_it(plate: Pat
     row = rows["second_store delay"]
     assert (row["published"], row["unit"]) == (250.0, "s") and row["value"] == pytest.approx(DELAY, rel=0.05)
     assert row["ci95"][0] < DELAY < row["ci95"][1]
+
+
+def test_friction_that_changes_for_longer_than_a_test_is_friction_that_changes(axis: Path) -> None:
+    library = load_effects(plant=find_plant("axis"))
+    assert library["friction_drift"].states and not times_remembered(library["friction_drift"])
+    assert set(times_remembered(library["maxwell_element"])) == {"relaxation"} and not times_remembered(library["command_delay"])
 
 
 @pytest.mark.parametrize(("ends", "said"), [((5.0, 9.0), "at the least"), ((300.0, 5e4), "at the most"), ((200.0, 400.0), "")])

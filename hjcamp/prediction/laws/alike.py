@@ -71,11 +71,12 @@ def is_lag(effect: type[Effect]) -> bool:
 
 
 def times_remembered(effect: type[Effect]) -> dict[str, tuple[float, float]]:
-    """Return the bounds of the times for which an effect, no lag, remembers, by parameter, s.
+    """Return the bounds of the times for which an effect, no lag and no friction, remembers, by parameter, s.
 
     At an end of these it need not remember: of a relaxing spring a damper is left, or a spring, laws that are looked for by themselves.
+    A lag of no time is none, and friction that changes for longer than a test lasts is friction that changes.
     """
-    if not effect.states or is_lag(effect):
+    if not effect.states or is_lag(effect) or kind_of(effect) == "contact":
         return {}
     return {one.name: one.bounds for one in effect.parameters.values() if one.unit == "s"}
 
