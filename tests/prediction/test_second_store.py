@@ -104,6 +104,7 @@ def test_a_free_law_is_no_form_of_what_remembers(plate: Path) -> None:
     ("effect", "low", "high", "shown"),
     [
         ("second_store", 5.0, 9.0, False), ("second_store", 300.0, 5e4, False), ("second_store", 200.0, 400.0, True),
+        ("second_store", 19.0, 40.0, False),
         # a lag that is short is hardly there, which its value says
         ("sensor_lag", 0.5, 0.6, True),
     ],
@@ -117,6 +118,10 @@ def test_a_memory_that_stands_at_its_end_is_not_shown(
     monkeypatch.setattr(claims, "intervals", lambda fitted, chapters: [Interval(effect, name, 0.5 * (low + high), low, high, False)])
     search = Claims.__new__(Claims)
     search.library, search.chapters = library, np.zeros(3, dtype=int)
+    # six coefficients of 24 samples of 5 s: what is forgotten within 20 s follows the moment
+    layout: Any = SimpleNamespace(width=24, basis=np.zeros((24, 6)), measured=SimpleNamespace(period=PERIOD))
+    search.windows = SimpleNamespace(layout=layout)  # type: ignore[assignment]
+    assert search.shortest_memory == 20.0
     model: Any = SimpleNamespace(fitted=None, beyond=lambda before: (effect,))
     assert search.of_no_memory(model, model) != shown
 
@@ -154,4 +159,5 @@ def test_a_memory_that_is_not_shown_is_said_to_be_none(plate: Path, ends: tuple[
     }  # fmt: skip
     found = no_memory_words([row], library, ())
     assert [said in one and "would take 40 %, but its delay stands" in one for one in found] == ([True] if said else [])
+    assert len(no_memory_words([row], library, (), shortest=ends[0])) == 1
     assert no_memory_words([row], library, ("second_store",)) == no_memory_words([row | {"t": 2.0}], library, ()) == []

@@ -63,8 +63,13 @@ def over_time_words(row: Mapping[str, Any], repeated: bool) -> list[str]:
     ] if row["driver"] == "time" and not repeated else []
 
 
-def no_memory_words(candidates: Sequence[Mapping[str, Any]], library: Mapping[str, type[Effect]], named: Sequence[str]) -> list[str]:
-    """Say of an effect that would take a share that matters why it is not named: its memory stands at an end of what it may be."""
+def no_memory_words(
+    candidates: Sequence[Mapping[str, Any]], library: Mapping[str, type[Effect]], named: Sequence[str], shortest: float = 0.0
+) -> list[str]:
+    """Say of an effect that would take a share that matters why it is not named: its memory stands at an end of what it may be.
+
+    ``shortest`` is the least that readings resolve, s.
+    """
     from hjcamp.prediction.laws.alike import times_remembered
 
     said = []
@@ -73,12 +78,13 @@ def no_memory_words(candidates: Sequence[Mapping[str, Any]], library: Mapping[st
             continue
         for name, (low, high) in times_remembered(library[one["effect"]]).items():
             least, most = one["parameters"][name]["ci95"]
-            if least <= low or most >= high:
-                end, how = ("least", "depends on the rate") if least <= low else ("most", "depends on the moment alone")
+            short = least <= max(low, shortest)
+            if short or most >= high:
+                end, how = ("least", "depends on the rate") if short else ("most", "depends on the moment alone")
                 took = f"{one['effect']} would take {100.0 * (1.0 - one['heldout_error_ratio']):.0f} %"
                 said.append(
-                    f"{took}, but its {name.replace('_', ' ')} stands at the {end} that it may be: these tests do not show that it "
-                    f"remembers, and a law that {how} would do the same."
+                    f"{took}, but its {name.replace('_', ' ')} stands at the {end} that it may be or that windows tell: these tests do "
+                    f"not show that it remembers, and a law that {how} would do the same."
                 )
     return said
 

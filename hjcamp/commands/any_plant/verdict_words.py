@@ -228,7 +228,7 @@ class Words:
         found += other_sizes(rows, self.content["candidates"][:SHOWN])
         effects = self.analysis.search.library
         found += ends_of_laws(verdict.effects, self.content["candidates"], effects)
-        found += no_memory_words(self.content["candidates"], effects, verdict.effects)
+        found += no_memory_words(self.content["candidates"], effects, verdict.effects, self.analysis.search.shortest_memory)
         found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
         found += run_away_words(self.content) + still_words(self.content["still"]) + never_alone(library)
         found += without_contact(self.analysis.measured.plant, self.content["unknowns"][:1]) + far_states(self.analysis.windows)

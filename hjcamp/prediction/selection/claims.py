@@ -34,12 +34,21 @@ class Claims(Fits):
         return not self.only_scatter(model, before) and not self.of_no_memory(model, before)
 
     def of_no_memory(self, model: Scored, before: Scored) -> bool:
-        """Whether the time for which an effect remembers reaches an end of what it may be: that it remembers is not shown."""
+        """Whether the time for which an effect remembers reaches an end of what it may be, or of what readings resolve.
+
+        That it remembers is not shown then.
+        """
         effects = (name for name in model.beyond(before) if name in self.library)
         times = {(name, key): ends for name in effects for key, ends in times_remembered(self.library[name]).items()}
         rows = intervals(model.fitted, self.chapters) if times else []
         ended = ((one, times[one.effect, one.name]) for one in rows if (one.effect, one.name) in times)
-        return any(one.low <= low or one.high >= high for one, (low, high) in ended)
+        return any(one.low <= max(low, self.shortest_memory) or one.high >= high for one, (low, high) in ended)
+
+    @property
+    def shortest_memory(self) -> float:
+        """The time that the smooth part of a window resolves, s: what is forgotten sooner follows the moment for all that it shows."""
+        layout = self.windows.layout
+        return layout.width / layout.basis.shape[1] * layout.measured.period
 
     def only_scatter(self, model: Scored, before: Scored) -> bool:
         """Whether friction differs with place or time by no more than every contact's does: that is how friction is, no effect."""
