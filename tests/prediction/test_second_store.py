@@ -15,7 +15,7 @@ from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.answer import calibration
 from hjcamp.prediction.fitting.intervals import Interval
-from hjcamp.prediction.laws.alike import alike_laws, times_remembered
+from hjcamp.prediction.laws.alike import alike_laws, memory_end, times_remembered
 from hjcamp.prediction.laws.unknown_laws import AT, ENDS, KNOT, gain_over
 from hjcamp.prediction.laws.unknowns import unknowns_of
 from hjcamp.prediction.measured.tests import measured_tests
@@ -147,6 +147,7 @@ def test_what_a_model_has_is_fitted_with_the_base_and_shown_beside_it(plate: Pat
 def test_friction_that_changes_for_longer_than_a_test_is_friction_that_changes(axis: Path) -> None:
     library = load_effects(plant=find_plant("axis"))
     assert library["friction_drift"].states and not times_remembered(library["friction_drift"])
+    assert [memory_end((None, 3.0), (1.0, 9.0), 0.0), memory_end((2.0, None), (1.0, 9.0), 0.0)] == ["least", "most"]
     assert set(times_remembered(library["maxwell_element"])) == {"relaxation"} and not times_remembered(library["command_delay"])
 
 

@@ -70,17 +70,15 @@ def no_memory_words(
 
     ``shortest`` is the least that readings resolve, s.
     """
-    from hjcamp.prediction.laws.alike import times_remembered
+    from hjcamp.prediction.laws.alike import memory_end, times_remembered
 
     said = []
     for one in candidates:
         if one["effect"] in named or one["heldout_error_ratio"] > 1.0 - MATTERS or one["t"] < one["t_needed"]:
             continue
-        for name, (low, high) in times_remembered(library[one["effect"]]).items():
-            least, most = one["parameters"][name]["ci95"]
-            short = least <= max(low, shortest)
-            if short or most >= high:
-                end, how = ("least", "depends on the rate") if short else ("most", "depends on the moment alone")
+        for name, bounds in times_remembered(library[one["effect"]]).items():
+            if end := memory_end(one["parameters"][name]["ci95"], bounds, shortest):
+                how = "depends on the rate" if end == "least" else "depends on the moment alone"
                 took = f"{one['effect']} would take {100.0 * (1.0 - one['heldout_error_ratio']):.0f} %"
                 said.append(
                     f"{took}, but its {name.replace('_', ' ')} stands at the {end} that it may be or that windows tell: these tests do "

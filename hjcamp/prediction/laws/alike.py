@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -79,6 +79,17 @@ def times_remembered(effect: type[Effect]) -> dict[str, tuple[float, float]]:
     if not effect.states or is_lag(effect) or kind_of(effect) == "contact":
         return {}
     return {one.name: one.bounds for one in effect.parameters.values() if one.unit == "s"}
+
+
+def memory_end(ci95: Sequence[float | None], bounds: tuple[float, float], shortest: float) -> str:
+    """Return the end, "least" or "most", of what a time may be, or readings resolve, that its interval reaches; empty where none.
+
+    An end of the interval that is none is not told.
+    """
+    least, most = ci95
+    if least is None or least <= max(bounds[0], shortest):
+        return "least"
+    return "most" if most is None or most >= bounds[1] else ""
 
 
 def kind_of(effect: type[Effect]) -> str:

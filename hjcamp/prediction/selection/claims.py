@@ -12,7 +12,7 @@ from hjcamp.prediction.fitting.chapters import advantages, critical, ratio_t, to
 from hjcamp.prediction.fitting.gauss_newton import SETTLED
 from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.fitting.likelihood import size
-from hjcamp.prediction.laws.alike import times_remembered
+from hjcamp.prediction.laws.alike import memory_end, times_remembered
 from hjcamp.prediction.levels import LEVEL, MATTERS, SCATTER
 from hjcamp.prediction.selection.fits import Fits
 from hjcamp.prediction.selection.regression import regression_of
@@ -41,8 +41,8 @@ class Claims(Fits):
         effects = (name for name in model.beyond(before) if name in self.library)
         times = {(name, key): ends for name in effects for key, ends in times_remembered(self.library[name]).items()}
         rows = intervals(model.fitted, self.chapters) if times else []
-        ended = ((one, times[one.effect, one.name]) for one in rows if (one.effect, one.name) in times)
-        return any(one.low <= max(low, self.shortest_memory) or one.high >= high for one, (low, high) in ended)
+        remembered = ((one, times[one.effect, one.name]) for one in rows if (one.effect, one.name) in times)
+        return any(memory_end((one.low, one.high), bounds, self.shortest_memory) for one, bounds in remembered)
 
     @property
     def shortest_memory(self) -> float:
