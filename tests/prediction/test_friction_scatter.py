@@ -44,4 +44,4 @@ def test_friction_over_place_or_time_scatters_and_nothing_else_does(axis: Path) 
     assert [name for name, one in library.items() if one.scatters] == ["friction_drift", "position_friction"]
     ranges = dict.fromkeys(("position", "velocity", "voltage", "time", "dry"), (-1.0, 1.0))
     names = {name for name, one in unknowns_of(measured.plant, ranges).items() if one.scatters}
-    assert names == {"unknown_friction_over_travel", "unknown_friction_over_time"}
+    assert names == {f"unknown_{what}_over_{driver}" for what in ("friction", "damping") for driver in ("travel", "time")}

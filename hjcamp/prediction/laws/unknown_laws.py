@@ -147,6 +147,24 @@ class FrictionOverLoad(_Hats, Effect, on="static coulomb", over="load", knots=6)
     acts_on = "contact"
 
 
+class DampingOverTravel(_Hats, Effect, on="viscous", over="travel", knots=6):
+    r"""Viscous friction of a contact that depends on where it is: a magnet beside a disc, a film of oil that is squeezed.
+
+    .. math:: C_v \mathrel{+}= h(x)
+    """
+
+    acts_on = "contact"
+
+
+class DampingOverTime(_Hats, Effect, on="viscous", over="time", knots=6):
+    r"""Viscous friction of a contact that changes during a test, as where oil warms.
+
+    .. math:: C_v \mathrel{+}= h(t)
+    """
+
+    acts_on = "contact"
+
+
 class LossOverLevel(_Hats, Effect, on="loss", over="level", knots=6):
     r"""A loss of a store that depends on its level.
 
@@ -224,8 +242,8 @@ class ReadingOverTrue(_Hats, Effect, on="reading", over="reading", knots=12, cha
 
 LAWS: tuple[type[Effect], ...] = (
     ForceOverPosition, FineForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
-    FrictionOverLoad, LossOverLevel, LossOverTime, LossOverDifference, FlowOverHead, CommandOverDemand, OutputOverInput,
-    OutputOverTwist, ReadingOverTrue,
+    FrictionOverLoad, DampingOverTravel, DampingOverTime, LossOverLevel, LossOverTime, LossOverDifference, FlowOverHead,
+    CommandOverDemand, OutputOverInput, OutputOverTwist, ReadingOverTrue,
 )  # fmt: skip
 
 

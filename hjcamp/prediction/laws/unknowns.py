@@ -26,8 +26,8 @@ Array = NDArray[np.float64]
 LOOKED_AT = 400
 # The slot whose gain may change at a place of a kind, and what it is so many times of.
 TIMES = {"actuator": ("command", "demand"), "path": ("flow", "flow"), "store": ("capacity", "capacity")}
-# The slots of a contact in which its dry friction is.
-RUBS = ("static", "coulomb")
+# The slots of a contact in which its friction is.
+RUBS = ("static", "coulomb", "viscous")
 # What is a share of its slot's own value.
 SHARES = ("gain", "capacity", "stiffness", "value")
 # What is a law of its slot's value as that arrives.
@@ -85,7 +85,7 @@ class Unknown:
     @property
     def scatters(self) -> bool:
         """Whether it is friction over place or time: see `Effect.scatters`."""
-        return self.quantity == "friction" and self.driver in ("travel", "time")
+        return self.quantity in ("friction", "damping") and self.driver in ("travel", "time")
 
 
 def unknowns_of(
