@@ -18,10 +18,12 @@ from hjcamp.prediction.fitting.intervals import Interval
 from hjcamp.prediction.laws.alike import alike_laws, memory_end, times_remembered
 from hjcamp.prediction.laws.unknown_laws import AT, ENDS, KNOT, gain_over
 from hjcamp.prediction.laws.unknowns import unknowns_of
+from hjcamp.prediction.levels import LEVEL
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.selection import claims
 from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.prediction.selection.claims import Claims
+from hjcamp.prediction.verdict.doubts import doubt_of_nothing
 from hjcamp.prediction.verdict.verdict import judged
 from hjcamp.records.log import TestLog
 
@@ -158,7 +160,19 @@ def test_a_memory_that_is_not_shown_is_said_to_be_none(plate: Path, ends: tuple[
         "effect": "second_store", "heldout_error_ratio": 0.6, "t": 5.0, "t_needed": 3.0,
         "parameters": {"conductance": {"ci95": [0.1, 0.2]}, "delay": {"ci95": [*ends]}},
     }  # fmt: skip
-    found = no_memory_words([row], library, ())
+    found = no_memory_words([row], library)
     assert [said in one and "would take 40 %, but its delay stands" in one for one in found] == ([True] if said else [])
-    assert len(no_memory_words([row], library, (), shortest=ends[0])) == 1
-    assert no_memory_words([row], library, ("second_store",)) == no_memory_words([row | {"t": 2.0}], library, ()) == []
+    assert len(no_memory_words([row], library, shortest=ends[0])) == 1
+    assert no_memory_words([row | {"t": 2.0}], library) == []
+
+
+@pytest.mark.parametrize(("p_value", "takes", "doubted"), [(0.01, True, True), (0.01, False, False), (0.2, True, False)])
+def test_what_takes_a_share_without_being_shown_to_remember_is_not_nothing(p_value: float, takes: bool, doubted: bool) -> None:
+    model: Any = SimpleNamespace(beyond=lambda before: ("second_store",))
+    step = SimpleNamespace(before=None, named=(model,), p_value=p_value, claims=LEVEL, level=LEVEL)
+    search = SimpleNamespace(
+        steps=[step], takes_a_share=lambda one, before, level: takes, of_no_memory=lambda one, before: True,
+        error_ratio=lambda one, before: 0.77,
+    )  # fmt: skip
+    analysis: Any = SimpleNamespace(held=(), search=search, floor=SimpleNamespace(source="repetitions"))
+    assert doubt_of_nothing(analysis, p_value).startswith("second_store takes 23 % of the error") == doubted

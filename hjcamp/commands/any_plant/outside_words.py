@@ -64,7 +64,7 @@ def over_time_words(row: Mapping[str, Any], repeated: bool) -> list[str]:
 
 
 def no_memory_words(
-    candidates: Sequence[Mapping[str, Any]], library: Mapping[str, type[Effect]], named: Sequence[str], shortest: float = 0.0
+    candidates: Sequence[Mapping[str, Any]], library: Mapping[str, type[Effect]], shortest: float = 0.0
 ) -> list[str]:
     """Say of an effect that would take a share that matters why it is not named: its memory stands at an end of what it may be.
 
@@ -74,7 +74,7 @@ def no_memory_words(
 
     said = []
     for one in candidates:
-        if one["effect"] in named or one["heldout_error_ratio"] > 1.0 - MATTERS or one["t"] < one["t_needed"]:
+        if one["heldout_error_ratio"] > 1.0 - MATTERS or one["t"] < one["t_needed"]:
             continue
         for name, bounds in times_remembered(library[one["effect"]]).items():
             if end := memory_end(one["parameters"][name]["ci95"], bounds, shortest):

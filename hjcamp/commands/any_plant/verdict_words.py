@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.analyses.untold import untold
 from hjcamp.commands.any_plant.outside_words import (
     by_condition_words,
     constant_words,
@@ -228,10 +229,12 @@ class Words:
         found += other_sizes(rows, self.content["candidates"][:SHOWN])
         effects = self.analysis.search.library
         found += ends_of_laws(verdict.effects, self.content["candidates"], effects)
-        found += no_memory_words(self.content["candidates"], effects, verdict.effects, self.analysis.search.shortest_memory)
-        found += held_by_bounds(rows) + late_inputs(late, verdict.effects, period) + end_words(self.content["ends"])
-        found += run_away_words(self.content) + still_words(self.content["still"]) + never_alone(library)
-        found += without_contact(self.analysis.measured.plant, self.content["unknowns"][:1]) + far_states(self.analysis.windows)
+        if not verdict.effects:
+            found += no_memory_words(self.content["candidates"], effects, self.analysis.search.shortest_memory)
+        found += untold(self.analysis) + held_by_bounds(rows) + late_inputs(late, verdict.effects, period)
+        found += end_words(self.content["ends"]) + run_away_words(self.content) + still_words(self.content["still"])
+        found += never_alone(library) + without_contact(self.analysis.measured.plant, self.content["unknowns"][:1])
+        found += far_states(self.analysis.windows)
         return found + self.telling()
 
     def _seldom(self) -> list[str]:

@@ -29,9 +29,13 @@ class Claims(Fits):
 
     def matters(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
         """Whether a model takes a share of the error that matters, does so chapter by chapter, and by what is shown."""
+        return self.takes_a_share(model, before, level) and not self.of_no_memory(model, before)
+
+    def takes_a_share(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
+        """Whether a model takes a share of the error that matters, chapter by chapter, that every contact's scatter does not."""
         if not self.beats(model, before, level) or self.error_ratio(model, before) > 1.0 - MATTERS:
             return False
-        return not self.only_scatter(model, before) and not self.of_no_memory(model, before)
+        return not self.only_scatter(model, before)
 
     def of_no_memory(self, model: Scored, before: Scored) -> bool:
         """Whether the time for which an effect remembers reaches an end of what it may be, or of what readings resolve.

@@ -19,11 +19,12 @@ from hjcamp.prediction.verdict.borne_out import names_not_borne_out, not_in_wind
 def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
     """Return in words why "nothing is missing" cannot be said; empty where it can.
 
-    So it is where the base left what it may be; and where no floor is known, all of the error is more than chance, and either most of
-    what a sensor errs by is more than its noise, a delay of the base stands at its most, or whole short tests show an effect.
+    So it is where the base left what it may be, or what an effect takes matters but is not shown to be remembered; and where no floor
+    is known, all of the error is more than chance, and either most of what a sensor errs by is more than its noise, a delay of the
+    base stands at its most, or whole short tests show an effect.
     """
-    if held := held_by_bounds(analysis):
-        return held
+    if doubt := held_by_bounds(analysis) or _without_memory(analysis):
+        return doubt
     if analysis.floor.source != "sensor" or p_value > LEVEL:
         return ""
     nearest = _nearest(analysis)
@@ -69,6 +70,20 @@ def held_by_bounds(analysis: Analysis) -> str:
         f"{analysis.held[0].replace('_', ' ')} stands at its bound, far from what is declared: these tests do not tell it, its bounds "
         "are wrong, or it takes the place of what is missing"
     )
+
+
+def _without_memory(analysis: Analysis) -> str:
+    """Return in words which effect takes a share that matters, but is not shown to remember; empty where none does."""
+    search, step = analysis.search, analysis.search.steps[0]
+    found = [one for one in step.named if step.p_value <= step.claims and search.takes_a_share(one, step.before, step.level)]
+    for model in (one for one in found if search.of_no_memory(one, step.before)):
+        [name] = model.beyond(step.before)
+        took = 100.0 * (1.0 - search.error_ratio(model, step.before))
+        return (
+            f"{name} takes {took:.0f} % of the error chapter by chapter, but is not shown to remember, and no law without "
+            "memory is shown to take as much: something is missing, but these tests do not tell what"
+        )
+    return ""
 
 
 def _late(analysis: Analysis, p_value: float) -> str:
