@@ -11,10 +11,12 @@ if TYPE_CHECKING:
 
 
 def untold(analysis: Analysis) -> list[str]:
-    """Return a sentence for each base parameter that moves together with others in the fit to these tests.
+    """Return a sentence for each group of base parameters that move together in the fit to these tests.
 
-    None where its interval is narrow all the same: within a share of its value that matters.
+    None of one whose interval is narrow all the same: within a share of its value that matters.
     """
+    from scipy.sparse.csgraph import connected_components
+
     from hjcamp.prediction.fitting.intervals import intervals
     from hjcamp.prediction.levels import MATTERS
     from hjcamp.report.pictures.corner import ALIKE, correlation_of
@@ -25,12 +27,10 @@ def untold(analysis: Analysis) -> list[str]:
     base = analysis.measured.plant.base_parameters
     found = intervals(fitted, analysis.search.chapters)
     wide = [not one.told or one.high - one.low > 2.0 * MATTERS * abs(one.value) for one in found]
-    names = [one.name if not one.effect and one.name in base and far else "" for one, far in zip(found, wide, strict=True)]
-    said = []
-    for place, name in enumerate(names):
-        partners = [other for one, other in enumerate(names) if other and one != place and alike[place, one]]
-        if name and partners:
-            said.append(
-                f"{name} cannot be told from {', '.join(partners)} by these tests: give one of them (base=False)"
-            )
-    return said
+    kept = [k for k, one in enumerate(found) if not one.effect and one.name in base and wide[k]]
+    group = connected_components(alike[np.ix_(kept, kept)], directed=False)[1]
+    groups = [[found[k].name for k, own in zip(kept, group, strict=True) if own == each] for each in dict.fromkeys(group)]
+    return [
+        f"These tests do not tell {', '.join(names[:-1])} and {names[-1]} apart: give one of them (base=False)."
+        for names in groups if len(names) > 1
+    ]  # fmt: skip

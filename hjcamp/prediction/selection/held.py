@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 def held_away(analysis: Analysis) -> tuple[str, ...]:
     """Return the base parameters that stand at a bound, far from what is declared.
 
-    So it is where its interval leaves out what is declared. Else, as of two gains whose product alone is told, the base with that
-    parameter as declared has to fit worse (likelihood ratio at the level of all claims): at a bound an interval tells little.
+    The base with that parameter as declared has to fit worse (likelihood ratio at the level of all claims): at a bound an interval
+    tells little, and nothing of two gains whose product alone is told.
     """
     parameters, fitted = analysis.measured.plant.parameters, analysis.base.fitted
     names = set(analysis.measured.plant.base_parameters)
@@ -33,8 +33,6 @@ def _away(analysis: Analysis, one: Interval, declared: float) -> bool:
 
     if one.value == declared:
         return False
-    if one.told and not one.low <= declared <= one.high:
-        return True
     fitted = analysis.base.fitted
     start, free = fitted.candidate.with_base({one.name: declared}), [each for each in fitted.free if each.name != one.name]
     own = analysis.windows.begun_for(start, analysis.base.place)
