@@ -1,4 +1,4 @@
-"""What a plant's elements are not given and its equations say: the mass of a contact, where that stands which is driven."""
+"""What a plant's elements are not given and its equations say: the mass of a contact, where a body stands, or what is driven."""
 
 from __future__ import annotations
 
@@ -22,6 +22,15 @@ def masses_in(function: ast.FunctionDef) -> dict[str, str]:
         if mass is not None and ast.unparse(mass).startswith("parameter.") and bare_name(ast.unparse(mass)):
             found[f"state.{node.targets[0].attr}"] = ast.unparse(mass)
     return found
+
+
+def positions_in(function: ast.FunctionDef) -> dict[str, str]:
+    """Return for each state that is the rate of one other state alone that other one: where what has this velocity stands."""
+    found: dict[str, list[str]] = {}
+    for node in function.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
+            found.setdefault(ast.unparse(node.value), []).append(f"state.{node.targets[0].attr}")
+    return {rate: states[0] for rate, states in found.items() if len(states) == 1 and rate.startswith("state.")}
 
 
 def velocity_of(call: ast.Call) -> str:

@@ -13,8 +13,8 @@ from typing import Any
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.cached import cached
-from hjcamp.model.completion import completed, driven_in, has_push, masses_in, velocity_of
-from hjcamp.model.element import CONTACT, ELEMENTS, TRANSMISSION, called, expand
+from hjcamp.model.completion import completed, driven_in, has_push, masses_in, positions_in, velocity_of
+from hjcamp.model.element import BODY, CONTACT, ELEMENTS, TRANSMISSION, called, expand
 from hjcamp.model.parameter import Contact
 from hjcamp.model.part import whole_definition
 from hjcamp.model.plant import Plant
@@ -121,7 +121,7 @@ def read_vocabulary(plant: type[Plant]) -> Vocabulary:
         raise UsageError(f"{inspect.getfile(plant)}: line {first}: plant {plant.name}: 'equations' is no function")
     function = _with_free_names(written_out(whole_definition(equations), tuple(NAMESPACES)))
     reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
-    reader.masses, reader.driven = masses_in(function), driven_in(function)
+    reader.masses, reader.driven, reader.positions = masses_in(function), driven_in(function), positions_in(function)
     reader.given_push = bool(plant.ports) or any(has_push(node) for node in ast.walk(function) if called(node) == CONTACT.name)
     for node in function.body:
         reader.read(node)
@@ -213,6 +213,7 @@ class _Reader:
         self.units: Any = None
         self.masses: dict[str, str] = {}
         self.driven: dict[str, str] = {}
+        self.positions: dict[str, str] = {}
         self.given_push = True
         states, inputs = list(plant.states), list(plant.inputs)
         named = {"state": states, "rate": states, "parameter": list(plant.parameters), "drive": inputs}
@@ -247,6 +248,9 @@ class _Reader:
     def _element(self, call: ast.Call, name: str, of_rate: bool, where: str, number: int) -> None:
         if called(call) == CONTACT.name:
             call = completed(call, "mass", self.masses.get(velocity_of(call)))
+            call = completed(call, "travel", self.positions.get(velocity_of(call)))
+        elif called(call) == BODY.name:
+            call = completed(call, "position", self.positions.get(f"state.{name}"))
         elif called(call) == TRANSMISSION.name:
             call = completed(call, "driven", self.driven.get(name))
         plain = {one.target for one in self.statements if one.mark == "plain"}

@@ -114,3 +114,22 @@ def test_a_state_that_stands_for_no_state_is_refused() -> None:
                 "output": staticmethod(lambda input, play: play),
             },
         )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "stands"),
+    [
+        ("state.first_speed", "state.second_speed", "first"),
+        ("2.0 * state.first_speed", "state.second_speed", ""),
+        ("state.first_speed", "state.first_speed", ""),
+    ],
+)  # fmt: skip
+def test_where_a_body_and_its_contact_stand_is_found(folder: Path, first: str, second: str, stands: str) -> None:
+    text = SHAFT.replace("rate.first = state.first_speed", f"rate.first = {first}")
+    text = text.replace("rate.second = state.second_speed", f"rate.second = {second}")
+    for name, value in USUAL.items():
+        text = text.replace(f"@{name}@", value)
+    (folder / "plants" / "shaft.py").write_text(text)
+    ports = read_vocabulary(plant_called("shaft", "here")).ports
+    assert ports["first_speed"].names.get("position", "") == ports["rub"].names.get("travel", "") == stands
+    assert ("spring" in load_effects(plant="shaft")) == bool(stands)

@@ -359,9 +359,10 @@ class Two(Plant):
 def test_at_two_contacts_an_effect_acts_on_each_and_on_those_alone_that_offer_its_names(folder: Path) -> None:
     (folder / "plants" / "two.py").write_text(TWO)
     plant, found = find_plant("two"), load_effects(plant="two")
-    for name in ("coulomb_asymmetry", "presliding", "stribeck_excess", "static_friction_ageing"):
+    # where each stands its rates say
+    for name in ("coulomb_asymmetry", "presliding", "stribeck_excess", "static_friction_ageing", "position_friction"):
         assert {f"{name}_at_first", f"{name}_at_second"} <= set(found) and name not in found
-    assert {"stribeck_friction", "position_friction", "load_friction"} <= set(found)
+    assert {"stribeck_friction", "load_friction"} <= set(found)
     # the load is a line that is no slot or signal: it is made one for whoever reads it
     assert found["load_friction"].terms["first_coulomb"].arguments == ("first_load", "coefficient")
     assert found["coulomb_asymmetry_at_second"].terms["second_static"].arguments[1] == "direction_second"

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hjcamp.commands.any_plant.plant_hints import far_states, without_contact
+from hjcamp.commands.any_plant.plant_hints import far_states, without_contact, without_position
 from hjcamp.errors import UsageError
 from hjcamp.model.parameter import Input, Measured, Parameter, State
 from hjcamp.model.plant import Plant
@@ -54,6 +54,26 @@ def test_a_body_without_a_contact_is_told_where_its_velocity_drives_what_is_miss
     assert "brake = contact(state.speed)" in said
     assert not without_contact(Wheel, [{"signal": "command_demand"}])
     assert not without_contact(Braked, [{"signal": "speed"}])
+
+
+class Turned(Wheel):
+    """The same with an angle."""
+
+    angle = State("rad", typical=8.0)
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):  # type: ignore[no-untyped-def]
+        command = actuator(drive.voltage)
+        rate.angle = state.speed
+        rate.warmth = -parameter.pace * state.warmth
+        rate.speed = body(parameter.gain * command - parameter.viscous * state.speed, mass=parameter.inertia, position=state.angle)
+        tacho = sensor(state.speed)  # noqa: F841
+
+
+def test_a_body_without_a_position_is_told() -> None:
+    [said] = without_position(Wheel)
+    assert "where the body of speed stands" in said and "rate.position = state.speed" in said
+    assert without_position(Turned) == []
 
 
 @pytest.mark.parametrize(("warm", "told"), [(9.0, False), (46.0, True)])

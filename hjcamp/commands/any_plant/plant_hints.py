@@ -17,6 +17,12 @@ if TYPE_CHECKING:
 ELSEWHERE = 10.0
 
 
+def plant_hints(windows: Windows, unknowns: Iterable[Mapping[str, Any]], left: bool) -> list[str]:
+    """Return all of these, of ``unknowns`` that are shown; ``left`` is whether an error is left that no effect takes."""
+    plant = windows.layout.measured.plant
+    return without_contact(plant, unknowns) + far_states(windows) + (without_position(plant) if left else [])
+
+
 def without_contact(plant: type[Plant], unknowns: Iterable[Mapping[str, Any]]) -> list[str]:
     """Return that no friction was looked for where what is missing depends on the velocity of a body that no contact brakes."""
     from hjcamp.model.vocabulary import read_vocabulary
@@ -29,6 +35,19 @@ def without_contact(plant: type[Plant], unknowns: Iterable[Mapping[str, Any]]) -
         f"No friction was looked for at {name}, which no contact brakes: write brake = contact(state.{name}), and take brake from its "
         "force."
         for name in found
+    ]
+
+
+def without_position(plant: type[Plant]) -> list[str]:
+    """Return that no force over the position of a body was looked for where its file gives none."""
+    from hjcamp.model.vocabulary import read_vocabulary
+
+    bodies = [port for port in read_vocabulary(plant).ports.values() if port.kind == "body"]
+    names = sorted({port.names.get("velocity", "") for port in bodies if "position" not in port.names} & set(plant.states))
+    return [
+        f"Nothing that depends on where the body of {name} stands (an unbalance, a weight, a spring) was looked for, as its position "
+        f"is no state: write rate.position = state.{name} and body(..., position=state.position), though nothing measures it."
+        for name in names
     ]
 
 

@@ -16,7 +16,7 @@ from hjcamp.commands.any_plant.outside_words import (
     seldom,
     swing_words,
 )
-from hjcamp.commands.any_plant.plant_hints import far_states, without_contact
+from hjcamp.commands.any_plant.plant_hints import plant_hints
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
     FLOORS,
@@ -233,8 +233,8 @@ class Words:
             found += no_memory_words(self.content["candidates"], effects, self.analysis.search.shortest_memory)
         found += untold(self.analysis) + held_by_bounds(rows) + late_inputs(late, verdict.effects, period)
         found += end_words(self.content["ends"]) + run_away_words(self.content) + still_words(self.content["still"])
-        found += never_alone(library) + without_contact(self.analysis.measured.plant, self.content["unknowns"][:1])
-        found += far_states(self.analysis.windows)
+        left = not verdict.effects and bool(verdict.p_value <= LEVEL or self.far_off)
+        found += never_alone(library) + plant_hints(self.analysis.windows, self.content["unknowns"][:1], left)
         return found + self.telling()
 
     def _seldom(self) -> list[str]:
