@@ -20,7 +20,8 @@ from hjcamp.prediction.laws.unknowns import Unknown, unknowns_of
 from hjcamp.prediction.measured.floor import _alike_by_no_means
 from hjcamp.prediction.selection.fits import Fits
 from hjcamp.prediction.selection.forward import Search
-from hjcamp.prediction.verdict.verdict import _forms_of, _simpler
+from hjcamp.prediction.verdict import free_laws
+from hjcamp.prediction.verdict.free_laws import forms_of, further_law
 
 
 @pytest.fixture
@@ -155,9 +156,9 @@ def test_one_free_law_is_simpler_than_several_names(known, law: str, names: tupl
 
     search = SimpleNamespace(beats=lambda one, other: False, unknowns=unknowns, library=library)
     analysis, model = SimpleNamespace(search=search), scored(1.5, 8, *names)
-    assert _simpler(analysis, scored(left, 12, law), model, names) == simpler  # type: ignore[arg-type]
+    assert free_laws.simpler(analysis, scored(left, 12, law), model, names) == simpler  # type: ignore[arg-type]
     # with no more parameters it always is
-    assert _simpler(analysis, scored(left, 8, law), model, names)  # type: ignore[arg-type]
+    assert free_laws.simpler(analysis, scored(left, 8, law), model, names)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -174,7 +175,47 @@ def test_a_free_law_alone_leaves_no_second_thing_to_name(known, names: tuple[str
     library, unknowns = known
     analysis = SimpleNamespace(search=SimpleNamespace(unknowns=unknowns, library=library))
     free = SimpleNamespace(left_out=left, names=("unknown_loss_over_level_at_upper",))
-    assert _forms_of(analysis, free, SimpleNamespace(left_out=1.5), names) == forms  # type: ignore[arg-type]
+    assert forms_of(analysis, free, SimpleNamespace(left_out=1.5), names) == forms  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("later", "beside", "beaten", "held"),
+    [
+        # a free law that is no form of what was found later predicts better: alone, or beside what stands beside the names
+        ("sensor_offset", False, "model", True),
+        ("sensor_offset", True, "unknown", True),
+        ("sensor_offset", False, "", False),
+        ("sensor_offset", True, "model", False),
+        # that law is another form of this one
+        ("flow_exponent_at_outflow", False, "model", False),
+    ],
+)
+def test_what_was_found_later_is_held_against_the_free_laws_found_with_it(  # type: ignore[no-untyped-def]
+    known, later: str, beside: bool, beaten: str, held: bool
+) -> None:
+    library, unknowns = known
+    law, other = "unknown_flow_over_head_at_outflow", "unknown_loss_over_level_at_upper"
+
+    def scored(*names: str) -> Any:
+        candidate = Candidate({}, {name: {} for name in names})
+        return SimpleNamespace(
+            names=names, fitted=SimpleNamespace(candidate=candidate), beyond=lambda one: tuple(n for n in names if n not in one.names)
+        )
+
+    base, first = scored(), scored("second_store_at_upper")
+    free, model = scored("second_store_at_upper", law), scored("second_store_at_upper", later)
+    unknown = scored("second_store_at_upper", later, other) if beside else None
+    worse = {"model": model, "unknown": unknown}.get(beaten)
+    steps = [SimpleNamespace(before=one, unknown=(free,), level_of_unknown=0.05) for one in (base, first, model)]
+    fitted: list[Candidate] = []
+    search = SimpleNamespace(
+        steps=steps, unknowns=unknowns, library=library, matters=lambda one, before, level: True,
+        beats=lambda one, other: one is not model and other is worse,
+        fitted=lambda candidate: fitted.append(candidate) or scored(*candidate.effects),
+    )  # fmt: skip
+    analysis: Any = SimpleNamespace(search=search, base=base)
+    assert further_law(analysis, model, unknown) == ((first, free) if held else None)
+    assert [set(one.effects) for one in fitted] == ([{"second_store_at_upper", other, law}] if beside else [])
 
 
 def test_alike_moments_that_differ_as_much_as_any_tell_no_floor() -> None:

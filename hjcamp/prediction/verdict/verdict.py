@@ -18,6 +18,7 @@ from hjcamp.prediction.selection.width import longest_width
 from hjcamp.prediction.verdict.borne_out import not_borne_out
 from hjcamp.prediction.verdict.by_condition import Differs, differs_by_condition
 from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing, held_by_bounds
+from hjcamp.prediction.verdict.free_laws import forms_of, further_law, simpler
 from hjcamp.prediction.verdict.given_constants import Constant, constants_otherwise
 from hjcamp.prediction.verdict.rivals import confidence_set, ruled_out, taken
 from hjcamp.prediction.verdict.swings import Swing, swing_of
@@ -266,12 +267,15 @@ def judged(analysis: Analysis) -> Verdict:
             model, unknown = (search.fitted(one.fitted.candidate.without(covered)) for one in (model, unknown))
             added, took = left, taken(base, model)
         law_left = max(law_left, 1.0 - took / max(taken(base, unknown), 1e-12))
-    formed = next((one for one in first.unknown if _forms_of(analysis, one, model, added)), None)
+    while (held := further_law(analysis, model, unknown)) is not None:
+        before, unknown = held
+        model, added, law_left = before, before.beyond(base), 1.0 - taken(base, before) / taken(base, unknown)
+    formed = next((one for one in first.unknown if forms_of(analysis, one, model, added)), None)
     if formed is not None:
-        added = _forms_of(analysis, formed, model, added)
+        added = forms_of(analysis, formed, model, added)
         model, unknown = search.fitted(model.fitted.candidate.without(set(model.beyond(base)) - set(added))), formed
         law_left = max(law_left, 1.0 - taken(base, model) / taken(base, formed))
-    alone = next((one for one in first.unknown if _simpler(analysis, one, model, added)), None)
+    alone = next((one for one in first.unknown if simpler(analysis, one, model, added)), None)
     if alone is not None:
         return Verdict(OUTSIDE, (), base, p_value, (), 1.0, alone, ())
     models = confidence_set(analysis, model, added, unknown)
@@ -280,31 +284,6 @@ def judged(analysis: Analysis) -> Verdict:
         group = tuple(dict.fromkeys(name for one in sets for name in one))
         return Verdict(ONE_OF, group, model, p_value, sets, max(law_left, 0.0), unknown, (), rivals=tuple(models[1:]))
     return Verdict(EFFECT, added, model, p_value, sets, max(law_left, 0.0), unknown, ())
-
-
-def _simpler(analysis: Analysis, free: Scored, model: Scored, names: tuple[str, ...]) -> bool:
-    """Whether one free law is the simpler explanation: as good as the names with no more parameters, or than several as one thing.
-
-    One that is another form of a name is that same thing.
-    """
-    search = analysis.search
-    if search.beats(model, free):
-        return False
-    if len(free.fitted.free) <= len(model.fitted.free):
-        return True
-    law = next(search.unknowns[name] for name in free.names if name in search.unknowns)
-    return len(names) > 1 and free.left_out <= model.left_out and not any(alike_laws(law, search.library[name]) for name in names)
-
-
-def _forms_of(analysis: Analysis, free: Scored, model: Scored, names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return those of several names of which a free law is another form that by itself leaves no more than all of them; else none.
-
-    What was found first decides nothing: the rest only mends the form of these.
-    """
-    search = analysis.search
-    law = next(search.unknowns[name] for name in free.names if name in search.unknowns)
-    forms = tuple(name for name in names if alike_laws(law, search.library[name]))
-    return forms if 0 < len(forms) < len(names) and free.left_out <= model.left_out else ()
 
 
 def _far_above_floor(analysis: Analysis, model: Scored) -> bool:
