@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hjcamp.known_plants import find_plant
-from hjcamp.prediction.measured.at_once import passed_to
+from hjcamp.prediction.measured.at_once import may_be_late, passed_to
 from hjcamp.prediction.measured.noise import noise_of
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.selection.analysis import calibrated
@@ -78,3 +78,32 @@ def test_what_runs_linearly_is_read_as_it_is_at_each_sample(tmp_path: Path, monk
     found = calibrated(measured_tests([TestLog(columns, {PLANT_KEY: "cell", PERIOD_KEY: "1.0", "condition": "drive"})]), {})
     assert found.base.fitted.candidate.base["inner"] == pytest.approx(0.03, rel=0.005)
     assert np.sqrt(np.mean(found.base.features**2)) == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("early", [0.4, -0.7])
+def test_what_runs_linearly_may_act_earlier_or_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, early: float) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    linear = CELL.replace("typical=2.0)", 'typical=2.0, hold="linear")')
+    (tmp_path / "plants" / "cell.py").write_text(linear)
+    # that its sensor reads it at once says when it acts
+    assert may_be_late(find_plant("cell")) == ()
+    # that of this one does not
+    hidden = linear.replace(" - parameter.inner * drawn", "").replace(", (1e-3, 1.0), base=True)", ")", 1)
+    hidden = hidden.replace("class Cell", "class SlowCell").replace('"gauge")', '"gauge", noise=1e-4)')
+    (tmp_path / "plants" / "slow_cell.py").write_text(hidden)
+    assert may_be_late(find_plant("slow_cell")) == ("current",)
+    generator = np.random.default_rng(4)
+    time, parts, tau = np.arange(1200) * 1.0, 50, 20.0
+    current = generator.uniform(-8.0, 8.0, 1200)
+    slow, fine = np.zeros(1200), 0.0
+    for k in range(1199):
+        for given in np.interp(k + (np.arange(parts) + 0.5) / parts + early, time, current):
+            fine += (0.02 * given - fine) * (1.0 - np.exp(-1.0 / (parts * tau)))
+        slow[k + 1] = fine
+    columns = {"time_s": time, "current_a": current, "cell_v": 3.7 - slow + 1e-4 * generator.standard_normal(1200)}
+    log = TestLog(columns, {PLANT_KEY: "slow_cell", PERIOD_KEY: "1.0", "condition": "drive"})
+    found = calibrated(measured_tests([log]), {}).base
+    assert found.fitted.candidate.base["delay.current"] == pytest.approx(-early, abs=0.02)
+    assert found.fitted.candidate.base["outer"] == pytest.approx(0.02, rel=0.02)
+    assert np.sqrt(np.mean(found.features**2)) == pytest.approx(1.0, abs=0.15)

@@ -64,6 +64,8 @@ def test_an_input_that_runs_linearly_acts_by_its_mean_over_the_sample(axis: Path
     layout = Layout(measured, 50)
     volts = measured.tests[0].inputs[: len(layout.inputs), 0]
     assert np.allclose(layout.inputs[:-1, 0], 0.5 * volts[1:] + 0.5 * volts[:-1])
+    # half a sample later that mean is what was logged
+    assert np.allclose(layout.delayed({"voltage": 0.5 * measured.period})[:, 0], volts)
     # tests of some windows alone are what was logged: the mean is taken once
     some = Layout(measured, 50, 0.5)
     assert set(some.condensed()[0].inputs[:, 0]) <= set(measured.tests[0].inputs[:, 0])

@@ -19,6 +19,14 @@ def passed_to(plant: type[Plant], channel: str) -> tuple[int, ...]:
 
 
 @cached
+def may_be_late(plant: type[Plant]) -> tuple[str, ...]:
+    """Return the inputs that may act later or earlier than logged: all but those that run on and that a sensor reads at once."""
+    places = {place for channel in plant.measured for place in passed_to(plant, channel)}
+    seen = {plant.sampled_inputs()[place] for place in places}
+    return tuple(name for name, item in plant.given_inputs().items() if item.hold == "previous" or name not in seen)
+
+
+@cached
 def _plain(plant: type[Plant]) -> PlainModel:
     return PlainModel(plant)
 

@@ -181,7 +181,8 @@ class Layout:
         late = {self.names.index(name): delay for name, delay in delays.items() if delay != 0.0}
         if self.fine > 1:
             return self._finely(late)
-        return self._moved(self._between | late) if late else self.inputs
+        moved = {place: self._between.get(place, 0.0) + late.get(place, 0.0) for place in {*self._between, *late}}
+        return self._moved(moved) if late else self.inputs
 
     def _finely(self, late: Mapping[int, float]) -> Array:
         """Return each input in parts of each sample (n fine, inputs), those at some places later by a time (s).

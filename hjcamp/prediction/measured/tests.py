@@ -13,7 +13,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.parameter import finite_number
 from hjcamp.model.plant import ALWAYS, Plant
-from hjcamp.prediction.measured.at_once import passed_to
+from hjcamp.prediction.measured.at_once import may_be_late, passed_to
 from hjcamp.prediction.measured.ends import ends_of, within
 from hjcamp.prediction.measured.noise import noise_of, step_of, without_passed
 from hjcamp.prediction.measured.repetitions import apart_by_course
@@ -217,7 +217,7 @@ def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> Measur
     name = log.path.stem if log.path else log.condition_key
     given = np.column_stack(inputs)
     # What a late input does in the first samples was given before the log, which does not say it: a step may be its first sample.
-    lead = MOST_DELAY if any(item.hold == "previous" for item in plant.given_inputs().values()) else 0
+    lead = MOST_DELAY if may_be_late(plant) else 0
     time = columns["time_s"] - columns["time_s"][0]
     return MeasuredTest(
         name, log.condition_key, time[lead:], given[lead:], readings[lead:], _given(plant, log.metadata, where), log, given[:lead]

@@ -19,6 +19,7 @@ from hjcamp.prediction.fitting.chapters import FEWEST, chapters_of
 from hjcamp.prediction.fitting.gauss_newton import SETTLED, TURNS_OF_BASE, Fitted, Free, settled
 from hjcamp.prediction.laws.unknowns import courses_of, ranges_of, unknowns_of
 from hjcamp.prediction.levels import LEVEL, MATTERS
+from hjcamp.prediction.measured.at_once import may_be_late
 from hjcamp.prediction.measured.floor import MOTION_ORDERS, Floor, floor_of, moves
 from hjcamp.prediction.measured.layout import SHORTEST_OF_ALL, Layout
 from hjcamp.prediction.measured.tests import MOST_DELAY, Measured
@@ -137,11 +138,8 @@ def calibrated(
     given = {name for test in measured.tests for name, _ in test.given}
     base = {name: plant.parameters[name].default for name in plant.base_parameters if name not in given}
     free = [_free(plant.parameters[name], (start.base if start else {}).get(name)) for name in base]
-    for name, item in plant.given_inputs().items():
-        if (
-            any(np.ptp(test.inputs[:, list(plant.inputs).index(name)]) > 0.0 for test in measured.tests)
-            and item.hold == "previous"
-        ):
+    for name in may_be_late(plant):
+        if any(np.ptp(test.inputs[:, list(plant.inputs).index(name)]) > 0.0 for test in measured.tests):
             free.append(Free("", DELAY + name, measured.period, -EARLY * measured.period, MOST_DELAY * measured.period))
             base[DELAY + name] = 0.0
     for sensor, step in zip(measured.sensors, measured.steps, strict=True):
