@@ -230,7 +230,7 @@ class _Reader:
             self.readings = tuple(ast.unparse(element) for element in elements if element is not None)
             return
         if not isinstance(node, ast.Assign) or len(node.targets) != 1:
-            raise UsageError(f"{where}: equations may hold assignments only (NAME = ..., rate.STATE = ...)")
+            raise UsageError(f"{where}: equations may hold assignments only (NAME = ..., rate.STATE = ...; A if CONDITION else B)")
         target = node.targets[0]
         of_rate = isinstance(target, ast.Attribute)
         if of_rate and not (isinstance(target.value, ast.Name) and target.value.id == "rate"):  # type: ignore[attr-defined]

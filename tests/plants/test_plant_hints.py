@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hjcamp.commands.any_plant.plant_hints import far_states, without_contact, without_position
+from hjcamp.commands.any_plant.plant_hints import early_inputs, far_states, without_contact, without_position
 from hjcamp.errors import UsageError
 from hjcamp.model.parameter import Input, Measured, Parameter, State
 from hjcamp.model.plant import Plant
@@ -68,6 +68,17 @@ class Turned(Wheel):
         rate.warmth = -parameter.pace * state.warmth
         rate.speed = body(parameter.gain * command - parameter.viscous * state.speed, mass=parameter.inertia, position=state.angle)
         tacho = sensor(state.speed)  # noqa: F841
+
+
+@pytest.mark.parametrize(
+    ("ci95", "hold", "told"),
+    [((-0.009, -0.007), "previous", True), ((-0.006, -0.004), "previous", True), ((-0.004, -0.002), "previous", False),
+     ((-0.009, 0.001), "previous", False), ((None, None), "previous", False), ((-0.009, -0.007), "linear", False)],
+)  # fmt: skip
+def test_an_input_that_acts_before_its_log_is_told(ci95: tuple[float, float], hold: str, told: bool) -> None:
+    made = type("Made", (Wheel,), {"__doc__": "x", "voltage": Input("V", typical=3.0, hold=hold)})
+    said = early_inputs(made, {"delay.voltage": {"value": -0.0082, "ci95": ci95}}, 0.01)
+    assert [one.startswith("voltage acts 0.82 samples earlier") for one in said] == ([True] if told else [])
 
 
 def test_a_body_without_a_position_is_told() -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjcamp.model.base_values import DELAY
 from hjcamp.report.units import told
 
 if TYPE_CHECKING:
@@ -17,10 +18,27 @@ if TYPE_CHECKING:
 ELSEWHERE = 10.0
 
 
-def plant_hints(windows: Windows, unknowns: Iterable[Mapping[str, Any]], left: bool) -> list[str]:
-    """Return all of these, of ``unknowns`` that are shown; ``left`` is whether an error is left that no effect takes."""
-    plant = windows.layout.measured.plant
-    return without_contact(plant, unknowns) + far_states(windows) + (without_position(plant) if left else [])
+def plant_hints(
+    windows: Windows, rows: Mapping[str, Mapping[str, Any]], unknowns: Iterable[Mapping[str, Any]], left: bool
+) -> list[str]:
+    """Return all of these, of calibrated ``rows`` and ``unknowns`` that are shown; ``left``: no effect takes what is left."""
+    measured = windows.layout.measured
+    plant, found = measured.plant, early_inputs(measured.plant, rows, measured.period)
+    return found + without_contact(plant, unknowns) + far_states(windows) + (without_position(plant) if left else [])
+
+
+def early_inputs(plant: type[Plant], rows: Mapping[str, Mapping[str, Any]], period: float) -> list[str]:
+    """Return which held inputs act earlier than logged, by half a sample of ``period`` or more: as those do that run on."""
+    found = []
+    for name in (name for name, item in plant.given_inputs().items() if item.hold == "previous"):
+        low, high = rows.get(f"{DELAY}{name}", {}).get("ci95", (None, None))
+        if high is not None and high < 0.0 and (low is None or low <= -0.5 * period):
+            found.append(
+                f"{name} acts {-rows[f'{DELAY}{name}']['value'] / period:.2g} samples earlier than logged. One that runs on from "
+                'sample to sample is half a sample early (write hold="linear" at it, and ask again), one that is logged at the end '
+                "of what it held for a whole one."
+            )
+    return found
 
 
 def without_contact(plant: type[Plant], unknowns: Iterable[Mapping[str, Any]]) -> list[str]:

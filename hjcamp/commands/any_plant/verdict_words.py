@@ -234,7 +234,7 @@ class Words:
         found += untold(self.analysis) + held_by_bounds(rows) + late_inputs(late, verdict.effects, period)
         found += end_words(self.content["ends"]) + run_away_words(self.content) + still_words(self.content["still"])
         left = not verdict.effects and bool(verdict.p_value <= LEVEL or self.far_off)
-        found += never_alone(library) + plant_hints(self.analysis.windows, self.content["unknowns"][:1], left)
+        found += never_alone(library) + plant_hints(self.analysis.windows, rows, self.content["unknowns"][:1], left)
         return found + self.telling()
 
     def _seldom(self) -> list[str]:
