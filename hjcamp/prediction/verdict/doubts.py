@@ -19,9 +19,9 @@ from hjcamp.prediction.verdict.borne_out import names_not_borne_out, not_in_wind
 def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
     """Return in words why "nothing is missing" cannot be said; empty where it can.
 
-    So it is where the base left what it may be, or what an effect takes matters but is not shown to be remembered; and where no floor
-    is known, all of the error is more than chance, and either most of what a sensor errs by is more than its noise, a delay of the
-    base stands at its most, or whole short tests show an effect.
+    So it is where the base left what it may be, or an effect takes a share that matters but is not shown to remember; and where no
+    floor is known, all of the error is more than chance, and either most of what a sensor errs by is more than its noise, a delay of
+    the base stands at its most, or whole short tests show an effect.
     """
     if doubt := held_by_bounds(analysis) or _without_memory(analysis):
         return doubt

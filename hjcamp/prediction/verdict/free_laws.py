@@ -39,7 +39,7 @@ def further_law(analysis: Analysis, model: Scored, unknown: Scored | None) -> tu
     search, base = analysis.search, analysis.base
     for step in search.steps:
         later = model.beyond(step.before)
-        if step.before is base or not later or not set(step.before.names) < set(model.names):
+        if not step.before.beyond(base) or not later or not set(step.before.names) < set(model.names):
             continue
         for free in step.unknown:
             if _forms(search, free, later) or not search.matters(free, step.before, step.level_of_unknown):
