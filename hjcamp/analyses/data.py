@@ -68,11 +68,11 @@ class Data:
 
 def doubtful_lines(logs: Sequence[TestLog]) -> str:
     """Return a line for each field that is doubtful in some log; refuse what cannot be."""
-    from hjcamp.records.plausible import refuse_implausible
+    from hjcamp.records.plausible import refuse_implausible, without_small_tests
 
     doubtful: dict[str, list[str]] = {}
-    for log in logs:
-        for one in refuse_implausible(log, str(log.path)):
+    for log, found in zip(logs, without_small_tests([refuse_implausible(log, str(log.path)) for log in logs]), strict=True):
+        for one in found:
             doubtful.setdefault(one.field, []).append(f"{log.path}: {one.line}")
     more = {
         field: f" (and so in {counted(len(lines) - 1, 'more log')})" if len(lines) > 1 else "" for field, lines in doubtful.items()

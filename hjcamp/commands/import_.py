@@ -57,6 +57,7 @@ def import_table(
     from hjcamp.analyses.data import joined
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.model.plant_checks import other_period
+    from hjcamp.prediction.measured.tests import FEWEST_SAMPLES
     from hjcamp.records.elsewhere.import_map import read_import_map
     from hjcamp.records.elsewhere.importing import import_files
     from hjcamp.records.of_plant import PERIOD_KEY
@@ -81,6 +82,11 @@ def import_table(
         print(f"{target}: {counted(log.samples, 'sample')}, {log.duration:.3f} s, fields {' '.join(log.fields)}")
         if target in left:
             print(f"  {target.name}.part, left by an import that was cut off, is gone")
+    if "diagnose" not in rules.plant.rooms:
+        for target, log in zip(targets, logs, strict=True):
+            if log.samples < FEWEST_SAMPLES:
+                few = counted(log.samples, "sample")
+                print(f"{target}: warning: {few}; an analysis leaves out logs of fewer than {FEWEST_SAMPLES}", file=sys.stderr)
     periods = {float(log.metadata[PERIOD_KEY]) for log in logs if PERIOD_KEY in log.metadata}
     for note in sorted({other_period(rules.plant, period) for period in periods} - {""}):
         print(note, file=sys.stderr)

@@ -77,6 +77,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "rests_on": {"conditions": len(analysis.measured.conditions), "tests": len(analysis.measured.tests),
                      "chapters": len(np.unique(analysis.search.chapters)), "windows": len(analysis.windows.starts)},
         "twice": [list(pair) for pair in analysis.measured.twice],
+        "short": [list(pair) for pair in analysis.measured.short],
         "lacking": list(verdict.lacking),
         "window_samples": analysis.windows.layout.width,
         "simulated_through": analysis.windows.layout.memory > 0,

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from hjcamp.errors import UsageError
-from hjcamp.model.field_table import FieldTable, fields_of
+from hjcamp.model.field_table import Field, FieldTable, fields_of
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.parameter import Input, State
 from hjcamp.model.plant import Plant
@@ -32,11 +32,15 @@ FAR = 10.0
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing in a log that cannot be; with ``refused`` no analysis of it means anything."""
+    """One thing in a log that cannot be; with ``refused`` no analysis of it means anything.
+
+    With ``of_all`` it says something where all logs of one set show it alone: one of them may well be of a small test.
+    """
 
     field: str
     text: str
     refused: bool
+    of_all: bool = False
 
     @property
     def line(self) -> str:
@@ -92,6 +96,13 @@ def refuse_implausible(log: TestLog, where: str) -> list[Finding]:
         more = f" (and {len(refused) - 1} more of its columns)" if len(refused) > 1 else ""
         raise UsageError(f"{where}: {refused[0].text}{more}")
     return found
+
+
+def without_small_tests(found: Sequence[list[Finding]]) -> list[list[Finding]]:
+    """Return the findings of each log without those that hold for all logs of the set alone, where some of these do not show them."""
+    shown = [{one.field for one in own if one.of_all} for own in found]
+    common = set.intersection(*shown) if shown else set()
+    return [[one for one in own if not one.of_all or one.field in common] for own in found]
 
 
 def _of_measured(log: TestLog, table: FieldTable, watched: Watched) -> Iterator[Finding]:
@@ -189,13 +200,20 @@ def _untypical(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Fi
         }
         if fits:
             unit = min(fits, key=lambda one: abs(math.log(fits[one] * times)))
-            small = fits[unit] > 1.0
-            off = f"{fits[unit] if small else 1.0 / fits[unit]:.4g} times too {'small' if small else 'large'}"
-            plain = table.field(name).unit == "1"
-            own = "" if plain else f" {table.field(name).unit}"
-            goes = f"'{name}' goes to {times * typical:.4g}{own}, {times:.3g} times what is typical by the plant's file"
-            taken = f"as where {unit} is taken for{' a ratio' if plain else own}"
-            yield Finding(name, f"{goes}; if that is right, look at its unit: it is {off}, {taken}", False)
+            yield Finding(name, _wrong_unit(table.field(name), times * typical, times, unit, fits[unit]), False, of_all=True)
+
+
+def _wrong_unit(field: Field, size: float, times: float, unit: str, factor: float) -> str:
+    """Return in words that a column may be in ``unit``, ``factor`` of its own unit, and which other mistake looks the same."""
+    plain = field.unit == "1"
+    own = "a ratio" if plain else field.unit
+    alike = (name for name, one in units_of(field).items() if not one.shift and math.isclose(one.factor * factor, 1.0, rel_tol=1e-6))
+    taken = " or ".join([f"{unit} read as {own}", *(f"{own} as {name}" for name in alike)])
+    off = f"{max(factor, 1.0 / factor):.4g} times too {'small' if factor > 1.0 else 'large'}"
+    return (
+        f"'{field.name}' goes to {size:.4g}{'' if plain else f' {own}'}, {times:.3g} times its typical size in the plant's file; "
+        f"if its unit is wrong, it is {off}, as {taken} would be"
+    )
 
 
 def _geared(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Finding]:

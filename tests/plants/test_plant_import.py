@@ -112,6 +112,15 @@ def test_several_files_have_their_own_metadata(folder: Path, capsys: pytest.Capt
     assert light.attachments["import.yaml"] == (folder / "map.yaml").read_bytes()
 
 
+def test_a_log_that_no_analysis_takes_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name, rows in (("short.csv", 63), ("long.csv", 64)):
+        write_csv(folder / name, measured(rows))
+    write_map(folder)
+    assert cli.run(["import", "short.csv", "long.csv", "--map", "map.yaml", "--into", "logs"]) == 0
+    told = [line for line in capsys.readouterr().err.splitlines() if "leaves out" in line]
+    assert told == ["logs/short.mcap: warning: 63 samples; an analysis leaves out logs of fewer than 64"]
+
+
 def test_one_bad_file_of_several_leaves_no_log(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_csv(folder / "good.csv", measured())
     bad = measured()

@@ -21,7 +21,7 @@ from hjcamp.known_plants import find_plant
 from hjcamp.model.field_table import fields_of
 from hjcamp.records.log import TestLog
 from hjcamp.records.mcap import layout
-from hjcamp.records.plausible import findings
+from hjcamp.records.plausible import findings, without_small_tests
 from hjcamp.records.read import read_log
 from hjcamp.records.recover import recover_log, verify_log
 from hjcamp.records.write import CHUNK_BYTES, LogWriter, write_log
@@ -291,12 +291,15 @@ def test_an_analysis_says_which_periods_it_knows(plants: Path, capsys: pytest.Ca
 def test_a_column_far_from_what_is_typical_may_be_in_another_unit(plants: Path) -> None:
     log = log_of("tanks")
     assert findings(log) == []
-    large = "goes to 3000 V, 600 times.*it is 1000 times too large, as where mV is taken for V"
-    for factor, told in ((1e3, large), (30.0, ""), (1e-3, "as where kV is taken for V")):
+    large = "goes to 3000 V, 600 times its typical size.*it is 1000 times too large, as mV read as V or V as kV would be"
+    for factor, told in ((1e3, large), (30.0, ""), (1e-3, "as kV read as V or V as mV would be")):
         wrong = TestLog({**log.columns, "level_v": log.columns["level_v"] * factor}, log.metadata)
         found = [one for one in findings(wrong) if not one.refused]
         assert bool(found) == bool(told)
         assert not found or re.search(told, found[0].text), found[0].text
+    wrong = [TestLog({**log.columns, "level_v": log.columns["level_v"] * factor}, log.metadata) for factor in (1e-3, 1.0)]
+    assert [len(one) for one in without_small_tests([findings(log) for log in (wrong[0], wrong[0])])] == [1, 1]
+    assert without_small_tests([findings(log) for log in wrong]) == [[], []]
     # its inputs are said to be about 1 by no file: that is no reason to doubt
     axis = log_of("axis")
     assert findings(TestLog({**axis.columns, "voltage_v": axis.columns["voltage_v"] * 1e3}, axis.metadata)) == []

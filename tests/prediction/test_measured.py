@@ -47,12 +47,22 @@ def test_what_cannot_be_analysed_is_refused(axis: Path) -> None:
     with pytest.raises(UsageError, match=r"with resample_s: 0\.002 in the map"):
         measured_tests([log, replace(log, metadata={**log.metadata, "period_s": "0.0020071"})])
     short = {name: values[:20] for name, values in log.columns.items()}
-    with pytest.raises(UsageError, match="20 samples"):
+    with pytest.raises(UsageError, match=r"20 samples; at least 64 are needed$"):
         measured_tests([replace(log, columns=short)])
+    with pytest.raises(UsageError, match=r"20 samples; at least 64 are needed in one of the 2 logs"):
+        measured_tests([replace(log, columns=short), replace(log, columns={name: values[:19] for name, values in short.items()})])
     bad = log.columns["position_m"].copy()
     bad[7] = np.nan
     with pytest.raises(UsageError, match="sample 7"):
         measured_tests([replace(log, columns={**log.columns, "position_m": bad})])
+
+
+def test_a_log_of_few_samples_is_left_out_and_named(axis: Path) -> None:
+    log = measured_log(seconds=2.0)
+    short = replace(log, path=Path("short.mcap"), columns={name: values[:63] for name, values in log.columns.items()})
+    found = measured_tests([short, log])
+    assert [one.log for one in found.tests] == [log]
+    assert found.short == (("short.mcap", 63),)
 
 
 def test_effects_have_their_times_in_samples_of_the_logs(axis: Path) -> None:

@@ -86,6 +86,7 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     """Write the pictures and the page of a comparison; return their paths, the page last."""
     from hjcamp.commands.any_plant import words as said
     from hjcamp.commands.any_plant.explorer import exploration_of
+    from hjcamp.commands.any_plant.head_words import over_windows
     from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.exploration import channel_label, names_of
@@ -116,7 +117,7 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
     anew = "with each test" if layout.memory else f"anew every {plain(layout.width * layout.measured.period)} s"
     parts = [
         page.table_of(head, rows),
-        page.note(f"Error {said.over_windows(analysis)}. {said.FLOORS[analysis.floor.source]}."),
+        page.note(f"Error {over_windows(analysis)}. {said.FLOORS[analysis.floor.source]}."),
         page.bullets(said.notes_on(found)),
         *of_whole,
         explorer_html(exploration_of(found)),

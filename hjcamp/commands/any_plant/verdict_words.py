@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.untold import untold
+from hjcamp.commands.any_plant.head_words import over_windows, print_head
 from hjcamp.commands.any_plant.outside_words import (
     by_condition_words,
     constant_words,
@@ -30,8 +31,6 @@ from hjcamp.commands.any_plant.words import (
     held_by_bounds,
     late_inputs,
     other_sizes,
-    over_windows,
-    print_head,
     run_away_words,
     still_words,
     table,

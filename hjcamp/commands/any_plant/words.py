@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.commands.any_plant.head_words import print_head
 from hjcamp.commands.any_plant.plant_hints import far_states
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.levels import MATTERS
@@ -347,39 +348,6 @@ def print_calibration(console: Console, analysis: Analysis, rows: Mapping[str, M
     print_head(console, analysis)
     table(console, CALIBRATED, calibration_table(rows))
     print_wrapped(console, held_by_bounds(rows), 8)
-
-
-def print_head(console: Console, analysis: Analysis) -> None:
-    """Print what the tests are, and the windows that they are cut into."""
-    layout, measured = analysis.windows.layout, analysis.measured
-    count = f"{len(measured.tests)} test{'s' if len(measured.tests) > 1 else ''}, {len(measured.conditions)} condition"
-    console.print(
-        f"plant {measured.plant.name}: {count}{'s' if len(measured.conditions) > 1 else ''}, "
-        f"{len(layout.of_test)} windows of {plain(layout.width * measured.period)} s"
-        + (f" of {sum(layout.whole)}, in runs that are evenly spread" if len(layout.of_test) < sum(layout.whole) else "")
-        + (
-            f", each test simulated through from its own start: the plant remembers {plain(layout.memory * measured.period, 2)} s"
-            if layout.memory
-            else ", each begun from its own start" + _carried(analysis)
-        ),
-        markup=False,
-    )  # fmt: skip
-    for again, first in measured.twice:
-        console.print(f"note    {again} holds the same test as {first}: it is looked at once", markup=False)
-
-
-def over_windows(analysis: Analysis) -> str:
-    """Return in words over what an error is taken."""
-    layout = analysis.windows.layout
-    through = ", tests simulated through" if layout.memory else ""
-    return f"over windows of {plain(layout.width * layout.measured.period)} s (their smooth part){through}"
-
-
-def _carried(analysis: Analysis) -> str:
-    """Return in words which states begin a window where the one before left them."""
-    layout, unseen = analysis.windows.layout, analysis.windows.unseen
-    names = [name for name, hidden in zip(layout.measured.plant.states, unseen, strict=True) if hidden]
-    return f"; {', '.join(names)}, which nothing measures, where the window before left it" if names and layout.goes_on.any() else ""
 
 
 def table(console: Console, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -71,6 +71,7 @@ class Measured:
     """All tests of one plant, ``period`` s between samples; tests of one condition and one course are repetitions.
 
     ``twice`` names each test that was left out, and the one that it is the same as: it would pass for a repetition without scatter.
+    ``short`` names each log that was left out for its few samples, and their number.
     """
 
     plant: type[Plant]
@@ -79,6 +80,7 @@ class Measured:
     columns: tuple[int, ...]
     tests: tuple[MeasuredTest, ...]
     twice: tuple[tuple[str, str], ...] = ()
+    short: tuple[tuple[str, int], ...] = ()
 
     @cached_property
     def conditions(self) -> dict[str, list[int]]:
@@ -159,10 +161,11 @@ class Measured:
 
 
 def measured_tests(logs: Sequence[TestLog]) -> Measured:
-    """Return the tests of all logs; refuse logs of several plants or periods, and a log that lacks a reading or is too short."""
+    """Return the tests of all logs that are long enough; refuse logs of several plants or periods, and one that lacks a reading."""
     if not logs:
         raise UsageError("no tests: give a run folder, a folder of logs, or log files")
     refuse_mixed_plants(logs)
+    logs, short = _long_enough(logs)
     plant = plant_of(logs[0].metadata, str(logs[0].path))
     period = logs[0].period
     for log in logs:
@@ -189,15 +192,28 @@ def measured_tests(logs: Sequence[TestLog]) -> Measured:
         other = known.setdefault(test.inputs.tobytes() + test.readings.tobytes(), test)
         if other is not test:
             twice.append((str(test.log.path or test.name), str(other.log.path or other.name)))
-    return Measured(plant, period, sensors, columns, apart_by_course(list(known.values())), tuple(twice))
+    return Measured(plant, period, sensors, columns, apart_by_course(list(known.values())), tuple(twice), short)
+
+
+def _long_enough(logs: Sequence[TestLog]) -> tuple[Sequence[TestLog], tuple[tuple[str, int], ...]]:
+    """Return the logs with samples enough, and the name and the samples of each other one; refuse logs that are all too short."""
+    counts = [len(log.command_phase["time_s"]) for log in logs]
+    most = max(range(len(logs)), key=counts.__getitem__)
+    if counts[most] < FEWEST_SAMPLES:
+        several = f" in one of the {len(logs)} logs" if len(logs) > 1 else ""
+        raise UsageError(f"{_where(logs[most])}: {counts[most]} samples; at least {FEWEST_SAMPLES} are needed{several}")
+    short = tuple((_where(log), count) for log, count in zip(logs, counts, strict=True) if count < FEWEST_SAMPLES)
+    return [log for log, count in zip(logs, counts, strict=True) if count >= FEWEST_SAMPLES], short
+
+
+def _where(log: TestLog) -> str:
+    return str(log.path or log.condition_key)
 
 
 def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> MeasuredTest:
     columns = log.command_phase
-    where = str(log.path or log.condition_key)
+    where = _where(log)
     samples = len(columns["time_s"])
-    if samples < FEWEST_SAMPLES:
-        raise UsageError(f"{where}: {samples} samples; at least {FEWEST_SAMPLES} are needed")
     readings = np.column_stack([columns[one.field] / one.scale for one in sensors])
     inputs = []
     for name, channel in _inputs_of(plant).items():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +26,7 @@ from hjcamp.records.elsewhere.tables import GAPS, read_table
 from hjcamp.records.glitches import spikes, told_spikes
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, USUAL_PERIOD_S
-from hjcamp.records.plausible import Finding, refuse_implausible, watched_columns
+from hjcamp.records.plausible import Finding, refuse_implausible, watched_columns, without_small_tests
 from hjcamp.records.read import read_log
 from hjcamp.records.write import write_log
 
@@ -93,7 +93,8 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
         for one in written:
             one.path.unlink(missing_ok=True)
         raise
-    return written
+    told = without_small_tests([one.doubtful for one in written])
+    return [replace(one, doubtful=found) for one, found in zip(written, told, strict=True)]
 
 
 def _import(source: Path, target: Path, rules: ImportMap, mapping: Path) -> Imported:
