@@ -60,12 +60,16 @@ def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | N
 
 
 def plants_beside_faults() -> tuple[dict[str, type[Plant]], dict[str, str]]:
-    """Return every plant by name, and what is wrong with the files of the user's that hold none."""
+    """Return every plant by name, and what is wrong with the files of the user's that hold none, or one without sound equations."""
+    from hjcamp.model.vocabulary import read_vocabulary
+
     found, faults = scan(OWN_PLANTS, PACKAGE, Plant), {}
     for folder in extension_folders("plants"):
         for name, path in files_in(folder, "plant.py"):
             try:
-                found = scan_files([(name, path)], "plant.py", Plant, found)
+                more = scan_files([(name, path)], "plant.py", Plant, found)
+                read_vocabulary(more[name])
+                found = more
             except UsageError as problem:
                 faults[name] = str(problem)
     return found, faults

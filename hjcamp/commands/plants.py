@@ -186,9 +186,9 @@ def write_new(name: str) -> Path:
     """Write the template of a plant into ./plants."""
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._plant_template import write_template
-    from hjcamp.known_plants import load_plants
+    from hjcamp.known_plants import plants_beside_faults
 
-    path = write_template(name, Path("plants"), load_plants())
+    path = write_template(name, Path("plants"), plants_beside_faults()[0])
     console = make_console()
     console.print(f"  written  {path}", markup=False)
     console.print(f"  next     hjcamp plants test {name}", markup=False)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError, shown, unknown
-from hjcamp.known_plants import DEFAULT, find_plant, load_plants
+from hjcamp.known_plants import DEFAULT, find_plant, plants_beside_faults
 from hjcamp.model.catalogue import scan
 from hjcamp.model.effect import Effect
 from hjcamp.model.library import Library, library_for
@@ -43,7 +43,7 @@ def library_of(
         for name in ours.keys() & files.keys():
             raise UsageError(f"effect {name}: the name is taken; choose another file name")
         files = {**files, **ours}
-    return library_for(plant, files, lambda: load_plants().values())
+    return library_for(plant, files, lambda: plants_beside_faults()[0].values())
 
 
 def load_effects(folders: Sequence[Path] | None = None, plant: type[Plant] | str = DEFAULT) -> dict[str, type[Effect]]:

@@ -357,11 +357,15 @@ def test_two_plants_of_one_name_are_refused(folder: Path, capsys: pytest.Capture
 
 def test_a_faulty_file_is_no_fault_of_the_plants_beside_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "plants" / "broken.py").write_text("class (")
+    axis = (folder / "plants" / "axis.py").read_text()
+    (folder / "plants" / "odd.py").write_text(axis.replace("rate.velocity =", "rate.speed ="))
     assert cli.run(["plants", "axis"]) == 0
     capsys.readouterr()
     assert cli.run(["plants"]) == 0
     said = capsys.readouterr().out
     assert "axis" in said and "not a plant: " in said and "broken.py: line 1: invalid syntax" in " ".join(said.split())
+    assert "unknown state 'speed' in plant odd" in said
+    assert cli.run(["plants", "new", "third"]) == 0
     assert cli.run(["plants", "broken"]) == 2
 
 

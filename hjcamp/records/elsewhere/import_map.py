@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError, shown, unknown
-from hjcamp.known_plants import DEFAULT, find_plant, load_plants
+from hjcamp.known_plants import DEFAULT, find_plant, plants_beside_faults
 from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.field_unit import unit_of_field
 from hjcamp.model.parameter import Parameter, finite_number
@@ -184,7 +184,7 @@ def _only_fields(fields: Any, table: FieldTable, where: str) -> None:
 
 def _plants_with(name: str) -> list[str]:
     found = []
-    for plant in load_plants().values():
+    for plant in plants_beside_faults()[0].values():
         with suppress(UsageError):  # another plant's file may be at fault; that is not what is asked
             if name in fields_of(plant).names and name not in ("time_s", "phase"):
                 found.append(plant.name)
