@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import hashlib
 import keyword
@@ -94,12 +95,21 @@ def _what_is_wrong(path: Path, problem: BaseException) -> str:
     for known in (problem, problem.__cause__):
         if isinstance(known, HjcampError):
             said = str(known)
-            return said if said.startswith(str(path)) else f"{where}: {said}"
+            declared = _declared_in(path, said)
+            return said if said.startswith(str(path)) else f"{path}: line {declared}: {said}" if declared else f"{where}: {said}"
     if isinstance(problem, SystemExit):
         return f"{where}: this file ends the program ({type(problem).__name__}: {problem}); it may only define things"
     if said := _unknown_argument(problem) or _unknown_import(problem):
         return f"{where}: {said}"
     return f"{where}: cannot be loaded: {type(problem).__name__}: {problem}"
+
+
+def _declared_in(path: Path, said: str) -> int | None:
+    """Return the line of what is refused as ``CLASS.NAME: ...``: Python names that of its class, which ends before it is looked at."""
+    owner, _, name = said.partition(":")[0].partition(".")
+    classes = (one for one in ast.walk(ast.parse(_read(path))) if isinstance(one, ast.ClassDef) and one.name == owner)
+    lines = (line for one in classes for line in one.body if isinstance(line, ast.Assign))
+    return next((line.lineno for line in lines if name in map(ast.unparse, line.targets)), None)
 
 
 def _unknown_argument(problem: BaseException) -> str:

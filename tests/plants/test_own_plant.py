@@ -65,7 +65,7 @@ MISTAKES = {
     "a unit in capitals": ('"N*s/m"', '"Newton*S/m"', "did you mean 'newton*s/m'"),
     "newton metres": ('"N*s/m"', '"Nm"', "did you mean 'N*m'"),
     "an unknown argument of a state": ("typical=0.05", "typicl=0.05", "did you mean 'typical'"),
-    "a size that is none": ("typical=0.05", "typical=0", "Axis.velocity: typical is 0"),
+    "a size that is none": ("typical=0.05", "typical=0", "axis.py: line 15: Axis.velocity: typical is 0"),
     "a size that is no number": ("typical=0.05", 'typical=float("nan")', "above zero"),
     "a start that is none": ("typical=0.05", 'typical=0.05, start="unknwn"', 'a number or "unknown"'),
     "a lowest value that is none": ("typical=0.05", 'typical=0.05, low=float("nan")', "cannot fall below"),
