@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from carriage import PERIOD, measured_log
 
 from hjcamp.prediction.measured.tests import Measured, measured_tests
 from hjcamp.prediction.next.menu import _changed, menu
+from hjcamp.prediction.next.truth import _state_at
 from hjcamp.prediction.next.wanted import Wanted
 from hjcamp.records.log import TestLog
 
@@ -74,3 +76,22 @@ def test_a_test_that_nothing_drives_is_proposed_as_it_was_alone(measured: Measur
     at_rest = tuple(replace(one, inputs=np.zeros_like(one.inputs)) for one in measured.tests)
     names = [one.name for one in _changed(replace(measured, tests=at_rest), 0, SAMPLES, by_motion=True)]
     assert names == ["swing_again"] and len(list(_changed(measured, 0, SAMPLES, by_motion=True))) > 3
+
+
+def test_what_nothing_drives_may_begin_elsewhere(measured: Measured) -> None:
+    at_rest = tuple(replace(one, inputs=np.zeros_like(one.inputs)) for one in measured.tests)
+    tests = named(list(_changed(replace(measured, tests=at_rest), 0, SAMPLES, by_motion=False)))
+    assert {name: one.begun for name, one in tests.items()} == {
+        "swing_again": 1.0, "swing_half": 0.5, "swing_other_side": -1.0, "swing_farther": 1.5,
+    }  # fmt: skip
+    assert tests["swing_farther"].cost > tests["swing_half"].cost == 1.0
+
+
+@pytest.mark.parametrize(("begun", "expected"), [(1.0, 0.9), (0.5, 0.5), (-1.0, -0.7), (3.0, 2.5), (-3.0, -1.5)])
+def test_a_start_is_moved_about_where_the_test_ends(begun: float, expected: float) -> None:
+    """A state decays from 0.9 to 0.1, and cannot fall below -1.5."""
+    states = np.array([[0.9], [0.4], [0.4], [0.4], [0.4], [0.4], [0.1], [0.1]])
+    layout = SimpleNamespace(of_test=np.array([0, 0]), width=4)
+    analysis = SimpleNamespace(windows=SimpleNamespace(layout=layout, lowest=np.array([-1.5])))
+    wanted = SimpleNamespace(of=0, start_at=0, begun=begun)
+    assert _state_at(analysis, states, wanted)[0] == pytest.approx(expected)  # type: ignore[arg-type]

@@ -17,6 +17,11 @@ Array = NDArray[np.float64]
 CONDITIONS = 4
 # A test for which something must be mounted, or that leaves what the logs visited, has to be a quarter better.
 DEARER = 1.25
+# What nothing drives differs from test to test by where it begins.
+BEGUN = {
+    0.5: ("half", "half as far from where"), -1.0: ("other_side", "as far on the other side of where"),
+    1.5: ("farther", "1.5 times as far from where"),
+}  # fmt: skip
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
@@ -44,7 +49,7 @@ def _cut(test: MeasuredTest, rows: Array, samples: int) -> tuple[Array, Array]:
 
 
 def _changed(measured: Measured, place: int, samples: int, by_motion: bool) -> Iterator[Wanted]:
-    """Yield a measured test as it was, smaller, larger, slower, faster and the other way round; as it was where nothing drives it."""
+    """Yield a measured test as it was, smaller, larger, slower, faster, the other way round; begun elsewhere if nothing is driven."""
     test = measured.tests[place]
     steps = np.arange(samples, dtype=float)
     inputs, readings = _cut(test, steps, samples)
@@ -52,6 +57,10 @@ def _changed(measured: Measured, place: int, samples: int, by_motion: bool) -> I
     plain = Wanted(f"{called}_again", f"{said} once more", place, inputs, readings, test.given)
     yield plain
     if not np.any(np.ptp(np.concatenate([one.inputs for one in measured.tests]), axis=0) > 0.0):
+        for begun, (word, where) in {} if by_motion else BEGUN.items():
+            cost = DEARER if begun > 1.0 else 1.0
+            text = f"{said}, begun {where} it ends"
+            yield replace(plain, name=f"{called}_{word}", text=text, changes={"begun": begun}, begun=begun, cost=cost)
         return
     whole = np.concatenate([one.readings if by_motion else one.inputs for one in measured.tests])
     low, high = whole.min(axis=0), whole.max(axis=0)

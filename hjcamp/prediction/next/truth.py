@@ -185,7 +185,11 @@ def _state_at(analysis: Analysis, states: Array, wanted: Wanted) -> Array:
     layout = analysis.windows.layout
     rows = np.flatnonzero(np.repeat(layout.of_test, layout.width) == wanted.of)
     place = rows[min(wanted.start_at, len(rows) - 1)]
-    return np.asarray(np.where(np.isfinite(states[place]), states[place], 0.0))
+    begun = np.where(np.isfinite(states[place]), states[place], 0.0)
+    if wanted.begun == 1.0:
+        return begun
+    end = np.nan_to_num(np.mean(states[rows[3 * len(rows) // 4 :]], axis=0))
+    return np.asarray(np.maximum(end + wanted.begun * (begun - end), analysis.windows.lowest))
 
 
 def joined_with(analysis: Analysis, place: Place, simulated: Windows, chosen: Sequence[int]) -> tuple[Windows, NDArray[np.bool_]]:

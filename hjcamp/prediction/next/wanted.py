@@ -16,7 +16,8 @@ class Wanted:
     """A test that could be made: ``inputs`` (n, inputs) are given, or ``readings`` (n, sensors) are how it is to move, SI.
 
     ``of`` is the measured test whose start, or whose inputs, it takes; ``given`` are parameters of this test, ``changes`` says in
-    numbers what is other than in the logs. ``pieces`` are (value, seconds) of one input, for a campaign.
+    numbers what is other than in the logs. ``pieces`` are (value, seconds) of one input, for a campaign. It begins ``begun`` times as
+    far as the measured test from where that ends.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Wanted:
     start_at: int = 0
     pieces: tuple[tuple[float, float], ...] = ()
     driven: str = ""
+    begun: float = 1.0
 
     @property
     def samples(self) -> int:
