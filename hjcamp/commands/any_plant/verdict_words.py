@@ -196,8 +196,8 @@ class Words:
             left = 100.0 * min(verdict.law_left, 1.0)
             if first and self.beside:
                 found.append(
-                    f"Something outside the library is missing as well: {_a(free_law(first))} takes {left:.0f} % of what both take "
-                    "together. Its curve is on the page."
+                    f"Something outside the library is missing as well: beside what was found, {_a(free_law(first))} takes the "
+                    f"last {left:.0f} % of the error that can be explained. Its curve is on the page."
                 )
             else:
                 freest = _a(free_law(first)) if first else "a regression on the motion"

@@ -100,8 +100,8 @@ def other_sizes(rows: Mapping[str, Mapping[str, Any]], candidates: Sequence[Mapp
     if not held or not far:
         return []
     return [
-        f"Bounds of effects follow from what the plant's file declares, and here {', '.join(far)}: {', '.join(held)} may stand at a "
-        "bound for that reason. Write the calibrated values into the file, and ask again."
+        f"The bounds of effects follow from the plant's file, and here {', '.join(far)}: {', '.join(held)} may stand at a bound for "
+        "that reason. Write the values that the table has into the file, and ask again."
     ]
 
 
@@ -129,12 +129,12 @@ def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], per
         return [f"The base is late by itself, too ({', '.join(own)}): both together are what is late."] if own else []
     if most:
         return [
-            f"The delay of {' and '.join(most)} stands at the most that the base may have, {late[most[0]]['value']:.3g} s: a longer "
-            "one, or a lag, is an effect (command_delay, sensor_lag)."
+            f"The delay of {' and '.join(most)} stands at the most that the base may have, {plain(late[most[0]]['value'], 3)} s: a "
+            "longer one, or a lag, is an effect (command_delay, sensor_lag)."
         ]
     return [
-        f"The {name} acts {late[name]['value']:.3g} s late, more than the one sample by which a log may be off: the base takes so "
-        "short a delay or lag for itself (command_delay, sensor_lag)."
+        f"The {name} acts {plain(late[name]['value'], 3)} s late, more than the one sample by which a log may be off: the base takes "
+        "so short a delay for itself, and one that is none (command_delay, sensor_lag, second_store) may stand behind it."
         for name in longer
     ]
 
