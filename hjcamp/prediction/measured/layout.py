@@ -23,6 +23,8 @@ WINDOWS = 96
 RUN = 8
 # A test has so many such runs at least.
 RUNS_OF_TEST = 4
+# So many sets of delayed inputs are kept.
+MOST_DELAYED = 16
 
 
 @dataclass(frozen=True)
@@ -179,10 +181,23 @@ class Layout:
     def delayed(self, delays: Mapping[str, float]) -> Array:
         """Return the inputs (n fine, inputs), each later by its delay (s): of each part of a sample the mean."""
         late = {self.names.index(name): delay for name, delay in delays.items() if delay != 0.0}
+        key = tuple(sorted(late.items()))
+        if (found := self._delayed.get(key)) is not None:
+            return found
         if self.fine > 1:
-            return self._finely(late)
-        moved = {place: self._between.get(place, 0.0) + late.get(place, 0.0) for place in {*self._between, *late}}
-        return self._moved(moved) if late else self.inputs
+            found = self._finely(late)
+        else:
+            moved = {place: self._between.get(place, 0.0) + late.get(place, 0.0) for place in {*self._between, *late}}
+            found = self._moved(moved) if late else self.inputs
+        if len(self._delayed) >= MOST_DELAYED:
+            self._delayed.clear()
+        self._delayed[key] = found
+        return found
+
+    @cached_property
+    def _delayed(self) -> dict[tuple[tuple[int, float], ...], Array]:
+        """Inputs by their delays, as last asked for: slopes move one parameter after the other, and that is seldom a delay."""
+        return {}
 
     def _finely(self, late: Mapping[int, float]) -> Array:
         """Return each input in parts of each sample (n fine, inputs), those at some places later by a time (s).
@@ -255,7 +270,7 @@ class Layout:
         known = np.where(self.at_ends, 0.0, residuals) if self.at_ends.any() else residuals
         with np.errstate(over="ignore", invalid="ignore"):  # a model that diverges is no warning: it is not taken
             shaped = known.reshape(-1, self.width, residuals.shape[1]) / self.measured.noise
-            return np.asarray(np.einsum("wts,to->wso", shaped, self.basis))
+            return np.asarray(shaped.transpose(0, 2, 1) @ self.basis)
 
 
 def halves(begins: Array, ends: Array, first: Array, length: float) -> tuple[Array, Array]:
