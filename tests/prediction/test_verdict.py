@@ -298,7 +298,7 @@ def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
     row = {**found["floor"]["level_v"], "value": 0.1, "low": 0.05, "high": 0.3}
     verdict = replace(words.verdict, p_value=0.005)
     words = Words(words.analysis, verdict, {**found, "floor": {"level_v": row}})
-    assert words.title == "NOTHING MISSING  that these tests can name"
+    assert words.title == "NOTHING NAMED  level still errs by 0.3 V, 3 times its floor"
     said = " ".join(words.sentences())
     assert "level still errs by 0.3 V, 3 times its floor, and more than chance (p = 0.005)" in said and "repeated test" in said
     words = Words(words.analysis, replace(verdict, p_value=0.5), {**words.content, "floor": {"level_v": {**row, "value": None}}})

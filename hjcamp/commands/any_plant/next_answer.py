@@ -86,7 +86,7 @@ def _pairs(pairs: Pairs, proposal: Proposal) -> list[dict[str, Any]]:
 
 def telling(done: PlantProposed) -> list[str]:
     """Return in words which kinds of test tell the rivals apart."""
-    from hjcamp.commands.any_plant.verdict_words import telling_tests
+    from hjcamp.commands.any_plant.telling_words import telling_tests
 
     names = [name for one in done.proposal.question.rivals for name in one.names]
     return telling_tests(names, done.diagnosis["unknowns"], done.analysis.search.library)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from hjcamp.commands.any_plant.outside_words import (
     swing_words,
 )
 from hjcamp.commands.any_plant.plant_hints import plant_hints
+from hjcamp.commands.any_plant.telling_words import telling_tests
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
     FLOORS,
@@ -42,7 +43,6 @@ from hjcamp.report.units import plain, told, told_interval
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.model.effect import Effect
     from hjcamp.prediction.selection.analysis import Analysis
     from hjcamp.prediction.verdict.verdict import Verdict
 
@@ -56,20 +56,6 @@ TITLES = {
 }
 STYLES = {"nothing_missing": "green", "effect": "bold", "one_of": "bold"}
 CANDIDATES = ("effect", "t", "left", "parameter", "value", "95 %")
-# What kind of test tells laws over these drivers apart.
-TELLING = {
-    "velocity": "the same moves at other speeds, equal speeds in both directions",
-    "speed": "slow moves at several constant speeds",
-    "position": "moves about other positions, and a hold at each",
-    "travel": "moves about other positions",
-    "time": "the same move at the beginning and at the end of a long test",
-    "load": "the same moves with another mass or load",
-    "level": "holds at several levels without inflow",
-    "difference": "holds with several differences of the two levels, without inflow",
-    "upstream": "emptying from several levels",
-    "demand": "steps of several sizes, small ones among them, in both directions",
-    "true": "holds at several values, with another instrument beside the sensor",
-}
 
 
 @dataclass(frozen=True)
@@ -88,8 +74,8 @@ class Words:
         place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
         of_place = f" of {place.replace('_', ' ')}" if place and place != local else ""
         said = names or (f"depends on {_local(local)}{of_place}" if drivers else "")
-        if self.verdict.word == "nothing_missing" and self.far_off:
-            said = "that these tests can name"
+        if self.verdict.word == "nothing_missing" and (far := self.far_off):
+            return f"NOTHING NAMED  {', '.join(self._still_errs(*far))}"
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
 
     @property
@@ -265,9 +251,7 @@ class Words:
 
     def _remains(self, name: str, row: Mapping[str, Any]) -> str:
         """What a channel still errs by, beside chance, and what may be the reason."""
-        from hjcamp.report.exploration import channel_label
-
-        p, kind = self.verdict.p_value, "its noise" if row["value"] is None else "its floor"
+        p = self.verdict.p_value
         chance = (
             f"and more than chance (p = {plain(p, 2)}): something may be there that neither the library nor a free law describes."
             if p <= 0.05
@@ -278,8 +262,14 @@ class Words:
             if row["source"] == "repetitions"
             else "A repeated test would tell whether it is scatter of the rig."
         )
-        times = row["high"] / _least(row)
-        return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}, {times:.2g} times {kind}, {chance} {scatter}"
+        return f"{', '.join(self._still_errs(name, row))}, {chance} {scatter}"
+
+    def _still_errs(self, name: str, row: Mapping[str, Any]) -> tuple[str, str]:
+        """What a channel still errs by, and how many times its floor or noise that is."""
+        from hjcamp.report.exploration import channel_label
+
+        times = f"{row['high'] / _least(row):.2g} times its {'noise' if row['value'] is None else 'floor'}"
+        return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}", times
 
     def telling(self) -> list[str]:
         """What kind of test would tell more, in words."""
@@ -360,21 +350,6 @@ def _a(words: str, begins: bool = False) -> str:
 def _least(row: Mapping[str, Any]) -> float:
     """Return the floor of a channel, or its noise where none is known."""
     return float(row["low"] if row["value"] is None else row["value"])
-
-
-def telling_tests(
-    effects: Iterable[str], unknowns: Sequence[Mapping[str, Any]], library: Mapping[str, type[Effect]]
-) -> list[str]:
-    """Return in words which kinds of test tell effects, and the best unknown, apart: by what drives them."""
-    drivers = {one["driver"].rpartition("_")[2] for one in unknowns[:1]}
-    for name in effects:
-        if name not in library:
-            continue
-        own = library[name].parameters
-        given = {argument for term in library[name].terms.values() for argument in term.arguments if argument not in own}
-        drivers |= {driver for driver in TELLING if any(driver in argument for argument in given)}
-    said = [TELLING[one] for one in TELLING if one in drivers]
-    return [one for one in said if not any(other != one and other.startswith(one) for other in said)]
 
 
 def print_diagnosis(console: Console, words: Words) -> None:
