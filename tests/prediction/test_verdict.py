@@ -312,16 +312,26 @@ def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.Monk
     assert steps[0] == "hjcamp next logs" and steps[-1].startswith("hjcamp effects new MY_EFFECT --from diagnose")
 
 
-@pytest.mark.parametrize(("augmented", "floor", "said"), [(0.8, 0.1, True), (0.5, 0.1, False), (0.8, 0.7, False)])
-def test_that_most_of_the_error_is_left_beside_a_name_is_said(augmented: float, floor: float, said: bool) -> None:
+@pytest.mark.parametrize(
+    ("augmented", "floor", "law_left", "said"),
+    [
+        (0.8, 0.1, 0.0, "level errs by 0.8 V instead of 1 V, 8 times the noise"),
+        (0.5, 0.1, 0.0, "level still errs by 0.5 V, 5 times the noise"),
+        (0.5, 0.1, 0.2, ""),  # the law has another form, which is said beside this
+        (0.15, 0.1, 0.0, ""),
+        (0.8, 0.7, 0.0, ""),
+    ],
+)
+def test_that_much_of_the_error_is_left_beside_a_name_is_said(augmented: float, floor: float, law_left: float, said: str) -> None:
     rows = {
         "level_v": {"baseline": 1.0, "augmented": augmented, "floor": floor, "unit": "V"},
         "flow_m3_per_s": {"baseline": 0.5, "augmented": 0.5, "floor": 0.4, "unit": "m^3/s"},
     }
-    words = Words(SimpleNamespace(floor=SimpleNamespace(source="sensor")), SimpleNamespace(), {"channels": rows})  # type: ignore[arg-type]
+    verdict: Any = SimpleNamespace(word="effect", law_left=law_left)
+    words = Words(SimpleNamespace(floor=SimpleNamespace(source="sensor")), verdict, {"channels": rows})  # type: ignore[arg-type]
     found = words._most_is_left()
-    assert bool(found) == said
-    assert not said or "level errs by 0.8 V instead of 1 V, 8 times the noise" in found[0]
+    assert bool(found) == bool(said)
+    assert not said or said in found[0]
 
 
 def test_linear_algebra_takes_one_thread(axis: Path) -> None:

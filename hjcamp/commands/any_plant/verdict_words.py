@@ -189,7 +189,7 @@ class Words:
                 freest = _a(free_law(first)) if first else "a regression on the motion"
                 law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"
                 found.append(f"{law} leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
-        if verdict.word in ("effect", "one_of"):
+        if verdict.word in ("effect", "one_of") or (verdict.word == "outside_library" and verdict.unknown):
             found += self._most_is_left()
         if verdict.word != "cannot_tell":
             found.append(
@@ -227,7 +227,7 @@ class Words:
         return seldom(self.content["candidates"], self.content["window_samples"] * self.analysis.measured.period)
 
     def _most_is_left(self) -> list[str]:
-        """Say so where less than half of what lies above the floor was found in every channel, or repetitions share the rest."""
+        """Say so where less than half of what lies above the floor was found in every channel, or one still errs by twice its floor."""
         from hjcamp.prediction.levels import MOST_OF_IT
         from hjcamp.report.exploration import channel_label
 
@@ -236,12 +236,19 @@ class Words:
         row = rows[name]
         kind = "the noise" if self.analysis.floor.source == "sensor" else "the floor"
         if any(row["baseline"] - row["augmented"] >= MOST_OF_IT * (row["baseline"] - row["floor"]) for row in rows.values()):
-            shared = self.analysis.floor.source == "repetitions" and row["floor"] < (1.0 - MOST_OF_IT) * row["augmented"]
-            if not shared or self.verdict.law_left > 0.05:
+            # that a law has not quite this form is said elsewhere
+            told_why = self.verdict.law_left > 0.05 and self.verdict.word != "outside_library"
+            if told_why or row["floor"] >= (1.0 - MOST_OF_IT) * row["augmented"]:
                 return []
+            if self.analysis.floor.source == "repetitions":
+                return [
+                    f"Repetitions share most of what is left, {row['augmented'] / row['floor']:.2g} times the floor in "
+                    f"{channel_label(name)}: the law has not quite this form, or something else is missing as well."
+                ]
             return [
-                f"Repetitions share most of what is left, {row['augmented'] / row['floor']:.2g} times the floor in "
-                f"{channel_label(name)}: the law has not quite this form, or something else is missing as well."
+                f"{channel_label(name)} still errs by {told(row['augmented'], row['unit'])}, "
+                f"{row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}: the law has not quite this form, "
+                "something else is missing as well, or the rig scatters."
             ]
         return [
             f"Most of the error is left: {channel_label(name)} errs by {told(row['augmented'], row['unit'])} instead of "
