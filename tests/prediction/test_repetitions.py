@@ -35,6 +35,18 @@ def test_other_conditions_stay_apart_and_their_names_as_they_are(axis: Path) -> 
     assert found.conditions == {"a": [0, 2], "b": [1]} and found.twice == ()
 
 
+def test_what_nothing_drives_is_repeated_where_it_begins_alike(axis: Path) -> None:
+    def released(begun: float, decay: float) -> object:
+        log = measured_log(seconds=3.0)
+        log.columns["voltage_v"][:] = 0.0
+        time = log.columns["time_s"]
+        log.columns["position_m"][:] = begun * np.exp(-decay * time) * np.cos((4.0 + decay) * time)
+        return log
+
+    # other friction makes another swing of the same start
+    assert groups(released(0.1, 0.3), released(0.101, 0.8), released(0.07, 0.3)) == [[0, 1], [2]]
+
+
 def test_one_test_in_two_files_is_looked_at_once(axis: Path) -> None:
     first, other = measured_log(seconds=2.0, condition="a"), measured_log(seconds=2.0, condition="a", noise=1e-6)
     found = measured_tests([first, other, first])

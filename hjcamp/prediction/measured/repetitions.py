@@ -17,13 +17,15 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 # A course is compared by means over so many samples: a controller's answer to noise is none of it.
 BLOCK = 24
+# Samples over which a start is taken: noise falls, and little moves in them.
+FIRST = 4
 
 
 def apart_by_course(tests: Sequence[MeasuredTest]) -> tuple[MeasuredTest, ...]:
     """Return the tests; those of a condition that follow another course than its first get a condition of their own.
 
     Tests follow one course where their inputs differ by less than a tenth of what they do, or their readings where a loop makes
-    the inputs.
+    the inputs. Where no input changes, the start makes the course: they begin within a tenth of what their readings do.
     """
     groups: dict[str, list[list[int]]] = {}
     for place, test in enumerate(tests):
@@ -44,7 +46,17 @@ def apart_by_course(tests: Sequence[MeasuredTest]) -> tuple[MeasuredTest, ...]:
 
 
 def _alike(first: MeasuredTest, second: MeasuredTest) -> bool:
-    return _shared(first.inputs, second.inputs) or _shared(first.readings, second.readings)
+    if _shared(first.readings, second.readings):
+        return True
+    driven = np.any(np.ptp(first.inputs, axis=0) > 0.0) or np.any(np.ptp(second.inputs, axis=0) > 0.0)
+    return _shared(first.inputs, second.inputs) and (bool(driven) or _begin_alike(first.readings, second.readings))
+
+
+def _begin_alike(one: Array, other: Array) -> bool:
+    """Whether columns (n, m) begin within a tenth of what they do, each of its own rms."""
+    both = np.concatenate([one, other])
+    apart = one[:FIRST].mean(axis=0) - other[:FIRST].mean(axis=0)
+    return bool(np.all(apart**2 <= MATTERS**2 * np.mean((both - both.mean(axis=0)) ** 2, axis=0)))
 
 
 def _shared(one: Array, other: Array) -> bool:
