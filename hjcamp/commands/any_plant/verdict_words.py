@@ -73,7 +73,8 @@ class Words:
         drivers = self.content["drivers"]
         place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
         of_place = f" of {place.replace('_', ' ')}" if place and place != local else ""
-        said = names or (f"depends on {_local(local)}{of_place}" if drivers else "")
+        state = _state(self.content["unknowns"][0]) if self.content["unknowns"] else ""
+        said = names or (f"depends on {state or _local(local) + of_place}" if drivers else "")
         if self.verdict.word == "nothing_missing" and (far := self.far_off):
             return f"NOTHING NAMED  {', '.join(self._still_errs(*far))}"
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
@@ -339,8 +340,15 @@ def free_law(row: Mapping[str, Any]) -> str:
         return f"leak from {' to '.join(row['signal'].replace('_', ' ').split(' - '))} that depends on their difference"
     if driver == "time":
         return f"{row['quantity']} at {place.replace('_', ' ')} that changes with time"
-    where = "that depends on the" if place == driver else f"at {place.replace('_', ' ')} that depends on its"
-    return f"{row['quantity']} {where} {driver}"
+    at = "" if place in (driver, row["quantity"]) else f" at {place.replace('_', ' ')}"
+    return f"{row['quantity']}{at} that depends on {_state(row) or ('the ' if place == driver else 'its ') + driver}"
+
+
+def _state(row: Mapping[str, Any]) -> str:
+    """Return the state that drives a free law, in words, where it is called otherwise than what drives it at its place."""
+    local, signal = row["driver"].rpartition("_")[2], row["signal"]
+    named = local in ("position", "velocity", "travel", "level") and signal != local and not signal.startswith(f"{row['port']}_")
+    return signal.replace("_", " ") if named and signal != row["port"] else ""
 
 
 def _local(driver: str) -> str:

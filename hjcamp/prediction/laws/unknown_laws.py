@@ -9,7 +9,7 @@ from __future__ import annotations
 import linecache
 from collections.abc import Callable
 from functools import lru_cache
-from math import hypot
+from math import floor, hypot
 from types import new_class
 from typing import Any
 
@@ -29,14 +29,14 @@ class _Hats:
     ``on`` are the slots on which it acts, in units of the last one, ``against`` those that it takes from; ``over`` is what drives
     it, a name or one less another one. A law that ``changes`` its slot comes after all that add to it; one that is a share of
     something is so many ``times`` that, and its driver is in ``unit``.
-    One that is ``positive`` leaves h + sqrt(1 + h^2) times its slot, whatever h is.
+    One that is ``positive`` leaves h + sqrt(1 + h^2) times its slot, whatever h is. One that ``turns`` repeats from end to end.
     """
 
     positive = False
 
     def __init_subclass__(
         cls, on: str, over: str, knots: int, changes: bool = False, times: str = "", unit: str = "",
-        positive: bool = False, against: str = "",
+        positive: bool = False, against: str = "", turns: bool = False,
     ) -> None:  # fmt: skip
         slots, unit = on.split(), unit or ("s" if over == "time" else over.partition(" ")[0])
         own = {ENDS[0]: Parameter(unit, -1.0, BIG), ENDS[1]: Parameter(unit, 1.0, (-9e8, 1.1e9))}
@@ -46,13 +46,13 @@ class _Hats:
             parameter.__set_name__(cls, name)
         for slot in (*slots, *against.split()):
             taken = slot in against.split()
-            setattr(cls, slot, staticmethod(_sum_of_hats(cls.__name__, slot, over, knots, changes, times, positive, taken)))
+            setattr(cls, slot, staticmethod(_sum_of_hats(cls.__name__, slot, over, knots, changes, times, positive, taken, turns)))
         cls.positive = positive
         super().__init_subclass__()
 
 
 def _sum_of_hats(
-    law: str, slot: str, over: str, knots: int, changes: bool, times: str, positive: bool, taken: bool
+    law: str, slot: str, over: str, knots: int, changes: bool, times: str, positive: bool, taken: bool, turns: bool
 ) -> Callable[..., Any]:
     """Return the method of a slot; its text is kept where ``inspect``, and so the kernel, finds it."""
     first = [*([slot] if changes or times == slot else []), *over.split(" - "), *([times] if times else [])]
@@ -61,15 +61,17 @@ def _sum_of_hats(
     hats = [f"{factor}{KNOT}{k} * max(0.0, 1.0 - abs({AT}{f' - {k}.0' if k else ''}))" for k in range(knots)]
     share = " + ".join(one.removeprefix(factor) for one in hats)
     whole = f"{slot} * (({share}) + hypot(1.0, {share}))" if positive else f"-({share})" if taken else ""
+    share_of = f"({over} - {ENDS[0]}) / ({ENDS[1]} - {ENDS[0]})"
+    within = f"({share_of} - floor({share_of}))" if turns else f"min(max({share_of}, 0.0), 1.0)"
     text = (
         f"def {slot}({', '.join(names)}):\n"
         f'    """Value at this {over}."""\n'
-        f"    {AT} = {knots - 1}.0 * min(max(({over} - {ENDS[0]}) / ({ENDS[1]} - {ENDS[0]}), 0.0), 1.0)\n"
+        f"    {AT} = {knots - 1}.0 * {within}\n"
         f"    return {whole or ' + '.join([*([slot] if slot in names else []), *hats])}\n"
     )
     file = f"<{__name__}.{law}.{slot}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
-    scope: dict[str, Any] = {"__name__": __name__, "hypot": hypot}
+    scope: dict[str, Any] = {"__name__": __name__, "hypot": hypot, "floor": floor}
     exec(compile(text, file, "exec"), scope)
     method: Callable[..., Any] = scope[slot]
     return method
@@ -88,6 +90,15 @@ class FineForceOverPosition(_Hats, Effect, on="force", over="position", knots=48
     r"""The same with knots four times as near: a force that repeats along the travel, as of teeth, poles or the turns of a screw.
 
     .. math:: F \mathrel{+}= h(x)
+    """
+
+    acts_on = "body"
+
+
+class TurningForceOverPosition(_Hats, Effect, on="force", over="position", knots=49, turns=True):
+    r"""A force on a body that repeats with each turn, and many times in it: the cogging of a motor, teeth, a coupling that runs out.
+
+    .. math:: M \mathrel{+}= h(\varphi \bmod 2\pi)
     """
 
     acts_on = "body"
@@ -241,9 +252,9 @@ class ReadingOverTrue(_Hats, Effect, on="reading", over="reading", knots=12, cha
 
 
 LAWS: tuple[type[Effect], ...] = (
-    ForceOverPosition, FineForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel, FrictionOverSpeed, FrictionOverTime,
-    FrictionOverLoad, DampingOverTravel, DampingOverTime, LossOverLevel, LossOverTime, LossOverDifference, FlowOverHead,
-    CommandOverDemand, OutputOverInput, OutputOverTwist, ReadingOverTrue,
+    ForceOverPosition, FineForceOverPosition, TurningForceOverPosition, ForceOverVelocity, ForceOverTime, FrictionOverTravel,
+    FrictionOverSpeed, FrictionOverTime, FrictionOverLoad, DampingOverTravel, DampingOverTime, LossOverLevel, LossOverTime,
+    LossOverDifference, FlowOverHead, CommandOverDemand, OutputOverInput, OutputOverTwist, ReadingOverTrue,
 )  # fmt: skip
 
 

@@ -30,6 +30,9 @@ TIMES = {"actuator": ("command", "demand"), "path": ("flow", "flow"), "store": (
 RUBS = ("static", "coulomb", "viscous")
 # What is a share of its slot's own value.
 SHARES = ("gain", "capacity", "stiffness", "value")
+# What repeats along a travel is looked for over the whole of it, of an angle that goes round more often within a turn.
+FINE = (unknown_laws.FineForceOverPosition, unknown_laws.TurningForceOverPosition)
+TURN, MOST_TURNS = 2.0 * np.pi, 2.0
 # What is a law of its slot's value as that arrives.
 BENT = ("command", "reading")
 
@@ -45,6 +48,7 @@ class Unknown:
     """An unknown at one place: its effect, the plant's name of what drives it, or one less another, and its range in the tests, SI.
 
     ``levels`` are the values of what drives it where it has no more of them than the law has knots: between these nothing is told.
+    One that ``turns`` repeats from end to end.
     """
 
     effect: type[Effect]
@@ -56,6 +60,7 @@ class Unknown:
     high: float
     usual: float
     levels: tuple[float, ...] = ()
+    turns: bool = False
 
     @property
     def amplitudes(self) -> tuple[str, ...]:
@@ -70,6 +75,10 @@ class Unknown:
     def amount(self, value: Any) -> Any:
         """Return what an amplitude stands for: itself, or the share by which a positive law changes its slot."""
         return value + np.hypot(1.0, value) - 1.0 if getattr(self.effect, "positive", False) else value
+
+    def over(self, value: float) -> float:
+        """Return what drives it, SI, where it has knots: within its turn where it repeats."""
+        return self.low + (value - self.low) % (self.high - self.low) if self.turns else value
 
     @property
     def driven_by(self) -> str:
@@ -99,7 +108,7 @@ def unknowns_of(
     for law in unknown_laws.LAWS:
         words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", law.__name__).lower()
         law.name = f"unknown_{words}"
-        quantity, driver = words.removeprefix("fine_").split("_over_")
+        quantity, driver = words.removeprefix("fine_").removeprefix("turning_").split("_over_")
         try:
             bound = bind(law, plant)
         except UsageError:
@@ -116,11 +125,16 @@ def unknowns_of(
                 signal, course = f"{one} - {beyond}", _difference(courses or {}, one, beyond)
                 ranges = {**ranges, **ranges_of({signal: course})}
             low, high = ranges.get(signal, (0.0, 0.0))
+            if law in FINE:
+                turns = effect.parameters[ENDS[0]].unit == "rad" and high - low > MOST_TURNS * TURN
+                if (law is not unknown_laws.FineForceOverPosition) != turns:
+                    continue
+                low, high, course = (0.0, TURN, np.zeros(0)) if turns else (low, high, course)
             if high - low > 1e-9 * max(abs(low), abs(high)):
                 usual = ranges.get(port.size_of(getattr(law, "sized", next(iter(law.terms)))), (0.0, 1.0))
                 size = max(abs(usual[0]), abs(usual[1])) or 1.0
                 levels = _levels(course, low, high, len(amplitudes_of_law(effect)))
-                found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size, levels)
+                found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size, levels, law is FINE[1])
     return found | _gains(plant, ranges)
 
 

@@ -119,7 +119,7 @@ def _moment(
     square = float(ours @ ours)
     amount = unknown.amount(unknown.usual) * float(theirs @ ours) / square if square > 0.0 else np.nan
     first, *less = (float(signals.get(name, place.get(name, np.nan))) for name in unknown.signal.split(" - "))
-    return first - sum(less), amount, sign
+    return unknown.over(first - sum(less)), amount, sign
 
 
 def _answers(model: PlainModel, place: Mapping[str, float], unknown: Unknown) -> Array:
