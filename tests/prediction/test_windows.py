@@ -75,6 +75,10 @@ def test_tests_that_are_too_short_say_what_they_lack(axis: Path) -> None:
     measured = measured_tests([measured_log(seconds=0.6)])
     layout = Layout(measured, width_of(measured))
     assert any("windows" in one for one in what_lacks(measured, layout))
+    # windows enough, all of repetitions of one course
+    again = [measured_log(seconds=1.0, seed=1, noise=1e-6 * k) for k in range(12)]
+    layout = Layout(found := measured_tests(again), 120)
+    assert found.repeated and "repetitions share theirs" in what_lacks(found, layout)[0]
 
 
 def test_a_free_parameter_stays_within_its_bounds() -> None:

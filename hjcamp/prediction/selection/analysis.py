@@ -95,10 +95,15 @@ def what_lacks(measured: Measured, layout: Layout) -> list[str]:
     found = []
     chapters = len(np.unique(chapters_of(layout)))
     if chapters < FEWEST or len(layout.of_test) < 3 * FEWEST:
+        asked = (
+            "repetitions share theirs, so longer tests or tests of other courses"
+            if len(layout.of_test) >= 3 * FEWEST and measured.repeated
+            else f"longer or more tests (at least {3 * FEWEST * SHORTEST_OF_ALL} samples, these have "
+            f"{sum(test.samples for test in measured.tests)}{_before(measured)})"
+        )
         found.append(
             f"{len(layout.of_test)} windows of {layout.width * measured.period:.4g} s in {chapters} chapters; "
-            f"{3 * FEWEST} windows in {FEWEST} chapters are needed: longer or more tests (at least {3 * FEWEST * SHORTEST_OF_ALL} "
-            f"samples, these have {sum(test.samples for test in measured.tests)}{_before(measured)})"
+            f"{3 * FEWEST} windows in {FEWEST} chapters are needed: {asked}"
         )
     if not moves(layout)[: MOTION_ORDERS * len(measured.sensors)].any():
         found.append("nothing that is measured changes in these tests by more than its noise")
