@@ -290,7 +290,8 @@ def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
             seen.add(name)
             without = next(step for step in search.steps if name not in step.before.names)
             rows.append(_candidate(analysis, verdict, name, model, without, named=name in verdict.effects))
-    for step in search.steps:
+    # what was fitted beside a free law alone says nothing of what it does by itself
+    for step in (one for one in search.steps if not any(name in search.unknowns for name in one.before.names)):
         for one in step.named:
             [name] = one.beyond(step.before)
             if name not in seen:
@@ -323,6 +324,7 @@ def _candidate(
     parameters = {one.name: _row(one, effect.parameters[one.name].unit) for one in found}
     return {
         "effect": name,
+        "beside": list(step.before.beyond(analysis.base)),
         "posterior": weight,
         "t": float(np.clip(t, -1e3, 1e3)),
         "t_needed": critical(count, step.level),

@@ -334,6 +334,19 @@ def test_that_much_of_the_error_is_left_beside_a_name_is_said(augmented: float, 
     assert not said or said in found[0]
 
 
+def test_what_was_found_beside_a_name_is_marked() -> None:
+    rows = [
+        {"effect": "spring", "t": 9.0, "heldout_error_ratio": 0.5, "parameters": {}, "beside": []},
+        {"effect": "drag", "t": 4.0, "heldout_error_ratio": 0.8, "parameters": {}, "beside": ["spring"]},
+    ]
+    for one in rows:
+        one["parameters"] = {"size": {"value": 1.0, "unit": "1", "ci95": [0.9, 1.1], "at_bound": False, "told": True}}
+    words = Words(SimpleNamespace(), SimpleNamespace(), {"candidates": rows})  # type: ignore[arg-type]
+    assert [row[0] for row in words.candidates()] == ["spring", "+ drag"]
+    assert words.beside_note == ["+: found beside spring, and held against the model with that."]
+    assert Words(SimpleNamespace(), SimpleNamespace(), {"candidates": rows[:1]}).beside_note == []  # type: ignore[arg-type]
+
+
 def test_linear_algebra_takes_one_thread(axis: Path) -> None:
     measured = measured_tests([measured_log(seconds=0.6)])
     with threadpool_limits(2, user_api="blas"):

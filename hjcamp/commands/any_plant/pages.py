@@ -53,7 +53,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
         equations_of(verdict.effects, library),
     ]
     if rows := words.candidates():
-        parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows)]
+        parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows), *map(page.note, words.beside_note)]
         parts.append(
             page.note(
                 "t: of the paired differences over chapters left out. Left: the error of left-out chapters that stays."

@@ -294,11 +294,18 @@ class Words:
         """Rows: effect, t, error left, parameter, value, 95 %."""
         rows: list[list[str]] = []
         for one in (row for k, row in enumerate(self.content["candidates"]) if k < SHOWN or row.get("asked")):
-            first = [one["effect"], f"{one['t']:.1f}", f"{100 * one['heldout_error_ratio']:.0f} %"]
+            sign = "+ " if one.get("beside") else ""
+            first = [f"{sign}{one['effect']}", f"{one['t']:.1f}", f"{100 * one['heldout_error_ratio']:.0f} %"]
             for name, row in one["parameters"].items():
                 rows.append([*first, name.replace("_", " "), told(row["value"], row["unit"]), told_interval(row) + bound_word(row)])
                 first = ["", "", ""]
         return rows
+
+    @property
+    def beside_note(self) -> list[str]:
+        """What the sign before an effect says, where one of those shown has it."""
+        others = dict.fromkeys(name for one in self.content["candidates"][:SHOWN] for name in one.get("beside", ()))
+        return [f"+: found beside {' and '.join(others)}, and held against the model with that."] if others else []
 
     def next_commands(self, paths: str, model: str, folder: str = "diagnose") -> list[str]:
         """The commands that go on from the answer."""
@@ -380,6 +387,7 @@ def print_diagnosis(console: Console, words: Words) -> None:
     print_wrapped(console, words.sentences(), 8)
     if rows := words.candidates():
         table(console, CANDIDATES, rows)
+        print_wrapped(console, words.beside_note, 8)
     console.print(f"error   {over_windows(analysis)}", markup=False)
     whole = words.content["whole_tests"]
     table(console, CHANNELS, channel_table(words.content["channels"], whole))
