@@ -151,7 +151,7 @@ def _courses(measured: Measured, place: int, samples: int) -> Iterator[Wanted]:
         at = {share: float(low + share * (high - low)) for share in SHARES}
 
         def shown(value: float, unit: str = item.unit) -> str:
-            return f"{value:.3g} {unit}"
+            return f"{value:.3g} {unit}".rstrip()
 
         nearest = min(at.values(), key=abs)
         yield course(
