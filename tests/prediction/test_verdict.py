@@ -301,6 +301,8 @@ def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
     assert words.title == "NOTHING NAMED  level still errs by 0.3 V, 3 times its floor"
     said = " ".join(words.sentences())
     assert "level still errs by 0.3 V, 3 times its floor, and more than chance (p = 0.005)" in said and "repeated test" in said
+    small = Words(words.analysis, verdict, {**words.content, "floor": {"level_v": {**row, "high": 0.15}}})
+    assert small.title == "NOTHING NAMED  what is left is more than chance (p = 0.005)"
     words = Words(words.analysis, replace(verdict, p_value=0.5), {**words.content, "floor": {"level_v": {**row, "value": None}}})
     assert "6 times its noise, though the library takes no more of it than chance (p = 0.5)" in " ".join(words.sentences())
 

@@ -77,6 +77,8 @@ class Words:
         said = names or (f"depends on {state or _local(local) + of_place}" if drivers else "")
         if self.verdict.word == "nothing_missing" and (far := self.far_off):
             return f"NOTHING NAMED  {', '.join(self._still_errs(*far))}"
+        if self.verdict.word == "nothing_missing" and self.verdict.p_value <= LEVEL:
+            return f"NOTHING NAMED  what is left is more than chance (p = {plain(self.verdict.p_value, 2)})"
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
 
     @property
