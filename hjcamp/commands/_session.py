@@ -138,7 +138,7 @@ def progress_of(console: Console) -> Iterator[Callable[[str, float], None]]:
 
     if not console.is_terminal:
         lines = Lines()
-        yield lambda text, share: lines(f"{text} ({share:.0%} of this step)")
+        yield lambda text, share: lines(f"{text} ({share:.0%})")
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
