@@ -13,6 +13,7 @@ from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.fitting.gauss_newton import Free
 from hjcamp.prediction.fitting.intervals import intervals
+from hjcamp.prediction.measured import layout as layout_module
 from hjcamp.prediction.measured.layout import Layout
 from hjcamp.prediction.measured.tests import MOST_DELAY, measured_tests
 from hjcamp.prediction.selection.analysis import MOST_SAMPLES, Analysis, calibrated, what_lacks
@@ -191,3 +192,16 @@ class Falling(Plant):
         rate.velocity = parameter.growth * state.place + drive.push
         eye = sensor(state.place)
 '''
+
+
+def test_delayed_inputs_are_kept_few_of_long_logs(axis: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    measured = measured_tests([measured_log(seconds=2.0)])
+    for limit, kept in ((10**9, 16), (1, 2)):
+        monkeypatch.setattr(layout_module, "MOST_BYTES", limit)
+        layout, most = Layout(measured, 50), 0
+        for k in range(40):
+            first = layout.delayed({"voltage": 1e-5 * k})
+            assert layout.delayed({"voltage": 1e-5 * k}) is first
+            most = max(most, len(layout._delayed))
+        assert most == kept
+        assert np.array_equal(layout.delayed({"voltage": 3e-5}), Layout(measured, 50).delayed({"voltage": 3e-5}))

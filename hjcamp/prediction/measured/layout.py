@@ -23,8 +23,8 @@ WINDOWS = 96
 RUN = 8
 # A test has so many such runs at least.
 RUNS_OF_TEST = 4
-# So many sets of delayed inputs are kept.
-MOST_DELAYED = 16
+# So many sets of delayed inputs are kept, fewer of long logs: these many bytes of them.
+MOST_DELAYED, MOST_BYTES = 16, 64 * 2**20
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ class Layout:
         else:
             moved = {place: self._between.get(place, 0.0) + late.get(place, 0.0) for place in {*self._between, *late}}
             found = self._moved(moved) if late else self.inputs
-        if len(self._delayed) >= MOST_DELAYED:
+        if len(self._delayed) >= min(MOST_DELAYED, max(MOST_BYTES // max(found.nbytes, 1), 2)):
             self._delayed.clear()
         self._delayed[key] = found
         return found
