@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flywheel import GAIN, INERTIA, PERIOD, PLANT, VISCOUS
 
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.effects import load_effects
@@ -17,32 +18,16 @@ from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.prediction.verdict.verdict import judged
 from hjcamp.records.log import TestLog
 
-PERIOD, SMALL, INERTIA, VISCOUS, GAIN, NOISE = 0.01, 10, 1.0e-3, 4e-3, 0.02, 2e-4
-PLANT = '''"""A motor whose angle is measured."""
-
-from hjcamp.plant import Input, Measured, Parameter, Plant, State, body, outside, sensor
-
-
-class Shaft(Plant):
-    """A motor turns a shaft."""
-
-    angle = State("rad", typical=5.0)
-    speed = State("rad/s", typical=8.0)
-    voltage = Input("V", typical=3.0)
-    gain = Parameter("N*m/V", 0.02)
-    inertia = Parameter("kg*m**2", 1.2e-3, (1e-6, 1e-1), "log-uniform", base=True)
-    viscous = Parameter("N*m*s", 5e-3, (0.0, 0.1), base=True)
-    period = 0.01
-    angle_rad = Measured("encoder", of="angle")
-
-    @staticmethod
-    def equations(state, parameter, drive, rate):
-        load = outside("N*m")
-        push = parameter.gain * drive.voltage + load - parameter.viscous * state.speed
-        rate.angle = state.speed
-        rate.speed = body(push, mass=parameter.inertia, load=load, position=state.angle)
-        encoder = sensor(state.angle)
-'''
+SMALL, NOISE = 10, 2e-4
+# the flywheel's motor without a lag, its angle measured
+TURNED = {
+    "class Motor": "class Shaft",
+    "    speed = State": '    angle = State("rad", typical=5.0)\n    speed = State',
+    'speed_rad_per_s = Measured("tacho", of="speed")': 'angle_rad = Measured("encoder", of="angle")',
+    "        rate.speed": "        rate.angle = state.speed\n        rate.speed",
+    "load=load)": "load=load, position=state.angle)",
+    "tacho = sensor(state.speed)": "encoder = sensor(state.angle)",
+}
 
 
 def shaft(cogging: float) -> Measured:
@@ -57,8 +42,8 @@ def shaft(cogging: float) -> Measured:
             magnets = cogging * (np.sin(7.0 * angle) + 0.3 * np.sin(14.0 * angle + 1.0))
             speed += PERIOD / SMALL * (GAIN * volt - VISCOUS * speed - magnets) / INERTIA
             angle += PERIOD / SMALL * speed
+    shown += NOISE * generator.standard_normal(len(volts))
     columns = {"time_s": PERIOD * np.arange(len(volts)), "voltage_v": volts, "angle_rad": shown}
-    columns["angle_rad"] = shown + NOISE * generator.standard_normal(len(volts))
     return measured_tests([TestLog(columns, {"plant": "shaft", "period_s": str(PERIOD), "condition": "a"})])
 
 
@@ -66,7 +51,11 @@ def shaft(cogging: float) -> Measured:
 def plants(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "plants").mkdir()
-    (tmp_path / "plants" / "shaft.py").write_text(PLANT, encoding="utf-8")
+    text = PLANT
+    for old, new in TURNED.items():
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    (tmp_path / "plants" / "shaft.py").write_text(text, encoding="utf-8")
 
 
 @pytest.mark.usefixtures("plants")

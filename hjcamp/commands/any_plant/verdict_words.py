@@ -76,7 +76,7 @@ class Words:
         state = _state(self.content["unknowns"][0]) if self.content["unknowns"] else ""
         said = names or (f"depends on {state or _local(local) + of_place}" if drivers else "")
         if self.verdict.word == "nothing_missing" and (far := self.far_off):
-            return f"NOTHING NAMED  {', '.join(self._still_errs(*far))}"
+            return f"NOTHING NAMED  {self._still_errs(*far)}"
         if self.verdict.word == "nothing_missing" and self.verdict.p_value <= LEVEL:
             return f"NOTHING NAMED  what is left is more than chance (p = {plain(self.verdict.p_value, 2)})"
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
@@ -272,14 +272,14 @@ class Words:
             if row["source"] == "repetitions"
             else "A repeated test would tell whether it is scatter of the rig."
         )
-        return f"{', '.join(self._still_errs(name, row))}, {chance} {scatter}"
+        return f"{self._still_errs(name, row)}, {chance} {scatter}"
 
-    def _still_errs(self, name: str, row: Mapping[str, Any]) -> tuple[str, str]:
+    def _still_errs(self, name: str, row: Mapping[str, Any]) -> str:
         """What a channel still errs by, and how many times its floor or noise that is."""
         from hjcamp.report.exploration import channel_label
 
         times = f"{row['high'] / _least(row):.2g} times its {'noise' if row['value'] is None else 'floor'}"
-        return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}", times
+        return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}, {times}"
 
     def telling(self) -> list[str]:
         """What kind of test would tell more, in words."""
