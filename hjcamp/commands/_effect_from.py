@@ -78,6 +78,11 @@ def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
         names = " ".join(str(name) for name in content.get("effects") or [])
         advice = TO_DO.get(verdict, "diagnose again").format(names=names)
         raise UsageError(f"{file}: this diagnosis says {verdict.upper()} and holds no curve of an unknown; {advice}")
+    if known.get("apart_s"):
+        raise UsageError(
+            f"{file}: what it found changes with time otherwise in each condition, which no law of an effect can know; "
+            "measure what changes, and give it as an Input of the plant's file"
+        )
     try:
         plant = str(content.get("plant", DEFAULT))
         own = plant_called(plant).room_of("curve")

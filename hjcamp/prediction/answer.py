@@ -374,6 +374,7 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
             "driver": known.driven_by,
             "law": name,
             "quantity": known.quantity, "port": known.place, "signal": known.signal, "slots": list(known.effect.terms),
+            "apart_s": known.apart,
             "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
         }  # fmt: skip
         if place == 0:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from carriage import GAIN, measured_log
 
-from hjcamp.commands.any_plant.verdict_words import free_law
+from hjcamp.commands.any_plant.law_words import free_law
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.prediction.answer import unknown_rows

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hjcamp.commands.any_plant.law_words import free_law
 from hjcamp.commands.any_plant.outside_words import over_time_words
-from hjcamp.commands.any_plant.verdict_words import free_law
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
@@ -96,12 +96,12 @@ def test_drag_over_speed_is_as_much_friction(axis: Path) -> None:
 def test_what_leaks_between_stores_is_said_of_both() -> None:
     row = {"quantity": "loss", "port": "a_and_b", "driver": "a_and_b_difference", "signal": "pressure_a - pressure_b"}
     assert free_law(row) == "leak from pressure a to pressure b that depends on their difference"
-    row = {"quantity": "force", "port": "velocity", "driver": "velocity_position", "signal": "position"}
+    row = {"quantity": "force", "port": "velocity", "driver": "velocity_position", "signal": "position", "apart_s": 0.0}
     assert free_law(row) == "force at velocity that depends on its position"
     assert free_law({**row, "driver": "time", "signal": "time"}) == "force at velocity that changes with time"
 
 
 @pytest.mark.parametrize(("driver", "repeated", "said"), [("time", False, 1), ("time", True, 0), ("velocity_position", False, 0)])
 def test_what_changes_with_time_in_one_test_may_be_remembered(driver: str, repeated: bool, said: int) -> None:
-    found = over_time_words({"driver": driver}, repeated)
+    found = over_time_words({"driver": driver, "apart_s": 0.0}, repeated, 0.01)
     assert len(found) == said and all("what the plant remembers" in one for one in found)

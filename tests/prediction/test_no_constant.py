@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hjcamp.commands._effect_from import begun_from
-from hjcamp.commands.any_plant.verdict_words import free_law
+from hjcamp.commands.any_plant.law_words import free_law
 from hjcamp.effects import load_effects
 from hjcamp.effects._curve_template import curve_template
 from hjcamp.errors import UsageError

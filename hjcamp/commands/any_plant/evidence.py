@@ -77,7 +77,7 @@ def missing_of(words: Words) -> Missing:
         after = (_branch(curve_of(analysis, rest, name)),) if rest is not None else ()
     against = ", against the motion" if known.quantity == "friction" else ""
     return Missing(
-        known.signal.replace("_", " "), curve["x_unit"], known.what + against,
+        known.signal.replace("_", " ") + ", conditions in a row" * (known.apart > 0.0), curve["x_unit"], known.what + against,
         curve["y_unit"], (_branch(curve, BOTH),), law, after, " and ".join(added),
     )  # fmt: skip
 

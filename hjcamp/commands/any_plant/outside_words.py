@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.model.base_values import DELAY
-from hjcamp.prediction.levels import MATTERS
+from hjcamp.prediction.levels import LEVEL, MATTERS
 from hjcamp.report.units import plain, told, told_interval
 
 if TYPE_CHECKING:
@@ -55,12 +55,26 @@ def constant_words(rows: Mapping[str, Mapping[str, Any]], before: float) -> list
     return said
 
 
-def over_time_words(row: Mapping[str, Any], repeated: bool) -> list[str]:
-    """Say of a free law over time what else it may be where no test was repeated."""
-    return [
+def over_time_words(row: Mapping[str, Any], repeated: bool, p_value: float) -> list[str]:
+    """Say of a free law over time what else it may be where no test was repeated, and what to do where conditions differ in it.
+
+    A law over time may be claimed where residuals moved in time promise as much (``p_value``): then that is said.
+    """
+    if row["driver"] != "time":
+        return []
+    memory = (
         "Of tests that were not repeated, what depends on time may as well be what the plant remembers: something that warms, fills or "
         "settles with what was done, in a place that no store or body of the plant's file stands for."
-    ] if row["driver"] == "time" and not repeated else []
+    )
+    each = (
+        "On the page the conditions follow one another. What comes from outside, as a room or a wind, can be measured and given: "
+        "an Input(..., field=NAME) of the plant's file, in its equations."
+    )
+    drifts = (
+        f"Moved in time the residuals promise as much (p = {plain(p_value, 2)}), as what drifts does: that it is there is told by "
+        "chapters left out, of whose error it takes most."
+    )
+    return [drifts] * (p_value > LEVEL) + [each] * (row["apart_s"] > 0.0) + [memory] * (not repeated)
 
 
 def no_memory_words(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.untold import untold
 from hjcamp.commands.any_plant.head_words import over_windows, print_head
+from hjcamp.commands.any_plant.law_words import free_law, local_driver, state_of, with_article
 from hjcamp.commands.any_plant.outside_words import (
     by_condition_words,
     constant_words,
@@ -73,8 +74,8 @@ class Words:
         drivers = self.content["drivers"]
         place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
         of_place = f" of {place.replace('_', ' ')}" if place and place != local else ""
-        state = _state(self.content["unknowns"][0]) if self.content["unknowns"] else ""
-        said = names or (f"depends on {state or _local(local) + of_place}" if drivers else "")
+        state = state_of(self.content["unknowns"][0]) if self.content["unknowns"] else ""
+        said = names or (f"depends on {state or local_driver(local) + of_place}" if drivers else "")
         if self.verdict.word == "nothing_missing" and (far := self.far_off):
             return f"NOTHING NAMED  {self._still_errs(*far)}"
         if self.verdict.word == "nothing_missing" and self.verdict.p_value <= LEVEL:
@@ -138,12 +139,13 @@ class Words:
         if verdict.word == "one_of":
             sets = "; ".join(" with ".join(names) for names in verdict.confidence_set)
             found.append(f"These tests do not rule out: {sets}.")
-        if verdict.word == "outside_library" and self.content["unknowns"]:
+        first = self.content["unknowns"][0] if self.content["unknowns"] else None
+        if verdict.word == "outside_library" and first:
             found.append(
-                f"{_a(free_law(self.content['unknowns'][0]), begins=True)}, of a form that no effect of the library has, predicts "
-                f"better: it leaves {100.0 * self.content['unknowns'][0]['left']:.0f} % of the error. Its curve is on the page."
+                f"{with_article(free_law(first), begins=True)}, of a form that no effect of the library has, predicts better: "
+                f"it leaves {100.0 * first['left']:.0f} % of the error. Its curve is on the page."
             )
-            found += over_time_words(self.content["unknowns"][0], self.analysis.measured.repeated)
+            found += over_time_words(first, self.analysis.measured.repeated, verdict.p_value)
         if beside := self.content["follows_motion"]["beside_law"]:
             found.append(
                 f"Of what it leaves {100.0 * beside:.0f} % can be told from the motion and the inputs of its moment all the same (a "
@@ -181,15 +183,14 @@ class Words:
             if verdict.p_value <= LEVEL:
                 found += self._seldom()
         if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
-            first = self.content["unknowns"][0] if self.content["unknowns"] else None
             left = 100.0 * min(verdict.law_left, 1.0)
             if first and self.beside:
                 found.append(
-                    f"Something outside the library is missing as well: beside what was found, {_a(free_law(first))} takes the "
-                    f"last {left:.0f} % of the error that can be explained. Its curve is on the page."
+                    f"Something outside the library is missing as well: beside what was found, {with_article(free_law(first))} takes "
+                    f"the last {left:.0f} % of the error that can be explained. Its curve is on the page."
                 )
             else:
-                freest = _a(free_law(first)) if first else "a regression on the motion"
+                freest = with_article(free_law(first)) if first else "a regression on the motion"
                 law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"
                 found.append(f"{law} leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
         if verdict.word in ("effect", "one_of") or (verdict.word == "outside_library" and verdict.unknown):
@@ -322,7 +323,7 @@ class Words:
                 for one in self.verdict.confidence_set[:2]
             ] + beside
         if self.verdict.word == "outside_library":
-            begun = f" --from {folder}" if self.content["unknowns"] else ""
+            begun = f" --from {folder}" if self.content["unknowns"] and not self.content["unknowns"][0]["apart_s"] else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
         rivals = self.verdict.word == "cannot_tell" and any(row["heldout_error_ratio"] < 1.0 for row in self.content["candidates"])
         return [*([f"hjcamp next {paths}{own}"] if rivals else []), f"hjcamp compare {paths}{own}"]
@@ -338,37 +339,6 @@ def _false_claims(shares: Mapping[str, float]) -> list[str]:
         f"No test was repeated. Where nothing is, screening promises as much before any fit in {', '.join(said)}; what is said "
         "rests on fits to chapters left out."
     ] if said else []
-
-
-def free_law(row: Mapping[str, Any]) -> str:
-    """Return what a free law adds, where, and what it depends on."""
-    if row["quantity"] in ("gain", "value"):
-        return f"{row['quantity']} of {row['port'].replace('_', ' ')} that depends on {row['driver'].replace('_', ' ')}"
-    place, driver = row["port"], _local(row["driver"].rpartition("_")[2])
-    if driver == "difference":
-        return f"leak from {' to '.join(row['signal'].replace('_', ' ').split(' - '))} that depends on their difference"
-    if driver == "time":
-        return f"{row['quantity']} at {place.replace('_', ' ')} that changes with time"
-    at = "" if place in (driver, row["quantity"]) else f" at {place.replace('_', ' ')}"
-    return f"{row['quantity']}{at} that depends on {_state(row) or ('the ' if place == driver else 'its ') + driver}"
-
-
-def _state(row: Mapping[str, Any]) -> str:
-    """Return the state that drives a free law, in words, where it is called otherwise than what drives it at its place."""
-    local, signal = row["driver"].rpartition("_")[2], row["signal"]
-    named = local in ("position", "velocity", "travel", "level") and signal != local and not signal.startswith(f"{row['port']}_")
-    return signal.replace("_", " ") if named and signal != row["port"] else ""
-
-
-def _local(driver: str) -> str:
-    """Return what drives a law at its own place, in words."""
-    return "true value" if driver == "true" else driver
-
-
-def _a(words: str, begins: bool = False) -> str:
-    """Return words with their indefinite article, as a sentence has them, or begins with them."""
-    said = f"{'an' if words[:1] in 'aeiou' else 'a'} {words}"
-    return said[:1].upper() + said[1:] if begins else said
 
 
 def _least(row: Mapping[str, Any]) -> float:

@@ -7,6 +7,7 @@ Each gives a place what no law says: a force over position, friction over speed,
 from __future__ import annotations
 
 import linecache
+import re
 from collections.abc import Callable
 from functools import lru_cache
 from math import floor, hypot
@@ -15,10 +16,13 @@ from typing import Any
 
 from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter
+from hjcamp.prediction.measured.layout import NUMBER
 
 BIG = (-1e9, 1e9)
 # Names of its own that no state or parameter of a plant is likely to have.
 ENDS, KNOT, AT = ("knots_from", "knots_to"), "knot_", "knots_at"
+# Where a law has a course of its own for each condition these stand so far apart on its axis.
+APART = "conditions_apart"
 
 
 class _Hats:
@@ -27,8 +31,8 @@ class _Hats:
     .. math:: h(x) = \sum_k a_k \max(0, 1 - |w - k|), \quad w = (n - 1) \min(\max(\tfrac{x - low}{high - low}, 0), 1)
 
     ``on`` are the slots on which it acts, in units of the last one, ``against`` those that it takes from; ``over`` is what drives
-    it, a name or one less another one. A law that ``changes`` its slot comes after all that add to it; one that is a share of
-    something is so many ``times`` that, and its driver is in ``unit``.
+    it, a name or a formula. A law that ``changes`` its slot comes after all that add to it; one that is a share of something is
+    so many ``times`` that, and its driver is in ``unit``.
     One that is ``positive`` leaves h + sqrt(1 + h^2) times its slot, whatever h is. One that ``turns`` repeats from end to end.
     """
 
@@ -55,7 +59,7 @@ def _sum_of_hats(
     law: str, slot: str, over: str, knots: int, changes: bool, times: str, positive: bool, taken: bool, turns: bool
 ) -> Callable[..., Any]:
     """Return the method of a slot; its text is kept where ``inspect``, and so the kernel, finds it."""
-    first = [*([slot] if changes or times == slot else []), *over.split(" - "), *([times] if times else [])]
+    first = [*([slot] if changes or times == slot else []), *re.findall(r"[A-Za-z_]\w*", over), *([times] if times else [])]
     names = [*dict.fromkeys(first), *ENDS, *(f"{KNOT}{k}" for k in range(knots))]
     factor = f"{times} * " if times else ""
     hats = [f"{factor}{KNOT}{k} * max(0.0, 1.0 - abs({AT}{f' - {k}.0' if k else ''}))" for k in range(knots)]
@@ -69,7 +73,7 @@ def _sum_of_hats(
         f"    {AT} = {knots - 1}.0 * {within}\n"
         f"    return {whole or ' + '.join([*([slot] if slot in names else []), *hats])}\n"
     )
-    file = f"<{__name__}.{law}.{slot}>"
+    file = f"<{__name__}.{law}.{slot}.{knots}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     scope: dict[str, Any] = {"__name__": __name__, "hypot": hypot, "floor": floor}
     exec(compile(text, file, "exec"), scope)
@@ -258,6 +262,24 @@ LAWS: tuple[type[Effect], ...] = (
 )  # fmt: skip
 
 
+@lru_cache(maxsize=32)
+def over_time_of_each(knots: int) -> tuple[type[Effect], ...]:
+    r"""Return the force on a body and the loss of a store that change during a test, otherwise in each condition.
+
+    .. math:: F \mathrel{+}= h(t + n\,a)
+
+    for condition n, a as far apart as `APART` says: a room, a wind or a load that no log has. ``knots`` are those of all conditions.
+    """
+    own = {NUMBER: Parameter("1", 0.0, BIG), APART: Parameter("s", 1.0, BIG)}
+    made = []
+    for acts_on, slot in (("body", "force"), ("store", "loss")):
+        about = {"on": slot, "over": f"time + {NUMBER} * {APART}", "knots": knots, "unit": "s"}
+        body = {**own, "acts_on": acts_on}
+        law: type[Effect] = new_class(f"{slot.capitalize()}OverTimeOfEach", (_Hats, Effect), about, _with(body))
+        made.append(law)
+    return tuple(made)
+
+
 @lru_cache(maxsize=256)
 def gain_over(
     plant: str, slot: str, times: str, driver: str, unit: str, positive: bool = False, of: str = "gain", subsystem: str = "gain"
@@ -273,8 +295,13 @@ def gain_over(
     about = {"on": slot, "over": driver, "knots": 6, "times": times, "unit": unit, "positive": positive}
     own = {"subsystem": subsystem, "name": f"unknown_{of}_of_{slot}_over_{driver}"}
     # the text of its method is kept by the class' name
-    made: type[Effect] = new_class(f"{of.capitalize()}_{plant}_{slot}_{driver}", (_Hats, Effect), about, lambda body: body.update(own))
+    made: type[Effect] = new_class(f"{of.capitalize()}_{plant}_{slot}_{driver}", (_Hats, Effect), about, _with(own))
     return made
+
+
+def _with(own: dict[str, Any]) -> Callable[[dict[str, Any]], None]:
+    """Return what gives the body of a class its own names."""
+    return lambda body: body.update(own)
 
 
 def amplitudes_of_law(law: type[Effect]) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from hjcamp.model.port import Port
 from hjcamp.model.source_text import names_in
 from hjcamp.model.vocabulary import read_vocabulary
 from hjcamp.prediction.laws import unknown_laws
-from hjcamp.prediction.laws.unknown_laws import ENDS, amplitudes_of_law, gain_over
+from hjcamp.prediction.laws.unknown_laws import APART, ENDS, amplitudes_of_law, gain_over, over_time_of_each
 
 Array = NDArray[np.float64]
 LOOKED_AT = 400
@@ -48,7 +48,8 @@ class Unknown:
     """An unknown at one place: its effect, the plant's name of what drives it, or one less another, and its range in the tests, SI.
 
     ``levels`` are the values of what drives it where it has no more of them than the law has knots: between these nothing is told.
-    One that ``turns`` repeats from end to end.
+    One that ``turns`` repeats from end to end. Over time it may have a course of its own in each condition, all of them on one axis,
+    so far ``apart``, s.
     """
 
     effect: type[Effect]
@@ -61,6 +62,7 @@ class Unknown:
     usual: float
     levels: tuple[float, ...] = ()
     turns: bool = False
+    apart: float = 0.0
 
     @property
     def amplitudes(self) -> tuple[str, ...]:
@@ -70,7 +72,7 @@ class Unknown:
     @property
     def ends(self) -> dict[str, float]:
         """The values of its parameters that are not fitted: from where to where its knots stand."""
-        return dict(zip(ENDS, (self.low, self.high), strict=True))
+        return dict(zip(ENDS, (self.low, self.high), strict=True)) | ({APART: self.apart} if self.apart else {})
 
     def amount(self, value: Any) -> Any:
         """Return what an amplitude stands for: itself, or the share by which a positive law changes its slot."""
@@ -93,8 +95,9 @@ class Unknown:
 
     @property
     def scatters(self) -> bool:
-        """Whether it is friction over place or time: see `Effect.scatters`."""
-        return self.quantity in ("friction", "damping") and self.driver in ("travel", "time")
+        """Whether it is friction over place or time, or may be that of each condition: see `Effect.scatters`."""
+        rubs = self.quantity in ("friction", "damping") and self.driver in ("travel", "time")
+        return rubs or (self.quantity == "force" and self.apart > 0.0)
 
 
 def unknowns_of(
@@ -104,11 +107,18 @@ def unknowns_of(
 
     ``courses`` say which drivers have few values.
     """
+    return _bound(plant, unknown_laws.LAWS, ranges, courses or {}) | _gains(plant, ranges)
+
+
+def _bound(
+    plant: type[Plant], laws: Iterable[type[Effect]], ranges: Mapping[str, tuple[float, float]], courses: Mapping[str, Array]
+) -> dict[str, Unknown]:
+    """Return the unknowns that laws are at the places of a plant, by name."""
     found = {}
-    for law in unknown_laws.LAWS:
+    for law in laws:
         words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", law.__name__).lower()
         law.name = f"unknown_{words}"
-        quantity, driver = words.removeprefix("fine_").removeprefix("turning_").split("_over_")
+        quantity, driver = words.removeprefix("fine_").removeprefix("turning_").removesuffix("_of_each").split("_over_")
         try:
             bound = bind(law, plant)
         except UsageError:
@@ -119,10 +129,10 @@ def unknowns_of(
                 (name for term in effect.terms.values() for name in term.arguments if _drives(term, name, driver)),
                 port.names.get(driver, driver),
             )
-            course = (courses or {}).get(signal, np.zeros(0))
+            course = courses.get(signal, np.zeros(0))
             if law.acts_on == "partition":
                 one, beyond = (port.names[level] for level in ("level", "level_beyond"))
-                signal, course = f"{one} - {beyond}", _difference(courses or {}, one, beyond)
+                signal, course = f"{one} - {beyond}", _difference(courses, one, beyond)
                 ranges = {**ranges, **ranges_of({signal: course})}
             low, high = ranges.get(signal, (0.0, 0.0))
             if law in FINE:
@@ -135,7 +145,7 @@ def unknowns_of(
                 size = max(abs(usual[0]), abs(usual[1])) or 1.0
                 levels = _levels(course, low, high, len(amplitudes_of_law(effect)))
                 found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size, levels, law is FINE[1])
-    return found | _gains(plant, ranges)
+    return found
 
 
 def _gains(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:
@@ -155,6 +165,19 @@ def _gains(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dic
                 what, of = of_store if port.kind == "store" else ("gain", driver)
                 found[law.name] = Unknown(law, port.name, what, of, driver, low, high, 1.0)
     return found
+
+
+def courses_of_each(
+    plant: type[Plant], conditions: int, knots: int, longest: float, ranges: Mapping[str, tuple[float, float]]
+) -> dict[str, Unknown]:
+    """Return the unknowns of bodies and stores over time with a course of its own in each condition, of so many ``knots``, by name.
+
+    ``longest`` is how long the longest test lasts, s.
+    """
+    apart = longest * knots / (knots - 1)
+    axis = {**ranges, "time": (0.0, apart * conditions - longest / (knots - 1))}
+    found = _bound(plant, over_time_of_each(conditions * knots), axis, {})
+    return {name: replace(one, apart=apart) for name, one in found.items()}
 
 
 def values_of(plant: type[Plant], parameters: Iterable[str], ranges: Mapping[str, tuple[float, float]]) -> dict[str, Unknown]:

@@ -25,6 +25,8 @@ RUN = 8
 RUNS_OF_TEST = 4
 # So many sets of delayed inputs are kept, fewer of long logs: these many bytes of them.
 MOST_DELAYED, MOST_BYTES = 16, 64 * 2**20
+# The parameter of an effect that is the number of a test's condition.
+NUMBER = "condition_number"
 
 
 @dataclass(frozen=True)
@@ -251,9 +253,15 @@ class Layout:
     @cached_property
     def groups(self) -> list[tuple[dict[str, float], NDArray[np.bool_]]]:
         """The parameters that the tests are given, and the windows (windows,) of the tests with each set of them."""
+        return self.groups_by(())
+
+    def groups_by(self, numbers: Sequence[str]) -> list[tuple[dict[str, float], NDArray[np.bool_]]]:
+        """Return them with further parameters that are the number of a test's condition, by full name."""
         found: dict[tuple[tuple[str, float], ...], list[int]] = {}
+        conditions = list(self.measured.conditions)
         for place, test in enumerate(self.measured.tests):
-            found.setdefault(test.given, []).append(place)
+            number = float(conditions.index(test.condition))
+            found.setdefault((*test.given, *((name, number) for name in numbers)), []).append(place)
         return [(dict(given), np.isin(self.of_test, places)) for given, places in found.items()]
 
     @cached_property

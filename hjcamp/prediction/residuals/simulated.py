@@ -12,7 +12,7 @@ from hjcamp.model.base_values import DELAY
 from hjcamp.model.candidate import Candidate
 from hjcamp.model.parameter import State
 from hjcamp.prediction.measured.at_once import passed_on, passed_to
-from hjcamp.prediction.measured.layout import Layout
+from hjcamp.prediction.measured.layout import NUMBER, Layout
 from hjcamp.prediction.residuals.kernels import Kernels
 from hjcamp.prediction.residuals.starts import erring_sensors
 
@@ -172,7 +172,8 @@ class Simulated:
             marks[:: layout.width][alone] = 1
             marks[marks == 1] = 1 if begin.shape[1] == plain else 2
             begun |= alone
-            for given, group in layout.groups:
+            numbers = [f"{name}.{NUMBER}" for name in simpler.effects if NUMBER in self.kernels.effects[name].parameters]
+            for given, group in layout.groups_by(numbers) if numbers else layout.groups:
                 windows = group & part
                 if not windows.any():
                     continue

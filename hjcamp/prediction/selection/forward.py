@@ -10,7 +10,7 @@ import numpy as np
 
 from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.laws.alike import alike_laws, is_lag, is_of_its_own, law_of
-from hjcamp.prediction.laws.unknowns import Unknown, values_of
+from hjcamp.prediction.laws.unknowns import Unknown, courses_of_each, values_of
 from hjcamp.prediction.levels import FITTED, FITTED_BY_CHANCE, FITTED_UNKNOWNS, LEVEL, MATTERS, MOST_OF_IT, STEPS
 from hjcamp.prediction.measured.floor import motion_of
 from hjcamp.prediction.screening.chance import chance_gains, moved_orders, p_value
@@ -91,9 +91,26 @@ class Search(Claims):
         self.admit(laws)
         return self.look(before, laws)
 
+    def courses(self, before: Scored) -> list[Scored]:
+        """Return the fits of the laws over time that promise most beside a model, whatever chance promises."""
+        laws = [name for name, one in self.unknowns.items() if one.driver == "time"]
+        begun = [self.begun_unknown(before.fitted, one) for one in self.promised_beside(before, laws)[:FITTED_UNKNOWNS]]
+        return self.each(lambda one: self.fitted(one.candidate, one), begun, lambda one: "fitting what drifts")
+
     def values(self) -> dict[str, Unknown]:
-        """Return the laws of the base's parameters that are no constants, by name; no model has them before they are admitted."""
-        return values_of(self.windows.layout.measured.plant, [one.name for one in self.base_free], self.ranges)
+        """Return the laws of the base's parameters that are no constants, and over the time of each condition, by name.
+
+        No model has them before they are admitted. A course of its own has half as many pieces as its condition has chapters: of
+        fewer than two no chapter tells of another one.
+        """
+        measured = self.windows.layout.measured
+        plant, conditions = measured.plant, len(measured.conditions)
+        found = values_of(plant, [one.name for one in self.base_free], self.ranges)
+        pieces = len(np.unique(self.chapters)) // conditions // 2
+        if conditions < 2 or pieces < 2:
+            return found
+        longest = float(self.windows.layout.time.max())
+        return found | courses_of_each(plant, conditions, pieces + 1, longest, self.ranges)
 
     def admit(self, laws: Mapping[str, Unknown]) -> None:
         """Let further unknowns be part of models."""

@@ -89,8 +89,8 @@ def _swinging(analysis: Analysis, verdict: Verdict) -> Verdict:
 def _of_no_constant(analysis: Analysis, verdict: Verdict) -> Verdict:
     """Return that something outside the library is missing where a parameter that is no constant takes what no law of a place does.
 
-    It is looked for where no name takes it and a base leaves more than the noise by chance. Of what follows from the motion it has to
-    take most, and to predict better than the law of a place that takes some.
+    It is looked for where no name takes it and a base leaves more than the noise by chance, and so is what drifts. Of what follows
+    from the motion it has to take most, and to predict better than the law of a place that takes some.
     """
     search, base = analysis.search, analysis.base
     if verdict.word not in (NOTHING, OUTSIDE) or not above_noise(analysis.windows.layout, base.fitted.features):
@@ -99,7 +99,7 @@ def _of_no_constant(analysis: Analysis, verdict: Verdict) -> Verdict:
         return verdict
     search.claims = LEVEL / (2.0 * (len(LONGER) + 1))
     step = search.look_at_values(base)
-    model = _left(analysis, base, step)
+    model = _left(analysis, base, step) or _course(analysis)
     if model is None or (verdict.follows and _left_by_motion(analysis, model) > 1.0 - MOST_OF_IT):
         return verdict
     if verdict.unknown is not None and not search.beats(model, verdict.unknown):
@@ -320,6 +320,18 @@ def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:
         return None
     found = [one for one in last.unknown if analysis.search.matters(one, model, last.level_of_unknown)]
     return min(found, key=lambda one: one.left_out) if found else None
+
+
+def _course(analysis: Analysis) -> Scored | None:
+    """Return the law over time that takes most of the error, chapter by chapter.
+
+    What drifts looks alike at any time: moved in time it promises as much, and does not stand out from chance by what it promises.
+    """
+    search, base = analysis.search, analysis.base
+    found = search.courses(base)
+    taking = [one for one in found if search.error_ratio(one, base) <= 1.0 - MOST_OF_IT]
+    shown = [one for one in taking if search.matters(one, base, search.claims / len(found))]
+    return min(shown, key=lambda one: one.left_out, default=None)
 
 
 def _beside(analysis: Analysis, model: Scored) -> Scored | None:
