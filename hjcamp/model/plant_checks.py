@@ -87,8 +87,11 @@ def check_measured(plant: type[Plant]) -> str:
             fits = f"; names of such fields end in {' or '.join(ends)}" if ends else ""
             raise UsageError(f"{where}: '{name}' says {field.shown}, but '{item.sensor}' is in {units.written(dims)}{fits}")
     for name, given in plant.inputs.items():
-        if name not in ALWAYS and not given.field:
-            field_of(name, given.unit, where)
+        if name in ALWAYS:
+            continue
+        field = unit_of_field(given.field or field_of(name, given.unit, where), f"{where}, Input {name}")
+        if dimension(field.si) != dimension(given.unit):
+            raise UsageError(f"{where}: the field '{given.field}' says {field.shown}, but the input '{name}' is in {given.unit or '1'}")
     return counted(len(plant.measured), "channel")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -16,6 +17,8 @@ Array = NDArray[np.float64]
 Point = tuple[Array, Array, Array, Array, list[float]]
 NO_LIMITS = 0
 MOST_REGIMES = 13
+# Bounds farther apart say nothing of how large a parameter is, in whatever unit.
+WIDEST = 1e8
 
 
 def _draws(
@@ -31,9 +34,10 @@ def _draws(
             p.append(float(gates))
             continue
         value = 1.0 if name.startswith("gate.") else parameter.default
-        if value == 0.0 and np.all(np.isfinite(parameter.bounds)):
+        low, high = parameter.bounds
+        if value == 0.0 and math.isfinite(high - low):
             # what is linear at a default of 0 may be curved elsewhere
-            p.append(generator.uniform(*parameter.bounds))
+            p.append(generator.uniform(*((-1.0, 1.0) if high - low > WIDEST else (low, high))))
             continue
         p.append(value * generator.uniform(0.95, 1.05) if np.isfinite(value) and value > 0 else value)
     return z, u, np.array(p)

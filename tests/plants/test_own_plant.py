@@ -36,6 +36,8 @@ MISTAKES = {
     "an unknown element": ("actuator(parameter", "actuater(parameter", "unknown name 'actuater'"),
     "a sensor that measures nothing": ('Measured("encoder"', 'Measured("encodr"', "did you mean 'encoder'"),
     "a field in another unit": ("position_m =", "position_v =", "says V, but 'encoder' is in m"),
+    "an input's field without a unit": ('Input("V"', 'Input("V", field="u_now"', "unit at the end of the field 'u_now'"),
+    "an input's field in another unit": ('Input("V"', 'Input("V", field="volume_m3"', "says m^3, but the input 'voltage' is in V"),
     "a field in degrees Celsius": ("position_m =", "position_degc =", "write 'position_k', and 'unit: degC' in the map"),
     "friction of a force": ("            state.velocity,\n", "            force,\n", "must be a state"),
     "friction that drives": ("coulomb=parameter", "coulomb=-parameter", "drives the motion instead of braking it"),

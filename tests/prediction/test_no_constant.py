@@ -18,8 +18,10 @@ from hjcamp.effects._curve_template import curve_template
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
 from hjcamp.model.candidate import Candidate
+from hjcamp.model.compose import Composition
 from hjcamp.model.effect import Effect
 from hjcamp.model.effect_units import check_units
+from hjcamp.model.kernel import kernel_source
 from hjcamp.model.place_checks import PlaceBench, PlainModel
 from hjcamp.prediction.answer import answer
 from hjcamp.prediction.fitting.gauss_newton import Free
@@ -193,3 +195,48 @@ def test_what_no_reading_depends_on_is_as_beside_it(kettle: Path) -> None:
     found = knots_of(analysis, model, name)
     assert found["x"] == [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]
     assert found["y"] == pytest.approx([law.amount(one) for one in (0.1, 0.2, 0.3, 0.4, 0.4, 0.4)])
+
+
+REACTOR = '''"""A stirred reactor whose reaction heats it."""
+
+from math import exp
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
+
+
+class Reactor(Plant):
+    r"""A stirred reactor."""
+
+    matter = State("mol/m^3", typical=500.0, low=0.0)
+    warmth = State("K", typical=330.0, low=250.0)
+    jacket = Input("K", typical=310.0)
+    pace = Parameter("1/s", 8e-4, (1e-6, 1.0), base=True)
+    activation = Parameter("K", 7000.0, (500.0, 3e4), base=True)
+    known_at = Parameter("K", 340.0)
+    fed = Parameter("1/s", 1e-3)
+    strong = Parameter("mol/m^3", 1e3)
+    cool = Parameter("K", 300.0)
+    heat = Parameter("K*m^3/mol", 0.04, (1e-4, 1.0), base=True)
+    cooling = Parameter("1/s", 1e-3, (1e-6, 1.0), base=True)
+    period = 5.0
+    warmth_k = Measured("probe", of="warmth")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        reaction = parameter.pace * exp(parameter.activation * (1.0 / parameter.known_at - 1.0 / state.warmth)) * state.matter
+        rate.matter = parameter.fed * (parameter.strong - state.matter) - reaction
+        given = parameter.fed * (parameter.cool - state.warmth) - parameter.cooling * (state.warmth - drive.jacket)
+        rate.warmth = given + parameter.heat * reaction
+        probe = sensor(state.warmth)
+'''
+
+
+def test_a_parameter_in_an_exponent_may_be_no_constant(kettle: Path) -> None:
+    # a share of a thousand million would overflow before any law is fitted
+    (kettle / "plants" / "reactor.py").write_text(REACTOR, encoding="utf-8")
+    plant = find_plant("reactor")
+    laws = values_of(plant, ["activation"], {"matter": (100.0, 900.0), "warmth": (310.0, 370.0), "time": (0.0, 1e4)})
+    assert len(laws) == 3
+    for one in laws.values():
+        generated = kernel_source(Composition(plant, (one.effect,)))
+        assert f"def {one.effect.name}__activation" in generated

@@ -178,6 +178,7 @@ def test_where_nothing_is_seen_longer_windows_are_looked_at(
     monkeypatch.setattr(verdict, "_doubted", lambda analysis, said: said)
     monkeypatch.setattr(verdict, "_of_no_constant", lambda analysis, said: said)
     monkeypatch.setattr(verdict, "_swinging", lambda analysis, said: said)
+    monkeypatch.setattr(verdict, "_beside_a_course", lambda analysis, said: said)
     monkeypatch.setattr(verdict, "_of_other_base", lambda analysis, said: said)
     monkeypatch.setattr(verdict, "_takes_too_little", lambda analysis, other: other.effects == ("cubic_spring",))
     analysis, found = verdict.agreed(of(100), of)
@@ -310,7 +311,7 @@ def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
 def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Words, "beside", property(lambda self: True))
     said: Any = SimpleNamespace(word="one_of", effects=("spring", "drag"), confidence_set=(("spring",), ("drag",)))
-    steps = Words(SimpleNamespace(), said, {}).next_commands("logs", "published")  # type: ignore[arg-type]
+    steps = Words(SimpleNamespace(), said, {"unknowns": [{"apart_s": 0.0}]}).next_commands("logs", "published")  # type: ignore[arg-type]
     assert steps[0] == "hjcamp next logs" and steps[-1].startswith("hjcamp effects new MY_EFFECT --from diagnose")
 
 
@@ -319,7 +320,7 @@ def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.Monk
     [
         (0.8, 0.1, 0.0, "level errs by 0.8 V instead of 1 V, 8 times the noise"),
         (0.5, 0.1, 0.0, "level still errs by 0.5 V, 5 times the noise"),
-        (0.5, 0.1, 0.2, ""),  # the law has another form, which is said beside this
+        (0.5, 0.1, 0.2, "level still errs by 0.5 V, 5 times the noise."),  # why is said before
         (0.15, 0.1, 0.0, ""),
         (0.8, 0.7, 0.0, ""),
     ],

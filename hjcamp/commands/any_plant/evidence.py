@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,12 +22,20 @@ OWN = "standard deviations of each effect's own by chance"
 def evidence_pictures(words: Words) -> dict[str, str]:
     """Return the pictures of the evidence by name, in order."""
     from hjcamp.records.log import observed
-    from hjcamp.report.pictures.evidence import draw_correlations, draw_gains, draw_missing, draw_worst_test
+    from hjcamp.report.pictures.evidence import (
+        draw_beside,
+        draw_correlations,
+        draw_gains,
+        draw_missing,
+        draw_worst_test,
+    )
 
     analysis, verdict = words.analysis, words.verdict
     found: dict[str, str] = {}
     if words.shows_a_law:
         found |= {f"missing_{name}": svg for name, svg in draw_missing(missing_of(words)).items()}
+    if verdict.effects and words.beside:
+        found["beside"] = draw_beside(beside_of(words))
     if verdict.swing:
         found["swing"] = draw_worst_test(*_swing(verdict.swing), observed="calibrated")
     models = {"calibrated": analysis.base}
@@ -60,7 +69,7 @@ def missing_of(words: Words) -> Missing:
     """Return what the calibrated model misses over the driver of the freest law, the named law there, and what is left."""
     from hjcamp.prediction.verdict.free_curve import curve_of
     from hjcamp.prediction.verdict.law_curve import law_curves
-    from hjcamp.report.pictures.evidence import BOTH, Missing
+    from hjcamp.report.pictures.evidence import BOTH
 
     analysis, verdict = words.analysis, words.verdict
     first = verdict.shown if verdict.unknown and not verdict.effects else analysis.search.steps[0].unknown[0]
@@ -75,11 +84,29 @@ def missing_of(words: Words) -> Missing:
         law = tuple(_law_branch(words, one) for one in curves)
         rest = _after(words, known)
         after = (_branch(curve_of(analysis, rest, name)),) if rest is not None else ()
+    return _missing(known, curve, (_branch(curve, BOTH),), law, after, added)
+
+
+def beside_of(words: Words) -> Missing:
+    """Return the free law that is missing beside the named effects."""
+    from hjcamp.prediction.verdict.free_curve import curve_of
+
+    analysis, unknown = words.analysis, words.verdict.unknown
+    assert unknown is not None
+    [name] = [one for one in unknown.names if one in analysis.search.unknowns]
+    curve = curve_of(analysis, unknown, name)
+    return _missing(analysis.search.unknowns[name], curve, (), (), (_branch(curve),), words.verdict.effects)
+
+
+def _missing(
+    known: Unknown, curve: dict[str, Any], before: tuple[Branch, ...], law: tuple[Branch, ...], after: tuple[Branch, ...],
+    added: Sequence[str],
+) -> Missing:  # fmt: skip
+    from hjcamp.report.pictures.evidence import Missing
+
     against = ", against the motion" if known.quantity == "friction" else ""
-    return Missing(
-        known.signal.replace("_", " ") + ", conditions in a row" * (known.apart > 0.0), curve["x_unit"], known.what + against,
-        curve["y_unit"], (_branch(curve, BOTH),), law, after, " and ".join(added),
-    )  # fmt: skip
+    driver = known.signal.replace("_", " ") + ", conditions in a row" * (known.apart > 0.0)
+    return Missing(driver, curve["x_unit"], known.what + against, curve["y_unit"], before, law, after, " and ".join(added))
 
 
 def _branch(curve: dict[str, Any], way: str = "both ways") -> Branch:

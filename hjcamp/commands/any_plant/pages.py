@@ -16,6 +16,7 @@ WINDOWS = 3
 EVIDENCE = {
     "missing_before": "What the calibrated model misses over what drives it, and the named law through it",
     "missing_after": "The same with what was found added",
+    "beside": "What is missing beside what was found",
     "swing": "What the calibrated model errs by over a whole test, the sine in it, and what is left without that",
     "worst_test": "The worst test before and after",
     "gains": "The gains of surrogate data, and the real one",

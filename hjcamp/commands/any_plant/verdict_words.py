@@ -113,7 +113,7 @@ class Words:
         ports = read_vocabulary(self.analysis.measured.plant).ports.values()
         # what a store spills into belongs to the store below
         own = {port.name: {name for local, name in port.names.items() if local != "loss_below"} for port in ports}
-        names = own.get(first["port"], set())
+        names = own.get(first["port"], set()) if first["driver"] != "time" else set()
         return [
             name
             for name in (self.verdict.confidence_set[0] if self.verdict.word == "one_of" else self.verdict.effects)
@@ -223,7 +223,7 @@ class Words:
         found += untold(self.analysis) + held_by_bounds(rows) + late_inputs(late, verdict.effects, period)
         found += end_words(self.content["ends"]) + run_away_words(self.content) + still_words(self.content["still"])
         left = not verdict.effects and bool(verdict.p_value <= LEVEL or self.far_off)
-        found += never_alone(library) + plant_hints(self.analysis.windows, rows, self.content["unknowns"][:1], left)
+        found += never_alone(library) + plant_hints(self.analysis.windows, late, self.content["unknowns"][:1], left)
         return found + self.telling()
 
     def _seldom(self) -> list[str]:
@@ -240,20 +240,22 @@ class Words:
         row = rows[name]
         kind = "the noise" if self.analysis.floor.source == "sensor" else "the floor"
         if any(row["baseline"] - row["augmented"] >= MOST_OF_IT * (row["baseline"] - row["floor"]) for row in rows.values()):
-            # that a law has not quite this form is said elsewhere
-            told_why = self.verdict.law_left > 0.05 and self.verdict.word != "outside_library"
-            if told_why or row["floor"] >= (1.0 - MOST_OF_IT) * row["augmented"]:
+            if row["floor"] >= (1.0 - MOST_OF_IT) * row["augmented"]:
                 return []
+            # that a law has not quite this form, or what is missing beside it, is said before
+            told_why = self.verdict.law_left > 0.05 and self.verdict.word != "outside_library"
+            errs = (
+                f"{channel_label(name)} still errs by {told(row['augmented'], row['unit'])}, "
+                f"{row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}"
+            )
+            if told_why:
+                return [f"{errs}."]
             if self.analysis.floor.source == "repetitions":
                 return [
                     f"Repetitions share most of what is left, {row['augmented'] / row['floor']:.2g} times the floor in "
                     f"{channel_label(name)}: the law has not quite this form, or something else is missing as well."
                 ]
-            return [
-                f"{channel_label(name)} still errs by {told(row['augmented'], row['unit'])}, "
-                f"{row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}: the law has not quite this form, "
-                "something else is missing as well, or the rig scatters."
-            ]
+            return [f"{errs}: the law has not quite this form, something else is missing as well, or the rig scatters."]
         return [
             f"Most of the error is left: {channel_label(name)} errs by {told(row['augmented'], row['unit'])} instead of "
             f"{told(row['baseline'], row['unit'])}, {row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}. "
@@ -313,7 +315,8 @@ class Words:
     def next_commands(self, paths: str, model: str, folder: str = "diagnose") -> list[str]:
         """The commands that go on from the answer."""
         own = "" if model == "published" else f" --model {model}"
-        beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if self.beside else []
+        curve = self.beside and not self.content["unknowns"][0]["apart_s"]
+        beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if curve else []
         if self.verdict.word == "effect":
             added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)
             return [f"hjcamp add {added} {paths}{own} --as with_{named}", *beside]
@@ -335,8 +338,9 @@ def _false_claims(shares: Mapping[str, float]) -> list[str]:
         "twins": "residuals drawn at random", "shifted": "residuals moved in time", "decoys": "effects each moved in time by itself",
     }  # fmt: skip
     said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
+    rests = "; by itself it tells nothing here:" if max(shares.values(), default=0.0) > LEVEL else ";"
     return [
-        f"No test was repeated. Where nothing is, screening promises as much before any fit in {', '.join(said)}; what is said "
+        f"No test was repeated. Where nothing is, screening promises as much before any fit in {', '.join(said)}{rests} what is said "
         "rests on fits to chapters left out."
     ] if said else []
 

@@ -98,19 +98,21 @@ class Search(Claims):
         return self.each(lambda one: self.fitted(one.candidate, one), begun, lambda one: "fitting what drifts")
 
     def values(self) -> dict[str, Unknown]:
-        """Return the laws of the base's parameters that are no constants, and over the time of each condition, by name.
+        """Return the laws of the base's parameters that are no constants, and `drifts`; no model has them before they are admitted."""
+        plant = self.windows.layout.measured.plant
+        return values_of(plant, [one.name for one in self.base_free], self.ranges) | self.drifts()
 
-        No model has them before they are admitted. A course of its own has half as many pieces as its condition has chapters: of
-        fewer than two no chapter tells of another one.
+    def drifts(self) -> dict[str, Unknown]:
+        """Return the laws over time with a course of its own in each condition, by name.
+
+        A course has half as many pieces as its condition has chapters: of fewer than two no chapter tells of another one.
         """
-        measured = self.windows.layout.measured
-        plant, conditions = measured.plant, len(measured.conditions)
-        found = values_of(plant, [one.name for one in self.base_free], self.ranges)
+        layout = self.windows.layout
+        conditions = len(layout.measured.conditions)
         pieces = len(np.unique(self.chapters)) // conditions // 2
         if conditions < 2 or pieces < 2:
-            return found
-        longest = float(self.windows.layout.time.max())
-        return found | courses_of_each(plant, conditions, pieces + 1, longest, self.ranges)
+            return {}
+        return courses_of_each(layout.measured.plant, conditions, pieces + 1, float(layout.time.max()), self.ranges)
 
     def admit(self, laws: Mapping[str, Unknown]) -> None:
         """Let further unknowns be part of models."""

@@ -63,7 +63,8 @@ class Verdict:
 def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
     """Return the verdict and the analysis that it is of; ``at`` gives the same analysis over windows of another width."""
     analysis, verdict = _looked_at(analysis, at)
-    return analysis, _of_other_base(analysis, _doubted(analysis, _swinging(analysis, _of_no_constant(analysis, verdict))))
+    verdict = _beside_a_course(analysis, _of_no_constant(analysis, verdict))
+    return analysis, _of_other_base(analysis, _doubted(analysis, _swinging(analysis, verdict)))
 
 
 def _of_other_base(analysis: Analysis, verdict: Verdict) -> Verdict:
@@ -99,7 +100,7 @@ def _of_no_constant(analysis: Analysis, verdict: Verdict) -> Verdict:
         return verdict
     search.claims = LEVEL / (2.0 * (len(LONGER) + 1))
     step = search.look_at_values(base)
-    model = _left(analysis, base, step) or _course(analysis)
+    model = _left(analysis, base, step) or _course(analysis, base)
     if model is None or (verdict.follows and _left_by_motion(analysis, model) > 1.0 - MOST_OF_IT):
         return verdict
     if verdict.unknown is not None and not search.beats(model, verdict.unknown):
@@ -107,6 +108,28 @@ def _of_no_constant(analysis: Analysis, verdict: Verdict) -> Verdict:
     if verdict.word == NOTHING and not_borne_out(analysis, step, model):
         return verdict
     return replace(verdict, word=OUTSIDE, p_value=step.told, confidence_set=(), unknown=model, law_left=1.0, follows=0.0)
+
+
+def _beside_a_course(analysis: Analysis, verdict: Verdict) -> Verdict:
+    """Return the verdict with the law over time that takes most of what its names leave, where that is twice what repetitions tell.
+
+    Without repetitions it is held against the noise: where something drifts alike moments differ by that. No law is laid beside a
+    name that it makes needless.
+    """
+    layout, base, model = analysis.windows.layout, analysis.base, verdict.model
+    if verdict.word not in (EFFECT, ONE_OF) or verdict.unknown is not None:
+        return verdict
+    left = in_units(np.mean(model.fitted.features**2, axis=0), layout)
+    noise = in_units(np.ones(model.fitted.features.shape[1]), layout)
+    least = analysis.floor.of_sensors(layout) if analysis.floor.source == "repetitions" else noise
+    if not np.any(least < (1.0 - MOST_OF_IT) * left):
+        return verdict
+    analysis.search.admit(analysis.search.drifts())
+    course = _course(analysis, model)
+    if course is None or any(_covered(analysis, model, course, name) for name in model.beyond(base)):
+        return verdict
+    law_left = 1.0 - taken(base, model) / taken(base, course)
+    return replace(verdict, unknown=course, law_left=max(verdict.law_left, law_left))
 
 
 def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict]:
@@ -322,15 +345,15 @@ def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:
     return min(found, key=lambda one: one.left_out) if found else None
 
 
-def _course(analysis: Analysis) -> Scored | None:
-    """Return the law over time that takes most of the error, chapter by chapter.
+def _course(analysis: Analysis, model: Scored) -> Scored | None:
+    """Return the law over time that takes most of what a model leaves, chapter by chapter.
 
     What drifts looks alike at any time: moved in time it promises as much, and does not stand out from chance by what it promises.
     """
-    search, base = analysis.search, analysis.base
-    found = search.courses(base)
-    taking = [one for one in found if search.error_ratio(one, base) <= 1.0 - MOST_OF_IT]
-    shown = [one for one in taking if search.matters(one, base, search.claims / len(found))]
+    search = analysis.search
+    found = search.courses(model)
+    taking = [one for one in found if search.error_ratio(one, model) <= 1.0 - MOST_OF_IT]
+    shown = [one for one in taking if search.matters(one, model, search.claims / len(found))]
     return min(shown, key=lambda one: one.left_out, default=None)
 
 

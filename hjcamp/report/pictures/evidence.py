@@ -64,6 +64,13 @@ def draw_missing(missing: Missing) -> dict[str, str]:
     return found
 
 
+def draw_beside(missing: Missing) -> str:
+    """Return the picture of what is missing after what was named, on a scale of its own."""
+    across, up, (_, _, after) = _scaled(missing)
+    title = f"missing: {_shortly(missing.name)}"
+    return _panel(after, (), missing.name, title, (across, up, _limits([one.y for one in after])))
+
+
 def _shortly(name: str) -> str:
     """Return what was added, in words that fit above a panel."""
     return f"with {name}" if len(name) <= LONGEST_NAME else "with what was found"
