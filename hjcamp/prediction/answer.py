@@ -285,7 +285,7 @@ def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
         own = [name for name in model.beyond(base) if name in search.library and name not in seen]
         # beside a free law a rival was compared with the model beside the same law, which its row has no part of
         laws = [name for name in model.names if name in search.unknowns] if own and model is not verdict.model else []
-        model = search.fitted(model.fitted.candidate.without(laws), model.fitted) if laws else model
+        model = _without(analysis, model, laws) if laws else model
         for name in own:
             seen.add(name)
             without = next(step for step in search.steps if name not in step.before.names)
@@ -298,6 +298,13 @@ def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
                 seen.add(name)
                 rows.append(_candidate(analysis, verdict, name, one, step, named=name in verdict.effects))
     return rows
+
+
+def _without(analysis: Analysis, model: Scored, laws: Sequence[str]) -> Scored:
+    """Return a model without free laws, as a look fitted it, or fitted from what it has beside them."""
+    search, names = analysis.search, set(model.names) - set(laws)
+    known = (one for step in search.steps for one in step.named if set(one.names) == names)
+    return next(known, None) or search.fitted(model.fitted.candidate.without(laws), model.fitted)
 
 
 def asked_candidates(analysis: Analysis, verdict: Verdict, names: Sequence[str]) -> list[dict[str, Any]]:

@@ -87,7 +87,7 @@ class Search(Claims):
 
     def look_at_values(self, before: Scored) -> Step:
         """Return what a model may miss where some parameter is no constant: each over every state and input, and over time."""
-        laws = self.values()
+        laws = self.values(before)
         self.admit(laws)
         return self.look(before, laws)
 
@@ -97,10 +97,14 @@ class Search(Claims):
         begun = [self.begun_unknown(before.fitted, one) for one in self.promised_beside(before, laws)[:FITTED_UNKNOWNS]]
         return self.each(lambda one: self.fitted(one.candidate, one), begun, lambda one: "fitting what drifts")
 
-    def values(self) -> dict[str, Unknown]:
-        """Return the laws of the base's parameters that are no constants, and `drifts`; no model has them before they are admitted."""
+    def values(self, before: Scored | None = None) -> dict[str, Unknown]:
+        """Return the laws of the base's parameters that are no constants, and `drifts`; no model has them before they are admitted.
+
+        Of a parameter that stands at its bound in a model there is none: its law would go on where that may not.
+        """
         plant = self.windows.layout.measured.plant
-        return values_of(plant, [one.name for one in self.base_free], self.ranges) | self.drifts()
+        names = [one.name for one in self.base_free if before is None or not one.bounded(before.fitted.candidate)]
+        return values_of(plant, names, self.ranges) | self.drifts()
 
     def drifts(self) -> dict[str, Unknown]:
         """Return the laws over time with a course of its own in each condition, by name.

@@ -47,8 +47,10 @@ def confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], un
                 strange = len(added) == 1 and any(
                     alike_laws(law, search.library[name]) and not alike_laws(law, search.library[other]) for law in free
                 )
-                held = best if strange else _of(step, name)
-                if not takes or (not beside and not formless and ruled_out(analysis, one, held, step.before)):
+                own = _of(step, name)
+                # that a free law rules a rival out does not speak for a name that leaves no less than the rival
+                gone = ruled_out(analysis, one, best if strange and search.beats(own, one) else own, step.before)
+                if not takes or (not beside and not formless and gone):
                     continue
                 values = {other: one.fitted.candidate.effects[other], **laws}
                 rival = search.fitted(_with(model.fitted.candidate.without([name]), values))

@@ -96,7 +96,7 @@ def _of_no_constant(analysis: Analysis, verdict: Verdict) -> Verdict:
     search, base = analysis.search, analysis.base
     if verdict.word not in (NOTHING, OUTSIDE) or not above_noise(analysis.windows.layout, base.fitted.features):
         return verdict
-    if held_by_bounds(analysis):  # a law would go on where the parameter may not
+    if verdict.unknown is None and held_by_bounds(analysis):  # what a bound keeps from the base another law would take
         return verdict
     search.claims = LEVEL / (2.0 * (len(LONGER) + 1))
     step = search.look_at_values(base)
