@@ -29,6 +29,7 @@ from hjcamp.prediction.laws.unknowns import values_of
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.next.rivals import question_of
 from hjcamp.prediction.selection.analysis import Analysis, calibrated
+from hjcamp.prediction.selection.forward import Search
 from hjcamp.prediction.verdict.free_curve import knots_of
 from hjcamp.prediction.verdict.verdict import Verdict, agreed
 from hjcamp.records.log import TestLog
@@ -240,3 +241,14 @@ def test_a_parameter_in_an_exponent_may_be_no_constant(kettle: Path) -> None:
     for one in laws.values():
         generated = kernel_source(Composition(plant, (one.effect,)))
         assert f"def {one.effect.name}__activation" in generated
+
+
+@pytest.mark.parametrize(("outflow", "kept"), [(5e-3, {"area", "outflow"}), (0.1, {"area"})])
+def test_a_parameter_at_its_bound_has_no_law_of_its_own(kettle: Path, outflow: float, kept: set[str]) -> None:
+    free = [Free("", "area", 0.4, 0.05, 4.0), Free("", "outflow", 4e-3, 1e-4, 0.1)]
+    windows = SimpleNamespace(layout=SimpleNamespace(measured=SimpleNamespace(plant=find_plant("kettle"))))
+    ranges = {"level": (0.1, 0.4), "warmth": (5.0, 30.0)}
+    search: Any = SimpleNamespace(windows=windows, base_free=free, ranges=ranges, drifts=dict)
+    before: Any = SimpleNamespace(fitted=SimpleNamespace(candidate=Candidate({"area": 0.5, "outflow": outflow}, {})))
+    assert {one.place for one in Search.values(search, before).values()} == kept
+    assert {one.place for one in Search.values(search).values()} == {"area", "outflow"}

@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.effects import load_effects
+from hjcamp.model.candidate import Candidate
 from hjcamp.prediction.answer import _beside_law, answer
 from hjcamp.prediction.fitting.intervals import Interval
 from hjcamp.prediction.measured.floor import Floor
@@ -23,7 +24,7 @@ from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.prediction.selection.claims import Claims
 from hjcamp.prediction.selection.scored import Follows
-from hjcamp.prediction.verdict import doubts, verdict
+from hjcamp.prediction.verdict import doubts, rivals, verdict
 from hjcamp.prediction.verdict.verdict import Verdict, agreed, judged
 
 LIBRARY = ("constant_force", "quadratic_drag", "spring")
@@ -335,6 +336,52 @@ def test_that_much_of_the_error_is_left_beside_a_name_is_said(augmented: float, 
     found = words._most_is_left()
     assert bool(found) == bool(said)
     assert not said or said in found[0]
+
+
+@pytest.mark.parametrize(
+    ("source", "errs", "said"), [("near_replicates", 0.3, True), ("near_replicates", 0.09, False), ("sensor", 0.3, False)]
+)
+def test_that_alike_moments_differ_by_more_than_the_noise_is_said(source: str, errs: float, said: bool) -> None:
+    content = {
+        "channels": {"level_v": {"augmented": errs}, "flow_v": {"augmented": 0.05}},
+        "floor": {"level_v": {"low": 0.05, "value": 0.28, "unit": "V"}, "flow_v": {"low": 0.04, "value": 0.05, "unit": "V"}},
+    }
+    words = Words(SimpleNamespace(floor=SimpleNamespace(source=source)), SimpleNamespace(), content)  # type: ignore[arg-type]
+    found = words._over_noise()
+    assert bool(found) == said
+    assert not said or found[0].startswith("level errs by 0.3 V, 6 times its noise. Alike moments differ by 0.28 V: ")
+
+
+def scored(name: str, left: float, law: str = "") -> Any:
+    """Return a stand-in for a model with one effect, and a free law, that leaves so much."""
+    effects = {name: {"size": 1.0}} | ({law: {"knot_0": 1.0}} if law else {})
+    names = tuple(one for one in (name, law) if one)
+    return SimpleNamespace(
+        names=names, left_out=left, fitted=SimpleNamespace(candidate=Candidate({}, {k: v for k, v in effects.items() if k})),
+        beyond=lambda other: tuple(one for one in names if one not in other.names),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("better", "sets"), [(False, 2), (True, 1)])
+def test_a_free_law_speaks_for_a_name_that_beats_its_rival_alone(better: bool, sets: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    base, law = scored("", 1.0), "unknown_command"
+    band, gain = scored("dead_band", 0.73), scored("sensor_gain", 0.74)
+    best = scored("dead_band", 0.5, law)
+    step = SimpleNamespace(named=(band, gain), before=base)
+
+    def beats(model: Any, other: Any) -> bool:
+        return model is best or (better and model is band)
+
+    search = SimpleNamespace(
+        unknowns={law: "law"}, library={"dead_band": "band", "sensor_gain": "gain"}, steps=[step], beats=beats,
+        of_same_law=lambda name, model: [], error_ratio=lambda one, other: one.left_out / other.left_out,
+        of_no_memory=lambda one, other: False, fitted=lambda candidate: scored("sensor_gain", 0.51, law), other_lags=lambda *_: [],
+    )  # fmt: skip
+    monkeypatch.setattr(rivals, "alike_laws", lambda free, own: own == "band")
+    # the free law rules out all that has another name, but what stands beside it
+    monkeypatch.setattr(rivals, "ruled_out", lambda analysis, one, held, before: held is best and law not in one.names)
+    analysis: Any = SimpleNamespace(search=search, base=base)
+    assert len(rivals.confidence_set(analysis, band, ("dead_band",), best)) == sets
 
 
 def test_what_was_found_beside_a_name_is_marked() -> None:

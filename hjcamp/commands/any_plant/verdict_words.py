@@ -194,7 +194,7 @@ class Words:
                 law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"
                 found.append(f"{law} leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
         if verdict.word in ("effect", "one_of") or (verdict.word == "outside_library" and verdict.unknown):
-            found += self._most_is_left()
+            found += self._most_is_left() or self._over_noise()
         if verdict.word != "cannot_tell":
             found.append(
                 f"Error on chapters left out, over the floor: {error['baseline']:.2f} calibrated"
@@ -207,6 +207,7 @@ class Words:
                     f"What is left is more than chance (p = {plain(verdict.p_value, 2)}): something may be there that is small, or "
                     "that the library does not describe."
                 )
+                found += self._over_noise()
             elif not verdict.swing and (verdict.p_value <= LEVEL or verdict.effects):
                 few = "" if verdict.p_value <= LEVEL else ", the least that so few windows can show"
                 found.append(f"Chance: p = {plain(verdict.p_value, 2)}{few} (residuals moved in time, whole library).")
@@ -260,6 +261,21 @@ class Words:
             f"Most of the error is left: {channel_label(name)} errs by {told(row['augmented'], row['unit'])} instead of "
             f"{told(row['baseline'], row['unit'])}, {row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}. "
             "Something else is missing as well, or the rig scatters."
+        ]
+
+    def _over_noise(self) -> list[str]:
+        """Say which sensor errs by twice its noise where alike moments differ by that: what acts otherwise in them makes that, too."""
+        from hjcamp.prediction.levels import MOST_OF_IT
+        from hjcamp.report.exploration import channel_label
+
+        rows, errs = self.content["floor"], {name: row["augmented"] for name, row in self.content["channels"].items()}
+        name = max(rows, key=lambda one: errs[one] / rows[one]["low"])
+        if self.analysis.floor.source != "near_replicates" or errs[name] * (1.0 - MOST_OF_IT) <= rows[name]["low"]:
+            return []
+        return [
+            f"{channel_label(name)} errs by {told(errs[name], rows[name]['unit'])}, {errs[name] / rows[name]['low']:.2g} times its "
+            f"noise. Alike moments differ by {told(rows[name]['value'], rows[name]['unit'])}: that is scatter of the rig, or something "
+            "that no input tells. A repeated test would tell which."
         ]
 
     def _remains(self, name: str, row: Mapping[str, Any]) -> str:
