@@ -69,8 +69,6 @@ def missing_of(words: Words) -> Missing:
     """Return what the calibrated model misses over the driver of the freest law, the named law there, and what is left."""
     from hjcamp.prediction.verdict.free_curve import curve_of
     from hjcamp.prediction.verdict.law_curve import law_curves
-    from hjcamp.report.pictures.evidence import BOTH
-
     analysis, verdict = words.analysis, words.verdict
     first = verdict.shown if verdict.unknown and not verdict.effects else analysis.search.steps[0].unknown[0]
     [name] = [one for one in first.names if one in analysis.search.unknowns]
@@ -84,7 +82,7 @@ def missing_of(words: Words) -> Missing:
         law = tuple(_law_branch(words, one) for one in curves)
         rest = _after(words, known)
         after = (_branch(curve_of(analysis, rest, name)),) if rest is not None else ()
-    return _missing(known, curve, (_branch(curve, BOTH),), law, after, added)
+    return _missing(known, curve, _branches(words, known, curve), law, after, added)
 
 
 def beside_of(words: Words) -> Missing:
@@ -95,7 +93,8 @@ def beside_of(words: Words) -> Missing:
     assert unknown is not None
     [name] = [one for one in unknown.names if one in analysis.search.unknowns]
     curve = curve_of(analysis, unknown, name)
-    return _missing(analysis.search.unknowns[name], curve, (), (), (_branch(curve),), words.verdict.effects)
+    known = analysis.search.unknowns[name]
+    return _missing(known, curve, (), (), _branches(words, known, curve), words.verdict.effects)
 
 
 def _missing(
@@ -105,8 +104,26 @@ def _missing(
     from hjcamp.report.pictures.evidence import Missing
 
     against = ", against the motion" if known.quantity == "friction" else ""
-    driver = known.signal.replace("_", " ") + ", conditions in a row" * (known.apart > 0.0)
+    driver = known.signal.replace("_", " ")
     return Missing(driver, curve["x_unit"], known.what + against, curve["y_unit"], before, law, after, " and ".join(added))
+
+
+def _branches(words: Words, known: Unknown, curve: dict[str, Any]) -> tuple[Branch, ...]:
+    """Return the curve of a free law, of each condition over the time of its tests where these have courses of their own."""
+    from hjcamp.report.names import readable
+    from hjcamp.report.pictures.evidence import Branch
+
+    if not known.apart:
+        return (_branch(curve),)
+    conditions = list(words.analysis.measured.conditions)
+    x, *rows = (np.array(curve[key]) for key in ("x", "y", "low", "high"))
+    longest = known.high - known.apart * (len(conditions) - 1)
+    found = []
+    for number, name in enumerate(conditions):
+        own = x - number * known.apart
+        inside = (own > -1e-9 * longest) & (own < (1.0 + 1e-9) * longest)
+        found.append(Branch(readable(name), own[inside], *(row[inside] for row in rows)))
+    return tuple(found)
 
 
 def _branch(curve: dict[str, Any], way: str = "both ways") -> Branch:

@@ -67,8 +67,8 @@ def over_time_words(row: Mapping[str, Any], repeated: bool, p_value: float) -> l
         "settles with what was done, in a place that no store or body of the plant's file stands for."
     )
     each = (
-        "On the page the conditions follow one another. What comes from outside, as a room or a wind, can be measured and given: "
-        "an Input(..., field=NAME) of the plant's file, in its equations."
+        "What comes from outside, as a room or a wind, can be measured and given: an Input(..., field=NAME) of the plant's file, in "
+        "its equations."
     )
     drifts = (
         f"Moved in time the residuals promise as much (p = {plain(p_value, 2)}), as what drifts does: that it is there is told by "

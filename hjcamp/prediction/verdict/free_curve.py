@@ -15,14 +15,15 @@ from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored
 
 Array = NDArray[np.float64]
-FEWEST = 41
+FEWEST = 40
 
 
 def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
     """Return an unknown's law over its driver with its 95 % band, SI."""
     known = analysis.search.unknowns[name]
     # between two knots a law is straight
-    x = np.linspace(known.low, known.high, max(FEWEST, 2 * len(known.amplitudes) - 1))
+    pieces = len(known.amplitudes) - 1
+    x = np.linspace(known.low, known.high, max(-(-FEWEST // pieces), 2) * pieces + 1)
     values, low, high = (_of_value if known.quantity == "value" else _of_place)(analysis, model, known, x)
     parameters = known.effect.parameters
     return {

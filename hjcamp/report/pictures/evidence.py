@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,8 @@ SIZE = (4.8, 3.3)
 STRIP = (4.8, 1.9)
 BOTH, FORWARD, BACKWARD = "both ways", "forwards", "backwards"
 COLOURS = {BOTH: GREEN, FORWARD: BLUE, BACKWARD: RED}
+# Of curves that are no ways of moving, such as those of conditions, in order.
+OTHERS = (BLUE, RED, GREEN, INK, "#cc79a7")
 LINES = {BOTH: "-", FORWARD: "--", BACKWARD: ":"}
 # So few values are bins, and get a dot each.
 FEW = 24
@@ -27,7 +30,7 @@ LONGEST_NAME = 32
 
 @dataclass(frozen=True)
 class Branch:
-    """A curve for one way of moving: values ``y`` with 95 % band over ``x``, each (n,), SI; NaN where nothing was seen."""
+    """A curve for one way of moving or one condition: values ``y`` with 95 % band over ``x``, each (n,), SI; NaN where not seen."""
 
     way: str
     x: Array
@@ -107,9 +110,9 @@ def _panel(
 
     def paint(figure: Any) -> None:
         axis = figure.subplots()
-        for one in branches:
+        for one, other in zip(branches, cycle(OTHERS), strict=False):
             marker = "o" if len(one.x) <= FEW else ""
-            _branch(axis, one, COLOURS[one.way], f"missing, {one.way}", marker=marker, markersize=3)
+            _branch(axis, one, COLOURS.get(one.way, other), f"missing, {one.way}", marker=marker, markersize=3)
         for one in law:
             _branch(axis, one, INK, f"{name}, {one.way}", linestyle=LINES[one.way])
         axis.axhline(0.0, color=INK, linewidth=0.6)
