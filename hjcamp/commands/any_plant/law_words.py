@@ -14,8 +14,8 @@ def free_law(row: Mapping[str, Any]) -> str:
     if driver == "difference":
         return f"leak from {' to '.join(row['signal'].replace('_', ' ').split(' - '))} that depends on their difference"
     if driver == "time":
-        otherwise = ", otherwise in each condition" if row["apart_s"] else ""
-        return f"{row['quantity']} at {place.replace('_', ' ')} that changes with time{otherwise}"
+        changes = "otherwise with time in each condition" if row["apart_s"] else "with time"
+        return f"{row['quantity']} at {place.replace('_', ' ')} that changes {changes}"
     at = "" if place in (driver, row["quantity"]) else f" at {place.replace('_', ' ')}"
     return f"{row['quantity']}{at} that depends on {state_of(row) or ('the ' if place == driver else 'its ') + driver}"
 
