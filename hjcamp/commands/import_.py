@@ -92,6 +92,8 @@ def import_table(
         print(note, file=sys.stderr)
     for name in rules.lacking([log.metadata for log in logs]):
         print(f"{mapping}: warning: the metadata do not give '{name}'; the plant's default is used", file=sys.stderr)
+    for column, names in rules.taken_twice.items():
+        print(f"{mapping}: warning: {' and '.join(names)} are made of one column, '{column}'", file=sys.stderr)
     print(f"next  hjcamp compare {joined([into] if into and len(targets) > 1 else targets)}")
 
 

@@ -402,3 +402,14 @@ def test_a_reader_that_panics_is_one_message(
     monkeypatch.setattr(polars, "read_parquet", panics)
     assert cli.run(["import", "a.parquet", "--map", "map.yaml"]) == 2
     assert capfd.readouterr().err == "hjcamp: a.parquet: cannot be read as Parquet: assertion failed\n"
+
+
+def test_two_fields_of_one_column_are_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_csv(folder / "a.csv", measured())
+    fields = {**FIELDS, "voltage_v": {"column": "x", "unit": "V"}}
+    write_map(folder, fields=fields)
+    assert cli.run(["import", "a.csv", "--map", "map.yaml"]) == 0
+    assert "warning: position_m and voltage_v are made of one column, 'x'" in capsys.readouterr().err
+    write_map(folder)
+    assert cli.run(["import", "a.csv", "--map", "map.yaml", "--output", "b.mcap"]) == 0
+    assert "one column" not in capsys.readouterr().err

@@ -93,6 +93,15 @@ class ImportMap:
         known = list(tests)
         return [name for name in given if any(name not in metadata for metadata in known)]
 
+    @property
+    def taken_twice(self) -> dict[str, list[str]]:
+        """The columns of which several fields are made, with these; what is wanted may well be the column of what is given."""
+        found: dict[str, list[str]] = {}
+        for name, rule in self.rules.items():
+            if not name.startswith("reference_"):
+                found.setdefault(rule.column, []).append(name)
+        return {column: names for column, names in found.items() if len(names) > 1}
+
 
 def read_import_map(path: Path) -> ImportMap:
     """Return the mapping in a YAML file; raises UsageError for every key, field, unit or number that cannot be."""
