@@ -331,8 +331,9 @@ class Words:
     def next_commands(self, paths: str, model: str, folder: str = "diagnose") -> list[str]:
         """The commands that go on from the answer."""
         own = "" if model == "published" else f" --model {model}"
-        curve = self.beside and not self.content["unknowns"][0]["apart_s"]
-        beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if curve else []
+        # no law of an effect can know a course of its own in each condition
+        curve = bool(self.content["unknowns"]) and not self.content["unknowns"][0]["apart_s"]
+        beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if curve and self.beside else []
         if self.verdict.word == "effect":
             added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)
             return [f"hjcamp add {added} {paths}{own} --as with_{named}", *beside]
@@ -342,7 +343,7 @@ class Words:
                 for one in self.verdict.confidence_set[:2]
             ] + beside
         if self.verdict.word == "outside_library":
-            begun = f" --from {folder}" if self.content["unknowns"] and not self.content["unknowns"][0]["apart_s"] else ""
+            begun = f" --from {folder}" if curve else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
         rivals = self.verdict.word == "cannot_tell" and any(row["heldout_error_ratio"] < 1.0 for row in self.content["candidates"])
         return [*([f"hjcamp next {paths}{own}"] if rivals else []), f"hjcamp compare {paths}{own}"]

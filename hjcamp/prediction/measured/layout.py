@@ -250,19 +250,28 @@ class Layout:
             columns.append(moved)
         return self.joined(columns)
 
-    @cached_property
+    @property
     def groups(self) -> list[tuple[dict[str, float], NDArray[np.bool_]]]:
         """The parameters that the tests are given, and the windows (windows,) of the tests with each set of them."""
         return self.groups_by(())
 
     def groups_by(self, numbers: Sequence[str]) -> list[tuple[dict[str, float], NDArray[np.bool_]]]:
         """Return them with further parameters that are the number of a test's condition, by full name."""
+        if (known := self._grouped.get(tuple(numbers))) is not None:
+            return known
         found: dict[tuple[tuple[str, float], ...], list[int]] = {}
         conditions = list(self.measured.conditions)
         for place, test in enumerate(self.measured.tests):
             number = float(conditions.index(test.condition))
             found.setdefault((*test.given, *((name, number) for name in numbers)), []).append(place)
-        return [(dict(given), np.isin(self.of_test, places)) for given, places in found.items()]
+        own = [(dict(given), np.isin(self.of_test, places)) for given, places in found.items()]
+        self._grouped[tuple(numbers)] = own
+        return own
+
+    @cached_property
+    def _grouped(self) -> dict[tuple[str, ...], list[tuple[dict[str, float], NDArray[np.bool_]]]]:
+        """What `groups_by` has returned: every simulation asks for it."""
+        return {}
 
     @cached_property
     def basis(self) -> Array:

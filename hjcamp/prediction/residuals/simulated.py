@@ -173,7 +173,7 @@ class Simulated:
             marks[marks == 1] = 1 if begin.shape[1] == plain else 2
             begun |= alone
             numbers = [f"{name}.{NUMBER}" for name in simpler.effects if NUMBER in self.kernels.effects[name].parameters]
-            for given, group in layout.groups_by(numbers) if numbers else layout.groups:
+            for given, group in layout.groups_by(numbers):
                 windows = group & part
                 if not windows.any():
                     continue
