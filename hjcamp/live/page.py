@@ -58,7 +58,7 @@ def page_html(title: str) -> str:
 </section>
 </main>
 <noscript><p>This page needs JavaScript.</p></noscript>
-<script>{library("uPlot.iife.js")}</script>
+<script>{library("uPlot.iife.min.js")}</script>
 <script>{(HERE / "live.js").read_text(encoding="utf-8")}</script>
 </body>
 </html>

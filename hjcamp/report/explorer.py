@@ -5,14 +5,12 @@ from __future__ import annotations
 import json
 from functools import lru_cache
 from html import escape
-from importlib import metadata
+from importlib import resources
 from pathlib import Path
 
-from hjcamp.errors import HjcampError
 from hjcamp.report.exploration import Exploration
 
 HERE = Path(__file__).parent
-LIBRARY = "uplot-python"
 #: What a page may load: itself. A browser holds it to that.
 NOTHING_FETCHED = (
     "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
@@ -43,19 +41,16 @@ def explorer_html(shown: Exploration, title: str = "Every test") -> str:
 <p class="soft keys">{escape(keys)}</p>
 <script type="application/json" id="explorer-head">{head}</script>
 <script type="text/plain" id="explorer-points">{shown.points()}</script>
-<script>{library("uPlot.iife.js")}</script>
+<script>{library("uPlot.iife.min.js")}</script>
 <script>{(HERE / "explorer.js").read_text(encoding="utf-8")}</script>
 </section>
 """
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=2)
 def library(name: str) -> str:
-    """Return a file of the plotting library as its Python package carries it, safe inside a page."""
-    try:
-        # Importing the package would import IPython.
-        place = Path(str(metadata.distribution(LIBRARY).locate_file(f"uplot/static/{name}")))
-        text = place.read_text(encoding="utf-8")
-    except (metadata.PackageNotFoundError, OSError) as error:
-        raise HjcampError(f"the package {LIBRARY} is not whole ({error}); install hjcamp again") from error
-    return text.replace("</script", "<\\/script")
+    """Return a file of uPlot, led by its licence, safe inside a page."""
+    place = resources.files("hjcamp.report") / "uplot"
+    licence = (place / "LICENSE").read_text(encoding="utf-8")
+    text = (place / name).read_text(encoding="utf-8").replace("</script", "<\\/script")
+    return f"/*! uPlot\n{licence}\n*/\n{text}"

@@ -6,6 +6,8 @@ import base64
 import shutil
 import zlib
 from collections.abc import Iterator
+from importlib import resources
+from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
 
@@ -79,6 +81,14 @@ def test_names_cannot_leave_their_place() -> None:
     shown.add("</script>", "x", TIME, {"a_m": TIME}, {"</script><b>": {"a_m": TIME}})
     text = explorer_html(shown)
     assert "</script><b>" not in text and text.count("</script>") == text.count("<script")
+
+
+def test_a_page_carries_uplot_with_its_licence() -> None:
+    text = explorer_html(cart())
+    licence = (resources.files("hjcamp.report") / "uplot" / "LICENSE").read_text(encoding="utf-8")
+    assert "Copyright (c)" in licence and text.count(licence) == 2  # before the style and before the script
+    assert text.index(licence, text.index("<script>")) < text.index("var uPlot=")
+    assert (distribution("hjcamp").metadata.get_all("License-File") or [])[-1:] == ["hjcamp/report/uplot/LICENSE"]
 
 
 @pytest.fixture(scope="module")
