@@ -43,8 +43,13 @@ def watches(config: Mapping[str, Any]) -> list[Watch]:
 
 
 def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
-    """Return what a simulated test compiles: in words -> its text and its last function; nothing on another backend."""
-    return dict(_backend(config).kernel_texts(config)) if config["backend"].get("name") == "simulation" else {}
+    """Return what a test compiles: in words -> its text and its last function."""
+    return dict(_backend(config).kernel_texts(config))
+
+
+def compile_ahead(config: Mapping[str, Any]) -> None:
+    """Compile what a test on a rig needs, before anything moves; raises ``HjcampError`` where there is no rig."""
+    _backend(config).compile_ahead(config)
 
 
 def look_again(config: Mapping[str, Any], left: Any) -> str:

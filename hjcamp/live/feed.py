@@ -32,6 +32,7 @@ class Feed:
         self._waiting: deque[tuple[dict[str, Any], bytes]] = deque(maxlen=ROOM)
         self._wake = threading.Event()
         self._closed = False
+        self._compiling = ""
         self._described: dict[str, dict[str, Any]] = {}
         self._counts: dict[str, dict[str, Any]] = {}
         self._configs: Mapping[str, Mapping[str, Any]] = {}
@@ -71,6 +72,7 @@ class Feed:
             nonlocal begun
             if not begun:
                 begun = True
+                self._compiled()
                 self._put({"kind": "test", "test": told})
             missed = np.full(len(samples.columns["time_s"]), float(samples.missed))
             columns = {**samples.columns, "missed_samples": missed}
@@ -86,6 +88,7 @@ class Feed:
         kind = "failed" if log is None else "done"
         counts[kind] += 1
         self._run[kind] += 1
+        self._compiled()
         if error is not None:
             counts["error"] = [error[1], unit_of_field(error[0], test).shown]
         told = {
@@ -95,6 +98,11 @@ class Feed:
             "run": {**self._run, "message": message},
         }
         self._put({**told, "test": self._test(test, condition), "log": None if log is None else str(log.absolute())})
+
+    def compiling(self, words: str) -> None:
+        """Say what is compiled before the first test; empty words: nothing."""
+        self._compiling = words
+        self.say("running", words)
 
     def say(self, state: str, words: str) -> None:
         """Say how the run ended; another one of the same sweep may follow."""
@@ -117,6 +125,10 @@ class Feed:
                 self._described[condition] = nothing_known()
         label = f"{readable(condition)}, {test.partition('/')[2].replace('rep_', 'repetition ')}".removesuffix(", ")
         return {"id": test, "label": label, "condition": condition, **self._described[condition]}
+
+    def _compiled(self) -> None:
+        if self._compiling:
+            self.compiling("")
 
     def _put(self, head: dict[str, Any], block: bytes = b"") -> None:
         self.dropped += len(self._waiting) == ROOM

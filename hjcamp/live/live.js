@@ -44,6 +44,7 @@
     const words = byId("words");
     words.textContent = run.words || run.message || "";
     words.hidden = !words.textContent;
+    byId("stop").hidden = ended || run.state !== "running";
     showConditions();
   }
   function showConditions() {
@@ -57,9 +58,9 @@
     }
   }
 
-  const axes = () => [{}, { size: 60 }].map((given) => ({
+  const axes = (unit) => [{ label: "time (s)", size: 34 }, { label: unit, size: 60 }].map((given) => ({
     ...given, stroke: () => shade("--soft"), grid: { stroke: () => shade("--grid"), width: 1 }, ticks: { stroke: () => shade("--grid"), width: 1 },
-    font: "11px system-ui, sans-serif" }));
+    font: "11px system-ui, sans-serif", labelFont: "11px system-ui, sans-serif", labelSize: 16 }));
   function build() {
     for (const one of plots) one.plot.destroy();
     const area = byId("plots");
@@ -83,7 +84,7 @@
       });
       const holder = make("div", area);
       const plot = new uPlot({
-        width: Math.max(holder.clientWidth, 200), height: HEIGHT, legend: { show: false }, scales: { x: { time: false } }, axes: axes(),
+        width: Math.max(holder.clientWidth, 200), height: HEIGHT, legend: { show: false }, scales: { x: { time: false } }, axes: axes(channels[0].unit),
         cursor: { sync: { key: "live" }, drag: { x: true, y: false } }, series: [{}, ...series.map((one) => one.set)],
       }, [[], ...series.map(() => [])], holder);
       plots.push({ plot, series, holder, legend });

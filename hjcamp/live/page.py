@@ -42,6 +42,7 @@ def page_html(title: str) -> str:
 </header>
 <div id="progress" role="progressbar" aria-label="tests done"><div></div><div class="failed"></div></div>
 <p id="words" class="verdict" hidden></p>
+<p id="stop" class="soft">Stop: Ctrl-C in the terminal of the run. Once: after the test in hand; twice: now.</p>
 <main>
 <section aria-label="test in hand">
 <div class="now"><b id="test">no test yet</b> <span id="phase" class="pill" hidden></span> <span id="clock" class="soft"></span></div>

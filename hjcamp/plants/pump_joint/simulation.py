@@ -63,6 +63,12 @@ def _simulator(effects: tuple[Any, ...], controller: type[Controller]) -> JointS
     return JointSimulator(Composition(PumpJoint, effects), controller=controller)
 
 
+def simulator_of(config: Mapping[str, Any]) -> JointSimulator:
+    """Return the simulator of a resolved configuration: the joint with its effects, and the controller."""
+    law: Any = find_controller(config["controller"]["name"])
+    return _simulator(tuple(chosen_effects(model_values(config)[1])[0]), law)
+
+
 def full_values(values: dict[str, float], effects: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
     """Return plant and effect parameters under their full names."""
     return values | {f"{effect}.{name}": value for effect, given in effects.items() for name, value in given.items()}
@@ -211,14 +217,21 @@ def prepare(config: Mapping[str, Any], seed: int, whole: bool = True) -> Prepare
 
 def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     """Return the kernels that a test needs: what each is in words, its text, and the function that is compiled last."""
-    law: Any = find_controller(config["controller"]["name"])
-    effects = tuple(chosen_effects(model_values(config)[1])[0])
-    names = ", ".join(effect.name for effect in effects) or "no effect"
-    found = {f"the test loop with {names}": (_simulator(effects, law).source, "closed_loop")}
-    if law.uses_feedforward:
-        known = tuple(chosen_effects((config.get("controller_model") or {}).get("effects") or {})[0])
-        found["the model of the feedforward"] = (_model(known).source, "signals")
-    return found
+    simulator = simulator_of(config)
+    return {f"the test loop with {effects_in(simulator)}": (simulator.source, "closed_loop"), **feedforward_text(config)}
+
+
+def effects_in(simulator: JointSimulator) -> str:
+    """Return the names of a simulator's effects, with commas."""
+    return ", ".join(effect.name for effect in simulator.composition.effects) or "no effect"
+
+
+def feedforward_text(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Return the kernel of the model in the feedforward, as `kernel_texts` does; nothing where the controller has none."""
+    if not find_controller(config["controller"]["name"]).uses_feedforward:
+        return {}
+    known = tuple(chosen_effects((config.get("controller_model") or {}).get("effects") or {})[0])
+    return {"the model of the feedforward": (_model(known).source, "signals")}
 
 
 def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], dict[str, str]]:

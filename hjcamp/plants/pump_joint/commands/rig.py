@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from contextlib import suppress
 from dataclasses import asdict
 from typing import Annotated, Any
@@ -13,6 +14,7 @@ from hjcamp.commands import PLAIN
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import HjcampError
 
+COUNT_DOWN_S = 3
 Overrides = Annotated[list[str] | None, typer.Argument(metavar="OVERRIDES", help="As of hjcamp run: rig=NAME ...")]
 
 
@@ -92,7 +94,9 @@ def check(
     json: AnswerFile = None,
 ) -> None:
     """Check wiring, noise, preload and directions with small motions; a rig must pass before it runs a campaign."""
-    from hjcamp.backends import before_moving
+    from hjcamp.backends import before_moving, compile_ahead
+    from hjcamp.campaign.compiling import kernels_of, status
+    from hjcamp.campaign.console import make_console
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer, free
@@ -111,14 +115,22 @@ def check(
     def ask(question: str) -> bool:
         return yes or typer.confirm(question)
 
-    name = config["rig"]["name"]
-    for text in before_moving(config):
-        print(f"note   {text}")
-    if not yes:
+    def before() -> None:
+        with status(make_console(), kernels_of([config]), "looking for the rig"):
+            compile_ahead(config)
+        if yes:
+            return
         print(f"The rig '{name}' will move: preload, the pump by a few mm, the arm by a few degrees.")
         if not typer.confirm("Is everybody clear of it?"):
             raise HjcampError("not checked: nothing was moved")
-    passed = check_rig(config, ask, say)
+        for left in range(COUNT_DOWN_S, 0, -1):
+            print(f"       moves in {left} s", flush=True)
+            time.sleep(1.0)
+
+    name = config["rig"]["name"]
+    for text in before_moving(config):
+        print(f"note   {text}")
+    passed = check_rig(config, ask, say, before=before, announce=lambda words: print(f"next   {words}", flush=True))
     write_answer(json, {"schema": "hjcamp.rig_check/1", "rig": name, "passed": passed, "findings": findings})
     if not passed:
         raise HjcampError(f"rig '{name}' has not passed its check; the outputs are safe")

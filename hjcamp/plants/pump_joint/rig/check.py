@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import pi
@@ -41,7 +38,7 @@ class Finding:
 
 @dataclass
 class RigCheck:
-    """Small motions on open tasks, under the limits of the rig; ``ask`` puts a question to the user.
+    """Small motions on open tasks, under the limits of the rig.
 
     Angles in rad, pressures in Pa. Every step needs the ones before it, so the first that fails ends the check.
     """
@@ -49,7 +46,6 @@ class RigCheck:
     tasks: RigTasks
     limits: LimitCheck
     config: Mapping[str, Any]
-    ask: Callable[[str], bool]
     asked_to_stop: Callable[[], str | None] = lambda: None
     facts: str = ""
     command: float = 0.0
@@ -58,17 +54,26 @@ class RigCheck:
     pressures: tuple[float, float] = (0.0, 0.0)
     out: Any = field(default_factory=lambda: np.zeros(7))
 
-    def run(self) -> Iterator[Finding]:
-        """Yield the findings in order; the outputs are safe before the first motion and after the last."""
-        for step in (self.at_rest, self.preload, self.pump_direction, self.arm_direction):
+    def run(self, announce: Callable[[str], None]) -> Iterator[Finding]:
+        """Yield the findings in order; ``announce`` hears of each step before it moves anything."""
+        steps = {
+            "sensors and encoders at rest, nothing moves": self.at_rest,
+            f"preload: both lines to {self.config['procedure']['preload_mpa']:g} MPa": self.preload,
+            f"the pump forward by {PUMP_TRAVEL:g} mm": self.pump_direction,
+            f"the arm by about {ARM_DEG:g} deg in the positive direction, look at it": self.arm_direction,
+        }
+        for words, step in steps.items():
+            announce(words)
             finding = step()
             yield finding
             if not finding.passed:
                 break
         else:
+            announce("the pump back to its start, the lines released")
             yield self.go_back()
             return
         if step != self.at_rest:
+            announce("the lines released")
             yield self.release()
 
     def sample(self, preload_speed: float = 0.0) -> None:
@@ -138,7 +143,7 @@ class RigCheck:
         return Finding("pump", True, text)
 
     def arm_direction(self) -> Finding:
-        """A small motion of the arm, which the user confirms."""
+        """A positive command turns the arm encoder up."""
         start = self.arm
         self.drive(lambda: abs(self.arm - start) >= ARM_DEG * DEGREE, FORWARD, FARTHEST_TRAVEL)
         turned = (self.arm - start) / DEGREE
@@ -147,30 +152,7 @@ class RigCheck:
             return Finding("arm", False, f"{text} with the pump at {self.travel():.2f} mm: stuck, or not wired")
         if turned < 0:
             return Finding("arm", False, f"{text}: the wrong way; set rig.inputs.arm.sign to its negative")
-        if not self.answer(f"The arm should have turned by about {turned:.0f} deg in the positive direction. Did it?"):
-            return Finding("arm", False, f"{text}, which the user did not see: wrong encoder or wrong lines")
         return Finding("arm", True, text)
-
-    def answer(self, question: str) -> bool:
-        """Return what the user says; the rig is held meanwhile, sample by sample, for its watchdog waits for nobody."""
-        answers: list[Future[bool]] = []
-
-        def ask() -> None:
-            answer: Future[bool] = Future()
-            try:
-                answer.set_result(self.ask(question))
-            except BaseException as error:
-                answer.set_exception(error)
-            answers.append(answer)
-
-        threading.Thread(target=ask, name="question", daemon=True).start()
-        while not answers:
-            start = time.monotonic()
-            self.sample()
-            if time.monotonic() - start < 0.5 * PERIOD:
-                # Virtual time does not pass by itself, and must not run away while somebody thinks.
-                time.sleep(0.5 * PERIOD)
-        return answers[0].result()
 
     def go_back(self) -> Finding:
         """The pump goes back, then the lines are released."""
@@ -203,9 +185,7 @@ class RigCheck:
 
 
 @contextmanager
-def open_check(
-    config: Mapping[str, Any], seed: int | None, left: LeftAt, ask: Callable[[str], bool]
-) -> Iterator[RigCheck]:
+def open_check(config: Mapping[str, Any], seed: int | None, left: LeftAt) -> Iterator[RigCheck]:
     """Give a check on open tasks; whatever happens, the outputs end in their safe state and the tasks are cleared.
 
     ``seed`` of the joint that a virtual rig gets, None: the one that is on it. ``left`` is where motor and arm stand.
@@ -224,7 +204,7 @@ def open_check(
             require_guard(config)
             facts = device_facts(wiring, connection)
             tasks = RigTasks(wiring, connection, limits.read_timeout_ms * 1e-3, left)
-            check = RigCheck(tasks, limit_check(config, wiring), config, ask, lambda: signals.reason, facts)
+            check = RigCheck(tasks, limit_check(config, wiring), config, lambda: signals.reason, facts)
             check.command, check.motor, check.arm = left.motor, left.motor, left.arm
             signals.last_words = lambda: last_words(tasks)
             try:
@@ -240,11 +220,17 @@ def open_check(
 
 
 def check_rig(
-    config: Mapping[str, Any], ask: Callable[[str], bool], say: Callable[[Finding], None], seed: int = 1
+    config: Mapping[str, Any],
+    ask: Callable[[str], bool],
+    say: Callable[[Finding], None],
+    seed: int = 1,
+    before: Callable[[], None] = lambda: None,
+    announce: Callable[[str], None] = lambda words: None,
 ) -> bool:
     """Check the rig of a resolved configuration; ``say`` hears each finding. Returns whether all passed.
 
-    Raises ``RigStopped`` where a limit was passed; whatever happens, the outputs end in their safe state.
+    ``before`` is called last before the outputs are taken, ``announce`` before each step; ``ask`` puts its question when
+    the lines are released and the outputs safe. Raises ``RigStopped`` where a limit was passed.
     """
     from hjcamp.plants.pump_joint.rig.check_stamp import stamp_path, write_stamp
     from hjcamp.plants.pump_joint.rig.lock import take_lock
@@ -257,11 +243,21 @@ def check_rig(
     # What passes must be kept: that there is no place for it is said before anything moves.
     check_place(stamp_path(config))
     take_lock(config)
+    before()
     passed: list[Finding] = []
-    with open_check(config, seed, AT_START, ask) as check:
-        for finding in check.run():
-            passed.append(finding)
-            say(finding)
+
+    def note(finding: Finding) -> None:
+        passed.append(finding)
+        say(finding)
+
+    with open_check(config, seed, AT_START) as check:
+        for finding in check.run(announce):
+            note(finding)
+    if all(finding.passed for finding in passed):
+        question = f"The arm should have turned by about {ARM_DEG:g} deg in the positive direction, and back. Did it?"
+        seen = ask(question)
+        wrong = "the user did not see the arm turn: wrong encoder or wrong lines"
+        note(Finding("seen", seen, "the user saw the arm turn" if seen else wrong))
     if not all(finding.passed for finding in passed):
         return False
     write_stamp(config, {"devices": check.facts, **{finding.name: finding.text for finding in passed}})

@@ -24,9 +24,8 @@ def look_again(config: Mapping[str, Any], left: LeftAt) -> str:
     and the lines are released. Raises ``RigStopped`` where that fails; the outputs end in their safe state either way.
     """
     texts = []
-    # Nobody is asked whether the arm was seen to move: that was settled by `hjcamp rig check`.
     # The counters go on where the stopped test left them; a virtual rig keeps the joint of that test.
-    with open_check(config, None, left, lambda question: True) as check:
+    with open_check(config, None, left) as check:
         for finding in _findings(check):
             if not finding.passed:
                 raise RigStopped(f"{finding.name}: {finding.text}")

@@ -21,7 +21,7 @@ from hjcamp.model.simulator import PERIOD
 from hjcamp.plants.pump_joint.procedure import Procedure
 from hjcamp.plants.pump_joint.rig.check_stamp import require_check
 from hjcamp.plants.pump_joint.rig.connection import connect
-from hjcamp.plants.pump_joint.rig.control import RigControl
+from hjcamp.plants.pump_joint.rig.control import RigControl, control_source
 from hjcamp.plants.pump_joint.rig.journal import Journal
 from hjcamp.plants.pump_joint.rig.left import LeftAt
 from hjcamp.plants.pump_joint.rig.limits import limit_check, read_limits
@@ -34,10 +34,13 @@ from hjcamp.plants.pump_joint.rig.wiring import read_wiring
 from hjcamp.plants.pump_joint.simulation import (
     control_values,
     dither_of,
+    effects_in,
     feedforward_of,
+    feedforward_text,
     log_notes,
     procedure_values,
     reference_of,
+    simulator_of,
 )
 
 Array = NDArray[np.float64]
@@ -90,6 +93,24 @@ def before_moving(config: Mapping[str, Any]) -> list[str]:
     """Return what a person must know before this rig moves; raises ``UsageError`` where it must not."""
     require_guard(config)
     return notices(config)
+
+
+def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Return what a test here compiles: what each is in words, its text, and the function that is compiled last."""
+    law: Any = find_controller(config["controller"]["name"])
+    found = {"the control law for the rig": (control_source(law), "decide"), **feedforward_text(config)}
+    if config["rig"]["connection"]["kind"] == "in_process":
+        from hjcamp.plants.pump_joint.virtual_rig.plant import bench_text
+
+        simulator = simulator_of(config)
+        found[f"the virtual rig with {effects_in(simulator)}"] = (bench_text(simulator), "rig_tick")
+    return found
+
+
+def compile_ahead(config: Mapping[str, Any]) -> None:
+    """Compile what a test here needs and see whether there is a rig, before anything moves; needs the lock of the rig."""
+    rig_control(config)
+    connect(config, 1).close()
 
 
 def look_again(config: Mapping[str, Any], left: LeftAt) -> str:

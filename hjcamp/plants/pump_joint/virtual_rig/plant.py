@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hjcamp.model.kernel import load_model
 from hjcamp.model.simulator import PERIOD, Propagators
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.plants.pump_joint.loop import FRESH
+from hjcamp.plants.pump_joint.loop import FRESH, JointSimulator
 from hjcamp.plants.pump_joint.procedure import Procedure
 from hjcamp.plants.pump_joint.simulation import prepare
 from hjcamp.plants.pump_joint.virtual_rig import tick
@@ -27,6 +27,11 @@ READINGS = tuple(channel.field for channel in PumpJoint.channels)
 @functools.cache
 def _tick_text() -> str:
     return f"@entry\n{inspect.getsource(tick.rig_tick)}"
+
+
+def bench_text(simulator: JointSimulator) -> str:
+    """Return the text of the kernel that stands for the joint on the bench."""
+    return f"{simulator.bench_source}\n\n{_tick_text()}\n\n"
 
 
 class VirtualPlant:
@@ -57,7 +62,7 @@ class VirtualPlant:
         self._history = np.zeros(LONGEST_DELAY)
         self._memory = FRESH.copy()
         self._work = self._simulator.scratch()
-        self._kernel = load_model(f"{self._simulator.bench_source}\n\n{_tick_text()}\n\n")
+        self._kernel = load_model(bench_text(self._simulator))
         self._burst = np.zeros(0, dtype=np.int64)
         self.sample = -1
         self.seen = np.zeros(len(READINGS))
