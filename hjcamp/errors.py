@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from collections.abc import Iterable
 
 LONGEST_SHOWN = 80
 MOST_NAMED = 200
+NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
 class HjcampError(Exception):
@@ -62,6 +64,11 @@ def shown(value: object) -> str:
         return f"a number of about {int(value.bit_length() * math.log10(2)) + 1} digits"
     text = repr(value)
     return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}... ({len(text)} characters)"
+
+
+def without_numbers(text: str) -> str:
+    """Return a message with ``#`` for each number, so that two that differ in their values alone are equal."""
+    return NUMBER.sub("#", text)
 
 
 def counted(number: int, one: str, many: str = "") -> str:

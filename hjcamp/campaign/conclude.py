@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from types import ModuleType
 from typing import TYPE_CHECKING
 
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
-from hjcamp.errors import HjcampError, RigStopped, counted
+from hjcamp.errors import HjcampError, RigStopped, counted, without_numbers
 from hjcamp.known_plants import DEFAULT, plant_called, plant_of
 
 if TYPE_CHECKING:
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from hjcamp.report.build import Report
 
 SHOWN = 5
-NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
 def conclude(folder: RunFolder, result: RunResult, console: Console) -> Report | None:
@@ -30,7 +28,7 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> Report |
     kept = f", {result.kept} were there" if result.kept else ""
     console.print(f"[bold]{folder.path}[/bold]   {counted(total, 'test')}, {len(result.failures)} failed{kept}")
     for text, count in grouped(result.warnings)[:SHOWN]:
-        console.print(f"  note    {text} ({count} test{'s' * (count != 1)})", style="yellow", markup=False)
+        console.print(f"  note    {text} ({counted(count, 'test')})", style="yellow", markup=False)
     configs = [(plant_of(one.config).room_of("run"), one.config) for one in folder.plan.conditions]
     for note in dict.fromkeys(room.note(config) for room, config in configs if room):
         if note:
@@ -50,10 +48,10 @@ def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:
     """Return warnings that differ only in their numbers as one, in the words of the most frequent; most tests first."""
     groups: dict[str, list[tuple[str, int]]] = {}
     for text, count in warnings.items():
-        groups.setdefault(NUMBER.sub("#", text), []).append((text, count))
+        groups.setdefault(without_numbers(text), []).append((text, count))
     examples = [(max(members, key=lambda member: member[1])[0], members) for members in groups.values()]
     found = [
-        (text if len(members) == 1 else f"{text}, and alike", sum(count for _, count in members))
+        (text if len(members) == 1 else f"for example: {text}", sum(count for _, count in members))
         for text, members in examples
     ]
     return sorted(found, key=lambda item: -item[1])

@@ -40,7 +40,9 @@ def followed_error(columns: Mapping[str, NDArray[np.float64]], config: Mapping[s
 class Ends:
     """Hears of each test that ends; prints a line, in a file too, when the last test of a condition did."""
 
-    def __init__(self, folder: RunFolder, waiting: Sequence[PlannedTest], console: Console) -> None:
+    def __init__(
+        self, folder: RunFolder, waiting: Sequence[PlannedTest], console: Console, compiling: str = ""
+    ) -> None:
         plan = folder.plan
         self._folder, self._console, self._feed = folder, console, current_feed()
         self._left: dict[str, int] = {}
@@ -53,6 +55,8 @@ class Ends:
             tests = {one.name: plan.repetitions for one in plan.conditions}
             kept = {name: number - self._left.get(name, 0) for name, number in tests.items()}
             self._feed.run(plan.campaign, folder.path, {one.name: one.config for one in plan.conditions}, tests, kept)
+            if compiling:
+                self._feed.compiling(compiling)
 
     def __call__(self, outcome: Outcome) -> None:
         """Take in how one test ended."""

@@ -17,7 +17,7 @@ from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.lock import run_lock
 from hjcamp.campaign.workers import available_workers, outcomes
 from hjcamp.cluster import threads_of
-from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError, counted
+from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError, counted, without_numbers
 from hjcamp.records.plan import Plan, PlannedTest
 from hjcamp.records.run_folder import refuse_links_out
 
@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 
 @dataclass
 class RunResult:
-    """How a run ended: tests made now, tests that were there, failures as (test, message), times the rig was made safe."""
+    """How a run ended: tests made now, tests that were there, failures as (test, message), times the rig was made safe.
+
+    ``before`` says why tests failed in an earlier session.
+    """
 
     path: Path
     done: int = 0
@@ -35,6 +38,15 @@ class RunResult:
     failures: list[tuple[str, str]] = field(default_factory=list)
     warnings: dict[str, int] = field(default_factory=dict)
     made_safe: int = 0
+    before: dict[str, str] = field(default_factory=dict)
+
+    def stopped_again(self, stopper: Outcome) -> str:
+        """Return what to say where a test was stopped by the same limit in an earlier session; else nothing."""
+        then, now = (without_numbers(text) for text in (self.before.get(stopper.test, ""), stopper.message))
+        # what was found when the rig was looked at again stands in a line of its own
+        if stopper.stops != RigStopped.exit_code or then.partition("\n")[0] != now.partition("\n")[0]:
+            return ""
+        return f"{stopper.test} was stopped by the same limit before; --keep-going leaves it out and makes the others\n"
 
 
 def run_plan(
@@ -74,7 +86,9 @@ def run_plan(
     left = len(folder.plan.tests) - result.done - result.kept
     if stopper is not None and stopper.stops is not None:
         kind = {3: RigStopped, 130: Interrupted}.get(stopper.stops, HjcampError)
-        raise kind(f"{stopper.message}\n{counted(left, 'test')} left; go on with: hjcamp resume {folder.path}")
+        again = result.stopped_again(stopper)
+        how = f"{folder.path} --keep-going" if again else folder.path
+        raise kind(f"{stopper.message}\n{again}{counted(left, 'test')} left; go on with: hjcamp resume {how}")
     if state == "interrupted" and left:
         raise Interrupted(
             f"stopped, {left} of {len(folder.plan.tests)} tests left; go on with: hjcamp resume {folder.path}"
@@ -104,8 +118,9 @@ def _run(
     jobs = make_jobs(folder.plan, waiting, folder.path)
     left = {test.condition for test in waiting}
     here = [one.config for one in folder.plan.conditions if one.name in left and cluster is None]
-    ends = Ends(folder, waiting, console)
-    with progress_bar(console, len(folder.plan.tests), result.kept, kernels_of(here)) as advance:
+    kernels = kernels_of(here)
+    ends = Ends(folder, waiting, console, kernels.words())
+    with progress_bar(console, len(folder.plan.tests), result.kept, kernels) as advance:
         for outcome in _outcomes(jobs, workers, cluster, stop=lambda: signals.asked or bool(stoppers)):
             if outcome.state == "done":
                 result.done += 1
@@ -155,6 +170,9 @@ def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -
     waiting = []
     for test in folder.plan.tests:
         path = folder.path / test.log
+        known = folder.manifest["tests"][test.id]
+        if known["state"] == "failed" and known.get("message"):
+            result.before[test.id] = known["message"]
         if not path.exists():
             waiting.append(test)
             folder.manifest["tests"][test.id] = {"state": "planned"}
@@ -162,7 +180,7 @@ def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -
         problem = _problem(folder.plan, test, path)
         if problem is None:
             result.kept += 1
-            if folder.manifest["tests"][test.id]["state"] != "done":
+            if known["state"] != "done":
                 folder.manifest["tests"][test.id] = {"state": "done"}
             continue
         kind, reason = problem

@@ -220,4 +220,4 @@ def test_a_rig_has_one_process() -> None:
 
 def test_warnings_that_differ_in_numbers_are_one() -> None:
     warnings = {"a line ran down to -0.10 MPa": 2, "a line ran down to -0.09 MPa": 3, "late": 1}
-    assert grouped(warnings) == [("a line ran down to -0.09 MPa, and alike", 5), ("late", 1)]
+    assert grouped(warnings) == [("for example: a line ran down to -0.09 MPa", 5), ("late", 1)]

@@ -13,7 +13,7 @@ import pytest
 from rich.console import Console
 
 from hjcamp import cli
-from hjcamp.campaign.folder import RunFolder, folder_for
+from hjcamp.campaign.folder import RunFolder, folder_for, open_folder
 from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import RunResult, run_plan
@@ -43,6 +43,22 @@ def test_by_default_a_rig_that_was_made_safe_ends_the_run(composer: Any, device:
     with pytest.raises(RigStopped, match="2 tests left"):
         run(start(composer), StopRule(), [])
     assert device.tests == 1
+
+
+@pytest.mark.parametrize(("kinds", "same"), [(("late_samples", "late_samples"), True), (("late_samples", "arm_jump"), False)])
+def test_a_test_that_stops_again_at_the_same_limit_is_named_with_the_way_on(
+    composer: Any, device: VirtualDevice, kinds: tuple[str, str], same: bool
+) -> None:
+    folder = start(composer)
+    device.faults = [Fault(kinds[0], 700, 1)]
+    with pytest.raises(RigStopped) as first:
+        run(folder, StopRule(), [])
+    assert "before" not in str(first.value) and str(first.value).endswith("go on with: hjcamp resume run")
+    device.faults = [Fault(kinds[1], 650, device.tests + 1)]
+    with pytest.raises(RigStopped) as again:
+        run(open_folder(folder.path), StopRule(), [])
+    assert ("stopped by the same limit before" in str(again.value)) is same
+    assert str(again.value).endswith("hjcamp resume run" + " --keep-going" * same)
 
 
 @pytest.mark.parametrize(("kind", "sample"), [("late_samples", 20), ("late_samples", 700), ("arm_jump", 700)])

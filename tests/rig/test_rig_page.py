@@ -1,19 +1,35 @@
-"""The example of the virtual rig in docs/rig.md does what the page says."""
+"""What docs/rig.md tells a newcomer to run comes to its end on the virtual rig."""
 
 from __future__ import annotations
 
+import json
 import re
+import shlex
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from hjcamp import backends
+from hjcamp import backends, cli
 from hjcamp.backends.rig.fault import RigFault
 from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 from hjcamp.plants.pump_joint.virtual_rig.faults import parse_fault
 
 ROOT = Path(__file__).parents[2]
+
+
+def test_the_first_command_of_the_page_comes_to_its_end(device: VirtualDevice, capsys: pytest.CaptureFixture[str]) -> None:
+    page = (ROOT / "docs" / "rig.md").read_text(encoding="utf-8")
+    line = re.search(r"```\nhjcamp (.*?)(?: +#.*)?\n", page)
+    assert line
+    words = shlex.split(line[1])
+    assert "rig=virtual" in words
+    code = cli.run([*words, "run_dir=run"])
+    out, err = capsys.readouterr()
+    assert code == 0, err
+    assert "12 tests, 0 failed" in out
+    manifest = json.loads(Path("run/manifest.json").read_text())
+    assert {entry["state"] for entry in manifest["tests"].values()} == {"done"} and device.trips == []
 
 
 @pytest.mark.study
