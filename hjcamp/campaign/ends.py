@@ -14,8 +14,8 @@ from hjcamp.live.feed import current_feed
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.campaign.execution import Outcome
     from hjcamp.campaign.folder import RunFolder
+    from hjcamp.campaign.outcome import Outcome
     from hjcamp.records.plan import PlannedTest
 
 COMMAND_PHASE = 3.0

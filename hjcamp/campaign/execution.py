@@ -9,12 +9,13 @@ import threading
 import time
 import traceback
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from hjcamp.campaign.outcome import Outcome
 from hjcamp.campaign.provenance import log_provenance
 from hjcamp.errors import HjcampError, Interrupted, RigStopped
 from hjcamp.known_plants import usual_plant
@@ -35,26 +36,6 @@ class Job:
     metadata: dict[str, str]
     attachment: bytes
     path: Path
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a test: ``state`` done or failed; ``stops`` is an exit code where the run cannot go on.
-
-    ``left`` is there where the backend may be looked at again after a fault; ``facts`` is what it said of itself; ``error``
-    is the channel with a reference and its RMS error.
-    """
-
-    test: str
-    condition: str
-    state: str
-    seconds: float
-    message: str = ""
-    detail: str = ""
-    stops: int | None = None
-    left: Any = None
-    facts: dict[str, str] = field(default_factory=dict)
-    error: tuple[str, float] | None = None
 
 
 def make_jobs(plan: Plan, tests: list[PlannedTest], folder: Path) -> list[Job]:

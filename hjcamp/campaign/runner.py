@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.backends.rig.stop import StopSignals
-from hjcamp.campaign.execution import PRIVATE_NAME, Job, Outcome, make_jobs
+from hjcamp.campaign.execution import PRIVATE_NAME, Job, make_jobs
 from hjcamp.campaign.files import run_errors
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.going_on import StopRule
 from hjcamp.campaign.lock import run_lock
+from hjcamp.campaign.outcome import Outcome
 from hjcamp.campaign.workers import available_workers, outcomes
 from hjcamp.cluster import threads_of
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError, counted, without_numbers

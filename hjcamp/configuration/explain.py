@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from hjcamp.errors import UsageError, unknown
 
 if TYPE_CHECKING:
     from hydra.core.override_parser.types import Override
 
-    from hjcamp.configuration.composer import Composer
+
+class Choices(Protocol):
+    """What a composer knows of its groups: which there are, their options, and what some choices compose to."""
+
+    def is_group(self, name: str) -> bool: ...
+    def options(self, group: str) -> Sequence[str]: ...
+    def groups(self) -> Sequence[str]: ...
+    def compose(self, overrides: Sequence[str]) -> Any: ...
 
 
-def explain(error: Exception, overrides: Sequence[str], composer: Composer) -> UsageError:
+def explain(error: Exception, overrides: Sequence[str], composer: Choices) -> UsageError:
     """Return what is wrong with the overrides, found by looking at each, else Hydra's own first words."""
     from hjcamp.configuration.overrides import parse_overrides
 
@@ -31,7 +38,7 @@ def explain(error: Exception, overrides: Sequence[str], composer: Composer) -> U
         return usage
 
 
-def _wrong_choice(item: Override, composer: Composer) -> UsageError | None:
+def _wrong_choice(item: Override, composer: Choices) -> UsageError | None:
     if not composer.is_group(item.key_or_group) or item.is_delete() or item.is_sweep_override():
         return None
     allowed = composer.options(item.key_or_group)
@@ -49,7 +56,7 @@ def _wrong_choice(item: Override, composer: Composer) -> UsageError | None:
     return None
 
 
-def _wrong_key(parsed: Sequence[Override], groups: Sequence[Override], composer: Composer) -> UsageError | None:
+def _wrong_key(parsed: Sequence[Override], groups: Sequence[Override], composer: Choices) -> UsageError | None:
     from hydra.errors import HydraException
 
     try:

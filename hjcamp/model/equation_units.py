@@ -13,7 +13,7 @@ from hjcamp.model.plant import Plant
 from hjcamp.model.port import KINDS
 
 if TYPE_CHECKING:
-    from hjcamp.model.vocabulary import Statement
+    from hjcamp.model.statement import Statement
 
 USUAL = (
     "1",

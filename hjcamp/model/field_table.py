@@ -2,38 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.model.field import PHASE, TIME, Field
 from hjcamp.model.field_unit import field_of, unit_of_field
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from hjcamp.model.plant import Plant
+from hjcamp.model.plant import Plant
 
 # Protobuf's own limit is far higher; beyond this a tag takes three bytes.
 MOST_FIELDS = 2047
-
-
-@dataclass(frozen=True)
-class Field:
-    """One field of a sample: name, unit as written in the log, whether every log must have it, meaning.
-
-    ``also`` are units of another quantity in which it may be imported, each with its size in the field's unit.
-    """
-
-    name: str
-    unit: str
-    required: bool
-    text: str
-    also: tuple[tuple[str, float], ...] = ()
-
-
-TIME = Field("time_s", "s", True, "0 at the first sample of the command phase; negative before")
-PHASE = Field("phase", "1", False, "0 preload, 1 pressure adjustment, 2 rest, 3 command and control, 4 release")
 
 
 @dataclass(frozen=True)

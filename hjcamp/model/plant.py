@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.cached import cached
 from hjcamp.model.docstring import docstring_equation, docstring_sentence
-from hjcamp.model.field_table import Field
+from hjcamp.model.field import Field
 from hjcamp.model.instance import Instance
 from hjcamp.model.law import Law
 from hjcamp.model.parameter import Channel, Cut, Input, Measured, Parameter, State, declared, finite_number

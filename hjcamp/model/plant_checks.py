@@ -16,8 +16,9 @@ from hjcamp.model.equation_units import Units
 from hjcamp.model.field_unit import FIELD_UNITS, field_of, unit_of_field
 from hjcamp.model.plant import ALWAYS, Plant
 from hjcamp.model.reaction import with_reactions
+from hjcamp.model.statement import Statement
 from hjcamp.model.user_file import is_users
-from hjcamp.model.vocabulary import Statement, read_vocabulary
+from hjcamp.model.vocabulary import read_vocabulary
 
 DRAWS = 200
 PUSHED = 20

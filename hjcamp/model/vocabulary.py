@@ -15,31 +15,18 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.model.cached import cached
 from hjcamp.model.completion import completed, driven_in, has_push, masses_in, positions_in, velocity_of
 from hjcamp.model.element import BODY, CONTACT, ELEMENTS, TRANSMISSION, called, expand
+from hjcamp.model.equation_units import Units
 from hjcamp.model.parameter import Contact
 from hjcamp.model.part import whole_definition
 from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 from hjcamp.model.short_names import written_out
+from hjcamp.model.statement import Statement
 
 NAMESPACES = {"state": "s_", "parameter": "p_", "drive": "u_", "rate": "d_"}
 
 # Names of the functions into which the lines of equations are written (`hjcamp.model.function_sources`, `step_source`).
 TAKEN = frozenset({"a", "abs", "before", "direction", "f", "gates", "int", "out", "p", "row", "steps", "z"})
-
-
-@dataclass(frozen=True)
-class Statement:
-    """One line of the equations: ``target`` = ``expression``; ``mark`` is "slot", "signal", "rate" or "plain".
-
-    ``line`` is its number in the plant's file.
-    """
-
-    target: str
-    expression: str
-    mark: str
-    unit: str = ""
-    text: str = ""
-    line: int = 0
 
 
 @dataclass(frozen=True)
@@ -305,8 +292,6 @@ class _Reader:
         self.statements.append(statement)
 
     def _unit_of(self, rule: str, given: Mapping[str, str], where: str) -> str:
-        from hjcamp.model.equation_units import Units
-
         self.units = self.units or Units(self.plant)
         self.units.follow(self.statements)
         return str(

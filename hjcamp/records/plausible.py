@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from hjcamp.errors import UsageError
-from hjcamp.model.field_table import Field, FieldTable, fields_of
+from hjcamp.model.field import Field
+from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.parameter import Input, State
 from hjcamp.model.plant import Plant

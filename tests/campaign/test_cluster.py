@@ -22,8 +22,9 @@ from rich.console import Console
 import hjcamp
 import hjcamp.cluster
 from hjcamp.campaign import on_cluster
-from hjcamp.campaign.execution import Job, Outcome, make_jobs
+from hjcamp.campaign.execution import Job, make_jobs
 from hjcamp.campaign.folder import RunFolder, folder_for, open_folder
+from hjcamp.campaign.outcome import Outcome
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import RunResult, run_plan
 from hjcamp.cluster import as_done, connected, imported

@@ -15,9 +15,10 @@ from rich.console import Console
 import hjcamp.backends
 from hjcamp.campaign import workers as worker_processes
 from hjcamp.campaign.conclude import grouped
-from hjcamp.campaign.execution import Job, Outcome
+from hjcamp.campaign.execution import Job
 from hjcamp.campaign.folder import RunFolder, folder_for, open_folder
 from hjcamp.campaign.going_on import StopRule
+from hjcamp.campaign.outcome import Outcome
 from hjcamp.campaign.planning import make_plan
 from hjcamp.campaign.runner import RunResult, run_plan
 from hjcamp.configuration.composer import Composer

@@ -7,7 +7,8 @@ import pytest
 from quiet_loop import AREA1, AREA2, DEGREE, EXACT, RADIUS, STIFFNESS, cycloid
 
 from hjcamp.model.compose import Composition
-from hjcamp.model.course import Course, inputs_along
+from hjcamp.model.course import Course
+from hjcamp.model.inputs_along import inputs_along
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.feedforward import Feedforward

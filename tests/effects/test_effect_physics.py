@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.signal import lfilter, lsim
 
-from hjcamp.model.course import Course, Followed, inputs_along
+from hjcamp.model.course import Course, Followed
+from hjcamp.model.inputs_along import inputs_along
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 

@@ -22,7 +22,7 @@ from rich.console import Console
 import hjcamp
 from hjcamp.backends.recording import Recording, Samples
 from hjcamp.campaign.ends import Ends, condition_line, followed_error
-from hjcamp.campaign.execution import Outcome
+from hjcamp.campaign.outcome import Outcome
 from hjcamp.cli import run
 from hjcamp.commands._live import take_live
 from hjcamp.errors import UsageError

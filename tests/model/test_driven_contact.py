@@ -8,7 +8,8 @@ from scipy.integrate import solve_ivp
 
 from hjcamp.effects import load_effects
 from hjcamp.model.compose import Composition
-from hjcamp.model.course import Course, inputs_along
+from hjcamp.model.course import Course
+from hjcamp.model.inputs_along import inputs_along
 from hjcamp.model.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 

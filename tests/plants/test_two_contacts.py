@@ -14,7 +14,8 @@ from hjcamp import cli
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
 from hjcamp.model.compose import Composition
-from hjcamp.model.course import Course, Given, inputs_along
+from hjcamp.model.course import Course, Given
+from hjcamp.model.inputs_along import inputs_along
 from hjcamp.model.parameter import Cut
 from hjcamp.model.plant_checks import check_passive, check_pushes
 from hjcamp.model.simulator import Simulator

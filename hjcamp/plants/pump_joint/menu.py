@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.course import Course, inputs_along
+from hjcamp.model.course import Course
+from hjcamp.model.inputs_along import inputs_along
 from hjcamp.model.plant import Plant
 from hjcamp.model.simulator import PERIOD
 

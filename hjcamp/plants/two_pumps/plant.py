@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from hjcamp.model.field_table import PHASE, TIME, Field
+from hjcamp.model.field import PHASE, TIME, Field
 from hjcamp.model.marks import body, contact, limited, outside, part, sensor, signal, slot, store, transmission
 from hjcamp.model.parameter import Input, Measured, Parameter, State
 from hjcamp.model.plant import Plant

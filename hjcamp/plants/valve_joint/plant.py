@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from math import sin, sqrt
 
-from hjcamp.model.field_table import PHASE, TIME, Field
+from hjcamp.model.field import PHASE, TIME, Field
 from hjcamp.model.marks import body, contact, limited, outside, path, sensor, signal, slot, store, transmission
 from hjcamp.model.parameter import Input, Measured, Parameter, State
 from hjcamp.model.plant import Plant

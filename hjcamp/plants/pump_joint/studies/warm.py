@@ -11,8 +11,9 @@ import numpy as np
 from hjcamp.configuration.composer import Composer
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
-from hjcamp.model.course import Course, inputs_along
+from hjcamp.model.course import Course
 from hjcamp.model.effect import Effect
+from hjcamp.model.inputs_along import inputs_along
 from hjcamp.model.kernel import LEVELS, shared_source
 from hjcamp.model.kernel_cache import is_compiled, load_kernel
 from hjcamp.model.shared import SPACE
