@@ -10,8 +10,10 @@ import yaml
 from hjcamp.errors import UsageError
 from hjcamp.storage import check_is_file
 
+LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 MOST_VALUES = 200_000  # aliases counted as often as they are used
 MOST_BYTES = 20_000_000
+DEEPEST = 100
 
 
 def read_yaml(path: Path) -> Any:
@@ -53,10 +55,14 @@ def _decoded(content: bytes, where: str) -> str:
 
 
 def _values(text: str, where: str, construct: bool = True, mapping: bool = False) -> Any:
-    loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
+    loader: Any = None
     try:
+        _check_depth(text)
+        loader = LOADER(text)
         node = loader.get_single_node()
-        count = _count(node, {})
+        count, depth = _size(node, {})
+        if depth > DEEPEST:
+            raise RecursionError
         if count > MOST_VALUES:
             raise UsageError(
                 f"{where} holds {count:.3g} values, its aliases written out; at most {MOST_VALUES} are allowed"
@@ -65,7 +71,7 @@ def _values(text: str, where: str, construct: bool = True, mapping: bool = False
             raise UsageError(f"{where}: names with values are needed (NAME: VALUE)")
         return None if node is None or not construct else loader.construct_document(node)
     except RecursionError:
-        raise UsageError(f"{where}: a value holds itself, or is nested too deeply") from None
+        raise UsageError(f"{where}: a value holds itself, or is nested too deeply (at most {DEEPEST} levels)") from None
     except yaml.MarkedYAMLError as error:
         # What is missing at the end is found one line behind it.
         line = min(error.problem_mark.line, text.rstrip().count("\n")) + 1 if error.problem_mark else 1
@@ -75,14 +81,29 @@ def _values(text: str, where: str, construct: bool = True, mapping: bool = False
     except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
         raise UsageError(f"{where}: {' '.join(str(error).split())}") from error
     finally:
+        if loader is not None:
+            loader.dispose()
+
+
+def _check_depth(text: str) -> None:
+    """Raise ``RecursionError`` for a text that is nested too deeply: libyaml builds nodes on the processor's own stack."""
+    depth, loader = 0, LOADER(text)
+    try:
+        while loader.check_event():
+            event = loader.get_event()
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if depth > DEEPEST:
+                raise RecursionError
+    finally:
         loader.dispose()
 
 
-def _count(node: yaml.Node | None, known: dict[int, int]) -> int:
-    if node is None:
-        return 0
+def _size(node: yaml.Node | None, known: dict[int, tuple[int, int]]) -> tuple[int, int]:
+    """Return how many values a node holds, and how deeply they are nested."""
+    if node is None or isinstance(node, yaml.ScalarNode):
+        return int(node is not None), 0
     if id(node) not in known:
         inner = [one for pair in node.value for one in pair] if isinstance(node, yaml.MappingNode) else node.value
-        many = not isinstance(node, yaml.ScalarNode)
-        known[id(node)] = 1 + (sum(_count(one, known) for one in inner) if many else 0)
+        sizes = [_size(one, known) for one in inner]
+        known[id(node)] = 1 + sum(count for count, _ in sizes), 1 + max((depth for _, depth in sizes), default=0)
     return known[id(node)]

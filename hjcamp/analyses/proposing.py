@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, Report, silent
 from hjcamp.analyses.diagnosing import Asked, PlantDiagnosed, chosen_and_start, diagnose_plant, made_from
+from hjcamp.json_text import read_json
 
 if TYPE_CHECKING:
     from hjcamp.prediction.next.proposal import Proposal
@@ -96,7 +96,7 @@ def _proposed(
 def _kept(path: Path | None, wanted: Mapping[str, Any]) -> dict[str, Any] | None:
     """Return the answer in a file where it is of the same logs and model; what cannot be read is not there."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8")) if path is not None else None
+        content = read_json(path) if path is not None else None
     except (OSError, ValueError):
         return None
     if not isinstance(content, dict) or not wanted["logs_sha256"]:

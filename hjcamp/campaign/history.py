@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from typing import Any
 
 from hjcamp.campaign.finding import FoundRun
 from hjcamp.errors import UsageError, unknown
+from hjcamp.json_text import read_json
 from hjcamp.report.indicators import INDICATORS
 from hjcamp.report.welch import SIGNIFICANT, Sample, holm, welch
 
@@ -112,7 +112,7 @@ def _changed(before: Moment, after: Moment, names: Sequence[str]) -> list[dict[s
 
 def _samples(run: FoundRun, indicator: str) -> dict[str, Sample]:
     try:
-        metrics = json.loads((run.path / "metrics.json").read_text(encoding="utf-8"))
+        metrics = read_json(run.path / "metrics.json")
         return {
             str(name): Sample(float(one[indicator]["mean"]), _number(one[indicator]["std"]), int(one["n"]))
             for name, one in metrics.items()

@@ -9,6 +9,7 @@ from typing import Any
 from hjcamp.campaign.finding import FoundRun
 from hjcamp.campaign.values import look_up
 from hjcamp.errors import UsageError, unknown
+from hjcamp.json_text import read_json
 from hjcamp.report.indicators import CHOICES, INDICATORS
 
 USUAL = ("run", "campaign", "state", "tests", "started")
@@ -63,7 +64,7 @@ def _value(run: FoundRun, name: str) -> Any:
 
 def _indicator(run: FoundRun, name: str) -> float | None:
     try:
-        metrics = json.loads((run.path / "metrics.json").read_text(encoding="utf-8"))
+        metrics = read_json(run.path / "metrics.json")
         means = [float(one[name]["mean"]) for one in metrics.values() if name in one]
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return None

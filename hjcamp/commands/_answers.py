@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
+
+from hjcamp.json_text import read_json
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -107,7 +108,7 @@ def log_rows(found: Sequence[Verification]) -> list[dict[str, Any]]:
 
 def _metrics(path: Path) -> dict[str, Any] | None:
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = read_json(path)
     except (OSError, ValueError):
         return None
     return found if isinstance(found, dict) else None

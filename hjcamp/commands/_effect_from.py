@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, unknown
+from hjcamp.json_text import read_json
 
 if TYPE_CHECKING:
     from hjcamp.effects._curve_template import Begun
@@ -29,10 +29,14 @@ def write_from_diagnosis(name: str, diagnosis: Path, taken: Sequence[str]) -> tu
     Raises ``UsageError`` for what is no diagnosis, one without an unknown, and a file that exists.
     """
     from hjcamp.effects._curve_template import write_from_curve
+    from hjcamp.effects._written import check_begun
 
     file = answer_file(diagnosis)
-    content = read_answer(file)
-    begun = begun_from(content, file)
+    begun = begun_from(read_answer(file), file)
+    try:
+        check_begun(begun)
+    except UsageError as problem:
+        raise UsageError(f"{file}: {problem}") from None
     return write_from_curve(name, Path("effects"), begun, taken), begun.plant
 
 
@@ -55,12 +59,7 @@ def answer_file(path: Path) -> Path:
 
 def read_answer(file: Path) -> Mapping[str, Any]:
     """Return the answer of a diagnosis; refuse what is none."""
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError) as problem:
-        raise UsageError(f"{file}: this is no JSON: {problem}") from None
-    except OSError as problem:
-        raise UsageError(f"{file}: cannot be read: {problem.strerror or problem}") from None
+    content = read_json(file)
     schema = content.get("schema") if isinstance(content, dict) else None
     if not isinstance(schema, str) or not schema.startswith("hjcamp.diagnosis/"):
         raise UsageError(f"{file}: this is no answer of hjcamp diagnose (its schema is {schema or 'not given'})")
@@ -68,7 +67,16 @@ def read_answer(file: Path) -> Mapping[str, Any]:
 
 
 def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
-    """Return what a file begins with from the answer of a diagnosis."""
+    """Return what a file begins with from the answer of a diagnosis; raises ``UsageError`` for one of another shape."""
+    try:
+        return _begun(content, file)
+    except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError) as problem:
+        raise UsageError(
+            f"{file}: the curve of its unknown is not whole ({type(problem).__name__}: {problem})"
+        ) from None
+
+
+def _begun(content: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.known_plants import DEFAULT, plant_called
 
     rows = content.get("unknowns") or []
@@ -83,18 +91,14 @@ def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
             f"{file}: what it found changes with time otherwise in each condition, which no law of an effect can know; "
             "measure what changes, and give it as an Input of the plant's file"
         )
-    try:
-        plant = str(content.get("plant", DEFAULT))
-        own = plant_called(plant).room_of("curve")
-        return own.begun(known, file) if own else _of_any_plant(plant, known, file)
-    except (KeyError, TypeError, ValueError, IndexError) as problem:
-        raise UsageError(
-            f"{file}: the curve of its unknown is not whole ({type(problem).__name__}: {problem})"
-        ) from None
+    plant = str(content.get("plant", DEFAULT))
+    own = plant_called(plant).room_of("curve")
+    return own.begun(known, file) if own else _of_any_plant(plant, known, file)
 
 
 def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.effects._curve_template import Begun, Table, even_steps
+    from hjcamp.effects._written import plain_origin
     from hjcamp.known_plants import find_plant
     from hjcamp.model.vocabulary import read_vocabulary
     from hjcamp.prediction.laws.unknowns import BENT, SHARES, times_of
@@ -106,6 +110,11 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
         raise UsageError(f"{file}: plant {plant} has no place '{row['port']}' any more; diagnose again")
     values, first, last = even_steps(row["knots"]["x"], row["knots"]["y"], KNOTS)
     quantity, signal = str(row["quantity"]), str(row["signal"])
+    groups = (vocabulary.signals, found.states, found.inputs, found.parameters, ("time",))
+    known = {name for group in groups for name in group} | {port.names.get("direction", "") for port in vocabulary.ports.values()}
+    for name in (*signal.split(" - "), *row["slots"]):
+        if name not in known:
+            raise unknown("name", str(name), known, f"{file} (plant {plant})")
     text = (f"{quantity} at {row['port']}" if port else f"change of {row['port']}, as a share of it").replace("_", " ")
     factor = ""
     if quantity in SHARES:
@@ -121,5 +130,5 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     subsystem = (port.subsystem or port.kind) if port else next(iter(found.subsystems), "parameter")
     return Begun(
         plant, subsystem, signal.replace("_", " "), expression, tuple(expression.split(" - ")), curve["x_unit"], first, last,
-        (table,), f"the diagnosis {file}",
+        (table,), f"the diagnosis {plain_origin(file)}",
     )  # fmt: skip

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hjcamp.model.template_file import class_name, write_user_file
+from hjcamp.effects._written import check_begun, check_effect_file
+from hjcamp.model.template_file import check_user_name, class_name, write_user_file
 
 FREE = 0.1
 MOST = 5.0
@@ -111,7 +112,8 @@ def even_steps(x: Sequence[float], y: Sequence[float | None], most: int) -> tupl
 
 
 def curve_template(name: str, begun: Begun) -> str:
-    """Return the text of the file ``name``.py."""
+    """Return the text of the file ``name``.py; raises ``UsageError`` for a text in ``begun`` that may not stand in Python."""
+    check_begun(begun)
     tables = [one for one in begun.tables if any(one.values)]
     reach = FREE * (begun.last - begun.first)
     parameters = [_amplitude(one) for one in tables]
@@ -141,7 +143,10 @@ def curve_template(name: str, begun: Begun) -> str:
 
 def write_from_curve(name: str, folder: Path, begun: Begun, taken: Iterable[str]) -> Path:
     """Write the file ``folder``/``name``.py and return its path; refuse a bad or taken name, and a file that exists."""
-    return write_user_file("effect", name, folder, curve_template(name, begun), taken, "arm_spring")
+    check_user_name("effect", name, "arm_spring")
+    text = curve_template(name, begun)
+    check_effect_file(text)
+    return write_user_file("effect", name, folder, text, taken, "arm_spring")
 
 
 def _size(one: Table) -> float:

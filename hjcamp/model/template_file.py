@@ -15,10 +15,7 @@ VERBS = ("new", "test")
 
 def write_user_file(kind: str, name: str, folder: Path, text: str, taken: Iterable[str], example: str) -> Path:
     """Write ``text`` as ``folder``/``name``.py and return its path; refuse a bad or taken name, and a file that exists."""
-    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
-        raise UsageError(f"{kind} name '{name}': write it in small letters, digits and _, such as {example}")
-    if keyword.iskeyword(name) or keyword.iskeyword(class_name(name)):
-        raise UsageError(f"{kind} name '{name}': this is a word of Python; choose another, such as {name}_1")
+    check_user_name(kind, name, example)
     path = folder / f"{name}.py"
     check_place(path)
     if path.exists():
@@ -28,6 +25,14 @@ def write_user_file(kind: str, name: str, folder: Path, text: str, taken: Iterab
     with whole_file(path) as stream:
         stream.write(text.encode())
     return path
+
+
+def check_user_name(kind: str, name: str, example: str) -> None:
+    """Raise ``UsageError`` for a name that cannot be one in Python and in configuration."""
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise UsageError(f"{kind} name '{name}': write it in small letters, digits and _, such as {example}")
+    if keyword.iskeyword(name) or keyword.iskeyword(class_name(name)):
+        raise UsageError(f"{kind} name '{name}': this is a word of Python; choose another, such as {name}_1")
 
 
 def class_name(name: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel
 
 from hjcamp.errors import UsageError, counted, unknown
+from hjcamp.json_text import json_values
 from hjcamp.records.mcap.chunks import Damaged
 from hjcamp.records.mcap.layout import MESSAGE_PREFIX
 from hjcamp.records.mcap.protobuf_samples import message_type
@@ -107,8 +107,8 @@ def _decoder(found: Scan, channel: Channel, where: str) -> tuple[Callable[[bytes
 
 def _parse_json(data: bytes, index: int, where: str) -> Any:
     try:
-        content = json.loads(data)
-    except (ValueError, RecursionError) as error:
+        content = json_values(data)
+    except ValueError as error:
         raise UsageError(f"{where}: message {index} is not JSON") from error
     if not isinstance(content, dict):
         raise UsageError(f"{where}: message {index} is no JSON object")

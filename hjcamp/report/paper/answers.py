@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError, counted, unknown
+from hjcamp.json_text import read_json
 from hjcamp.report.paper.names import macro
 from hjcamp.report.paper.numbers import Quantity, of_estimate
 from hjcamp.report.paper.tables import plain_sheet
@@ -17,12 +18,9 @@ from hjcamp.report.units import SHOWN, label, plain, shown
 
 def read_answer(path: Path) -> dict[str, Any]:
     """Return an answer of which tables can be made; `UsageError` for a file that is none."""
-    try:
-        answer = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{path}: cannot be read as an answer (--json): {error}") from error
+    answer = read_json(path)
     kind = answer.get("schema") if isinstance(answer, dict) else None
-    if kind not in SHEETS:
+    if not isinstance(kind, str) or kind not in SHEETS:
         raise unknown("schema", str(kind), SHEETS, str(path))
     found: dict[str, Any] = answer
     return found
@@ -30,20 +28,29 @@ def read_answer(path: Path) -> dict[str, Any]:
 
 def sheet_of(answer: Mapping[str, Any], name: str) -> Sheet:
     """Return the table of an answer; `UsageError` where a key that the schema promises is not there."""
-    try:
+    with _as_promised(answer, name):
         return SHEETS[answer["schema"]](answer, name)
-    except (KeyError, TypeError, AttributeError, IndexError) as error:
-        raise UsageError(f"{name}: the answer is not what its schema {answer['schema']} says: {error}") from error
 
 
 def quantities_of(answer: Mapping[str, Any], prefix: str) -> dict[str, Quantity]:
     """Return the fitted parameters of an answer by the name of their macro."""
-    rows = {name: row for name, row in (answer.get("calibration") or {}).items() if isinstance(row, dict)}
-    found = {macro(prefix, name): of_estimate(row) for name, row in rows.items()}
-    for one in answer.get("candidates") or []:
-        if one.get("effect") in (answer.get("effects") or []):
-            found |= {macro(prefix, one["effect"], name): of_estimate(row) for name, row in one["parameters"].items()}
+    with _as_promised(answer, prefix):
+        rows = {name: row for name, row in (answer.get("calibration") or {}).items() if isinstance(row, dict)}
+        found = {macro(prefix, name): of_estimate(row) for name, row in rows.items()}
+        for one in answer.get("candidates") or []:
+            if one.get("effect") in (answer.get("effects") or []):
+                found |= {macro(prefix, one["effect"], name): of_estimate(row) for name, row in one["parameters"].items()}
     return found
+
+
+@contextmanager
+def _as_promised(answer: Mapping[str, Any], name: str) -> Iterator[None]:
+    """Turn what goes wrong with an answer of another shape than its schema's into a ``UsageError``."""
+    try:
+        yield
+    except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError) as error:
+        kind = f"{type(error).__name__}: {error}"
+        raise UsageError(f"{name}: the answer is not what its schema {answer['schema']} says ({kind})") from error
 
 
 def _comparison(answer: Mapping[str, Any], name: str) -> Sheet:

@@ -35,6 +35,7 @@ QUANTITIES = {
 def begun(row: Mapping[str, Any], file: Path) -> Begun:
     """Return what an effect file begins with from a row of the unknowns of a diagnosis."""
     from hjcamp.effects._curve_template import Begun, Table, even_steps
+    from hjcamp.effects._written import plain_origin
 
     driver, curve = str(row["driver"]), row["curve"]
     if driver not in DRIVERS:
@@ -68,7 +69,7 @@ def begun(row: Mapping[str, Any], file: Path) -> Begun:
         )
     return Begun(
         "pump_joint", subsystem, driver.replace("_", " "), expression, arguments, unit, first, last, tuple(tables),
-        f"the diagnosis {file}", rests,
+        f"the diagnosis {plain_origin(file)}", rests,
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from hjcamp.json_text import read_json
 from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
 from hjcamp.storage import user_folder, whole_file
 
@@ -51,7 +52,7 @@ def write_stamp(config: Mapping[str, Any], findings: Mapping[str, Any]) -> Path:
 def changes(config: Mapping[str, Any]) -> list[str] | None:
     """Return what differs from the last check that passed, nothing where it holds, None where there was none."""
     try:
-        then = json.loads(stamp_path(config).read_text())[CHECKED]
+        then = read_json(stamp_path(config))[CHECKED]
     except (OSError, ValueError, KeyError, TypeError):
         return None
     now = decisive(config)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import uuid
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.json_text import json_values
 
 CALL_TIMEOUT_S = 60.0  # a virtual rig may have to compile its kernel first
 OWNER = uuid.uuid4().hex
@@ -106,7 +106,7 @@ def _arrange(channel: Any, config: Mapping[str, Any], seed: int) -> None:
 
     request = as_bytes({"config": dict(config), "seed": seed, "owner": OWNER})
     try:
-        answer = json.loads(channel.unary_unary(ARRANGE)(request, timeout=CALL_TIMEOUT_S))
+        answer = json_values(channel.unary_unary(ARRANGE)(request, timeout=CALL_TIMEOUT_S), "the virtual rig's answer")
     except grpc.RpcError as error:
         if error.code() == grpc.StatusCode.UNIMPLEMENTED:
             raise UsageError(

@@ -17,6 +17,7 @@ from typing import Any
 
 from hjcamp import locks
 from hjcamp.errors import HjcampError
+from hjcamp.json_text import read_json
 from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
 from hjcamp.plants.pump_joint.rig.wiring import read_wiring
 
@@ -102,7 +103,7 @@ def release_locks() -> None:
 def read_holder(path: Path) -> dict[str, Any]:
     """Return what the holder wrote about itself."""
     with suppress(OSError, ValueError):
-        content = json.loads(path.read_text())
+        content = read_json(path)
         if isinstance(content, dict):
             return content
     return {}

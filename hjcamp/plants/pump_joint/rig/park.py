@@ -8,6 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from hjcamp.backends.rig.guard import is_real
+from hjcamp.json_text import read_json
 from hjcamp.plants.pump_joint.rig.check_stamp import parked_path
 from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
 from hjcamp.plants.pump_joint.rig.wiring import Wiring
@@ -28,7 +29,7 @@ def parked_at(config: Mapping[str, Any], wiring: Wiring) -> float:
     if not keeps_its_place(config, wiring) or not parked_path(config).is_file():
         return 0.0
     try:
-        return float(json.loads(parked_path(config).read_text())["pump_rad"])
+        return float(read_json(parked_path(config))["pump_rad"])
     except (OSError, ValueError, KeyError, TypeError):
         name = config["rig"].get("name")
         raise RigUnavailable(

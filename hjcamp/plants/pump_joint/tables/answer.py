@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError
+from hjcamp.json_text import read_json
 from hjcamp.plants.pump_joint.tables.diagnosis import Diagnosis, Judged
 from hjcamp.plants.pump_joint.tables.fit import Fit
 from hjcamp.plants.pump_joint.tables.quantities import model_of, quantities_of
@@ -112,7 +112,7 @@ def read_answer(path: Path) -> dict[str, Any]:
     """Return the answer in ``path`` or in the folder of a diagnosis; ``UsageError`` for what is none."""
     file = path / NAME if path.is_dir() else path
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        found = read_json(file)
     except (OSError, ValueError) as error:
         raise UsageError(f"{file}: no diagnosis of a table can be read from it ({error})") from error
     if not isinstance(found, dict) or found.get("schema") != SCHEMA:

@@ -8,6 +8,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
+from hjcamp.json_text import read_json
 from hjcamp.storage import write_whole
 
 
@@ -20,7 +21,7 @@ class Ledger:
         self.found: dict[str, Any] = {}
         if path is not None and path.exists():
             try:
-                kept = json.loads(path.read_text(encoding="utf-8"))
+                kept = read_json(path)
                 self.found = dict(kept["found"]) if kept["question"] == question else {}
             except (OSError, ValueError, KeyError, TypeError):
                 self.found = {}  # damaged: computed anew

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.json_text import read_json
 
 MODEL = "tour_model"
 BOTH = "compare_both"
@@ -32,10 +32,10 @@ class Tour:
         if not path.is_file():
             raise UsageError(f"{path} is not there: first do step {number} of the tour, --step {number}")
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
+            content = read_json(path)
             if not isinstance(content, dict):
                 raise ValueError("no object")
-        except (OSError, ValueError, RecursionError) as error:
+        except ValueError as error:
             raise self.again(number) from error
         for key in NEEDED.get(number, ()):
             if key not in content:

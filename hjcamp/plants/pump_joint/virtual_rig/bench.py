@@ -8,6 +8,7 @@ from typing import Any
 import grpc
 
 from hjcamp.errors import HjcampError
+from hjcamp.json_text import json_values
 from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 
 SERVICE = "hjcamp.VirtualBench"
@@ -22,7 +23,7 @@ def as_bytes(content: Any) -> bytes:
 def handle(device: VirtualDevice, request: bytes) -> bytes:
     """Arrange the joint of ``{"config": ..., "seed": ...}`` on the device; an answer with ``error`` refuses it."""
     try:
-        asked = json.loads(request)
+        asked = json_values(request, "what was asked")
         with device.lock:
             device.arrange(asked["config"], int(asked["seed"]), str(asked.get("owner", "")))
     except HjcampError as error:
