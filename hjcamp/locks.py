@@ -18,7 +18,7 @@ PATIENCE_S = 0.25
 def take(path: Path, text: str, mode: int = 0o644) -> int | None:
     """Hold the lock of the file ``path`` and write ``text`` into it; returns what `release` needs, None where it is held.
 
-    Raises `HjcampError` where the file is a link, ``OSError`` where it cannot be opened.
+    Raises `HjcampError` where the file is a link of either kind, ``OSError`` where it cannot be opened.
     """
     descriptor = _opened(path, mode)
     try:
@@ -67,7 +67,7 @@ def _opened(path: Path, mode: int) -> int:
     while True:
         try:
             # Not made where it is there: some systems refuse that for another user's file in a folder of all users.
-            return os.open(path, os.O_RDWR | _NO_LINK)
+            return _of_one_name(path, os.open(path, os.O_RDWR | _NO_LINK))
         except FileNotFoundError:
             pass
         except OSError as error:
@@ -83,6 +83,14 @@ def _opened(path: Path, mode: int) -> int:
         if hasattr(os, "fchmod"):
             os.fchmod(descriptor, mode)  # whatever the user's mask says
         return descriptor
+
+
+def _of_one_name(path: Path, descriptor: int) -> int:
+    """Return the descriptor of a file that has no other name (a hard link), whose content would be lost."""
+    if os.fstat(descriptor).st_nlink > 1:
+        os.close(descriptor)
+        raise _is_a_link(path)
+    return descriptor
 
 
 def _is_a_link(path: Path) -> HjcampError:

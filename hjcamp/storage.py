@@ -16,8 +16,10 @@ from hjcamp.errors import LONGEST_SHOWN, HjcampError, UsageError
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 # A disk takes 255 bytes, and what is being written has a longer name.
 LONGEST_NAME = 200
+LONGEST_STEM = 120
 CHOICE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 DENIED = (errno.EACCES, errno.EPERM, errno.EROFS)
+_received: dict[Path, None] = {}
 
 
 @contextmanager
@@ -109,6 +111,22 @@ def named_file(name: str, kind: str, *folders: Path) -> list[Path]:
     return paths
 
 
+def file_name(text: str, usual: str = "test") -> str:
+    """Return a condition, a model or another text as the name of a file: one part of a path, whatever the text holds."""
+    return re.sub(r"[^\w.=+-]+", "__", text).strip("._")[:LONGEST_STEM] or usual
+
+
+def file_names(texts: Iterable[str]) -> list[str]:
+    """Return a name of a file for each text, no two of them equal on any disk."""
+    taken: dict[str, str] = {}
+    for text in texts:
+        name, number = file_name(text), 1
+        while (one := name if number == 1 else f"{name}_{number}").casefold() in taken:
+            number += 1
+        taken[one.casefold()] = one
+    return list(taken.values())
+
+
 def shown_path(path: Path) -> str:
     """Return a path as a message shows it: one line, and not without end."""
     text = str(path)
@@ -136,8 +154,45 @@ def user_folder(variable: str, *below_home: str) -> Path | None:
         return None
 
 
+def new_part(part: Path) -> IO[bytes]:
+    """Open a file that is not there yet; one that was left is replaced, and a link in its place is not followed."""
+    refuse_links(part)
+    part.unlink(missing_ok=True)
+    return open(part, "xb")
+
+
+def keep_within(folder: Path) -> None:
+    """Let nothing be written through a link in a folder that may be somebody else's, such as one of logs."""
+    for one in (Path(os.path.abspath(folder)), folder.resolve()):
+        _received[one] = None
+
+
+def own_folder(folder: Path) -> Path:
+    """Return a folder of a name of ours, through which nothing is written elsewhere; raises ``UsageError`` for links there."""
+    inside = (Path(place, name) for place, folders, files in os.walk(folder) for name in (*folders, *files))
+    for one in (folder, *inside):
+        if one.is_symlink():
+            raise UsageError(f"{shown_path(one)} is a link, and would lead what is written elsewhere: remove it")
+    keep_within(folder)
+    return folder
+
+
+def refuse_links(path: Path) -> None:
+    """Raise ``UsageError`` where a file below a folder of logs would be written through a link, a pipe or a device."""
+    whole = Path(os.path.abspath(path))
+    for root in [one for one in whole.parents if one in _received]:
+        place = root
+        for part in whole.relative_to(root).parts:
+            place /= part
+            if place.is_symlink():
+                raise UsageError(f"{shown_path(place)} is a link; beside logs nothing is written through a link: remove it")
+        if place.exists() and not place.is_file() and not place.is_dir():
+            raise UsageError(f"{shown_path(place)} is a pipe or a device, and stands where a file is written: remove it")
+
+
 @contextmanager
 def _atomic(path: Path, suffix: str = "part") -> Iterator[IO[bytes]]:
+    refuse_links(path)
     if path.exists() and not path.is_file() and not path.is_dir():
         with open(path, "wb") as stream:
             yield stream
@@ -146,7 +201,7 @@ def _atomic(path: Path, suffix: str = "part") -> Iterator[IO[bytes]]:
     part = target.with_name(f"{target.name}.{suffix}")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with open(part, "wb") as stream:
+        with new_part(part) as stream:
             yield stream
             stream.flush()
             os.fsync(stream.fileno())

@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING, Annotated, Any
 import typer
 
 from hjcamp.errors import UsageError, counted
-from hjcamp.storage import check_place, shown_path
+from hjcamp.storage import check_place, own_folder, shown_path
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -114,11 +114,11 @@ def tell_of_views(console: Console, files: list[Path]) -> None:
 
 
 def folder_for(name: str, paths: Sequence[Path], answer: Path | None) -> Path:
-    """Return where pictures go: a folder ``name`` in the run folder, else beside the answer, else here."""
+    """Return where pictures go: a folder ``name`` in the run folder, else beside the answer, else here; no link is one."""
     if len(paths) == 1 and (paths[0] / "logs").is_dir():
-        return paths[0] / name
+        return own_folder(paths[0] / name)
     has_folder = answer is not None and not _kept and (answer.is_file() or not answer.exists())
-    return answer.parent / name if answer is not None and has_folder else Path(name)
+    return own_folder(answer.parent / name if answer is not None and has_folder else Path(name))
 
 
 def _is_standard_output(path: Path) -> bool:

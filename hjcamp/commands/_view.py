@@ -12,6 +12,7 @@ from pathlib import Path
 
 from hjcamp.errors import HjcampError, UsageError, unknown
 from hjcamp.records.log import TestLog
+from hjcamp.storage import file_name
 
 #: What each viewer's program may be called.
 PROGRAMS = {
@@ -94,4 +95,4 @@ def begin_viewer(view: View) -> None:
 
 def _stem(path: Path, log: TestLog) -> str:
     names: Mapping[str, str] = log.metadata
-    return f"{names.get('condition') or path.parent.name}_{path.stem}".replace("/", "_")
+    return file_name(f"{names.get('condition') or path.parent.name}_{path.stem}")

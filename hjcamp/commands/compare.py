@@ -34,7 +34,7 @@ def compare(
     ] = None,
 ) -> None:
     """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
-    from hjcamp.commands._session import check_answer_file, no_logs
+    from hjcamp.commands._session import check_answer_file, folder_for, no_logs
     from hjcamp.commands.any_plant import calls
     from hjcamp.known_plants import usual_plant
 
@@ -51,4 +51,6 @@ def compare(
     if mcap is not None:
         check_place(mcap, "--mcap", folder=True)
     data = Data(paths)
+    if into is None:
+        folder_for("compare", data.paths, json)  # a link in its place is refused before anything is computed
     (data.plant.room_of("compare") or calls).compare(data, names, json, into, mcap)

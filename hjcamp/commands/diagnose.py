@@ -42,7 +42,7 @@ def diagnose(
     ] = None,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
-    from hjcamp.commands._session import check_answer_file, no_logs
+    from hjcamp.commands._session import check_answer_file, folder_for, no_logs
     from hjcamp.commands.any_plant import calls
     from hjcamp.known_plants import usual_plant
 
@@ -62,4 +62,5 @@ def diagnose(
     asked = Asked(model, effort, seed, only, without, workers, cluster, ask)
     asked.check()
     data = Data(paths)
+    folder_for("diagnose", data.paths, json)  # a link in its place is refused before anything is computed
     (data.plant.room_of("diagnose") or calls).diagnose(data, asked, json)

@@ -11,6 +11,7 @@ from hjcamp.commands import PLAIN
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import HjcampError, counted
 
+EXPORT, VIEW = Path("export"), Path("view")
 Paths = Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")]
 
 
@@ -102,11 +103,12 @@ def recover(
     """Write what is whole in a damaged log to a new one."""
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.records.recover import recover_log
-    from hjcamp.storage import check_place
+    from hjcamp.storage import check_place, keep_within
 
     if output is not None:
         check_place(output, "--output")
     check_answer_file(json)
+    keep_within(path.parent)
     stem = path.name.removesuffix(".part").removesuffix(".mcap")
     result = recover_log(path, output or path.with_name(f"{stem}.recovered.mcap"))
     for problem in result.problems:
@@ -119,7 +121,7 @@ def recover(
 def export(
     paths: Paths,
     kind: Annotated[str, typer.Option("--as", help="parquet, csv, mat or npz.")] = "parquet",
-    into: Annotated[Path, typer.Option(help="The folder of the tables.")] = Path("export"),
+    into: Annotated[Path, typer.Option(help="The folder of the tables.")] = EXPORT,
     json: AnswerFile = None,
 ) -> None:
     """Write logs as tables for other programs, one file each, with units and metadata."""
@@ -127,9 +129,10 @@ def export(
     from hjcamp.records.find import find_logs
     from hjcamp.records.read import read_log
     from hjcamp.records.views.exporting import export_logs
+    from hjcamp.storage import own_folder
 
     check_answer_file(json)
-    written = export_logs(find_logs(paths), read_log, kind, into)
+    written = export_logs(find_logs(paths), read_log, kind, own_folder(into) if into == EXPORT else into)
     write_answer(json, {"schema": "hjcamp.export/1", "files": [str(path) for path in written]})
     for path in written:
         print(path)
@@ -138,7 +141,7 @@ def export(
 def view(
     paths: Paths,
     viewer: Annotated[str, typer.Option("--with", help="foxglove, plotjuggler or rerun.")] = "rerun",
-    into: Annotated[Path, typer.Option(help="The folder of layouts and recordings.")] = Path("view"),
+    into: Annotated[Path, typer.Option(help="The folder of layouts and recordings.")] = VIEW,
     begin: Annotated[bool, typer.Option("--open/--no-open", help="Begin the viewer where it is installed.")] = True,
     json: AnswerFile = None,
 ) -> None:
@@ -148,9 +151,10 @@ def view(
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.commands._view import begin_viewer, prepare_view
     from hjcamp.records.find import find_logs
+    from hjcamp.storage import own_folder
 
     check_answer_file(json)
-    made = prepare_view(list(find_logs(paths)), viewer, into)
+    made = prepare_view(list(find_logs(paths)), viewer, own_folder(into) if into == VIEW else into)
     files = [str(path) for path in made.files]
     answer = {"schema": "hjcamp.view/1", "viewer": viewer, "files": files, "command": list(made.command)}
     write_answer(json, {**answer, "installed": made.installed})

@@ -42,7 +42,7 @@ def next_(
     from hjcamp.analyses.data import Data
     from hjcamp.analyses.diagnosing import Asked
     from hjcamp.campaign.new_file import new_campaign
-    from hjcamp.commands._session import check_answer_file
+    from hjcamp.commands._session import check_answer_file, folder_for
     from hjcamp.commands.any_plant import calls
     from hjcamp.known_plants import usual_plant
 
@@ -54,4 +54,5 @@ def next_(
     new_campaign(name)
     logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
     plant = Data(logs).plant if logs else usual_plant()
+    folder_for("next", logs, json)  # a link in its place is refused before anything is computed
     (plant.room_of("next") or calls).propose(logs, words or [], rivals or [], tests, asked, name, json)

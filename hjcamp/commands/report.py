@@ -50,7 +50,7 @@ def report(
     from hjcamp.report.ci import junit_xml, summary_markdown
     from hjcamp.report.store import replace_file
     from hjcamp.report.terminal import FittedSheet
-    from hjcamp.storage import check_place
+    from hjcamp.storage import check_place, own_folder
 
     check_answer_file(json)
     if junit is not None and check is None:
@@ -63,7 +63,7 @@ def report(
     beside = "published" if against is None or against in AGAINST else "baseline"
     tolerances = None if check is None else read_tolerances(check, beside)
     logs = None if repetition is None else of_repetition(path, repetition)
-    target = output or (None if repetition is None else path / f"repetition_{repetition}")
+    target = output or (None if repetition is None else own_folder(path / f"repetition_{repetition}"))
     made = build_report(path, against=against, output=target, logs=logs, further=further_pictures)
     console = make_console()
     console.print(FittedSheet(made.conditions))

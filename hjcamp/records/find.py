@@ -13,6 +13,7 @@ from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PLANT_KEY, USUAL_PERIOD_S, plant_of, span
 from hjcamp.records.read import read_log
 from hjcamp.records.run_folder import planned_only
+from hjcamp.storage import keep_within
 
 SUFFIX = ".mcap"
 # The plants that the analyses of tests can read.
@@ -41,6 +42,7 @@ def _logs_at(path: Path) -> list[Path]:
             return [path]
         if not path.is_dir():
             raise UsageError(f"{path}: there is no such file or folder")
+        keep_within(path)
         folder = path / "logs" if (path / "logs").is_dir() else path
         logs = [log for log in folder.rglob(f"*{SUFFIX}") if log.is_file()]
         if not logs:

@@ -9,6 +9,7 @@ from pathlib import Path
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
 from hjcamp.records.plan import NAME, SHOWN_DIGITS, Plan, PlannedTest, read_plan
+from hjcamp.storage import keep_within
 
 
 def difference(plan: Plan, test: PlannedTest, metadata: Mapping[str, str]) -> str | None:
@@ -73,6 +74,7 @@ def _strangers(run: Path, logs: Sequence[TestLog], say: Callable[[str], None]) -
 
 def refuse_links_out(folder: Path) -> None:
     """Raise ``UsageError`` for a link in a run folder that leads out of it: what is written there would land elsewhere."""
+    keep_within(folder)
     root = folder.resolve()
     for place, folders, files in os.walk(folder):
         for name in (*folders, *files):

@@ -21,7 +21,7 @@ from hjcamp.records.mcap.layout import encode
 from hjcamp.records.mcap.scan import METADATA_NAME
 from hjcamp.records.mcap.schema import descriptor_set
 from hjcamp.records.of_plant import period_of, table_of
-from hjcamp.storage import disk_errors, put_in_place
+from hjcamp.storage import disk_errors, new_part, put_in_place
 
 CHUNK_BYTES = 64 * 1024
 BETWEEN_FLUSHES_S = 0.1  # what a power cut may cost
@@ -104,7 +104,7 @@ class LogWriter:
             raise UsageError(f"{self.path}: exists already; a whole log is never overwritten")
         with disk_errors(self.part):
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            self._stream: IO[bytes] | None = open(self.part, "wb")  # noqa: SIM115 - closed by close or abort
+            self._stream: IO[bytes] | None = new_part(self.part)  # closed by close or abort
             self._container = Container(self._stream)
             self._container.add_metadata(METADATA_NAME, metadata)
             for name, content in sorted((attachments or {}).items()):

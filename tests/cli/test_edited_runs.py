@@ -115,6 +115,48 @@ def test_a_link_in_the_folder_leads_nowhere_else(call: Call, run: Path, name: st
     assert contents(outside) == before
 
 
+WRITERS = {
+    "compare": ("compare", "compare {run}"), "diagnose": ("diagnose", "diagnose {run}"), "next": ("next", "next {run}"),
+    "repetition_1": ("repetition_1", "report {run} --repetition 1"), "export": ("", "log export {run}"),
+    "view": ("", "log view {run} --with plotjuggler --no-open"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["folder", "file in it", "dangling", "part", "folder in it"])
+@pytest.mark.parametrize("name", WRITERS)
+def test_no_output_beside_logs_goes_through_a_link(call: Call, run: Path, name: str, kind: str) -> None:
+    outside = Path("precious")
+    outside.mkdir()
+    (outside / "file").write_text("mine")
+    folder, command = WRITERS[name]
+    place = run / folder if folder else Path(name)
+    if kind == "folder":
+        place.symlink_to(outside.resolve())
+    else:
+        place.mkdir()
+        inside = {"part": "index.html.part", "folder in it": "tables"}.get(kind, "index.html")
+        to = {"dangling": outside / "new", "folder in it": outside}.get(kind, outside / "file")
+        (place / inside).symlink_to(to.resolve())
+    before = contents(outside)
+    answer = call(*command.format(run=run).split())
+    assert answer.code == 2 and "is a link" in answer.err and str(place) in answer.err
+    assert contents(outside) == before
+
+
+@pytest.mark.parametrize("name", ["report.html", "metrics.json", "tables/indicators.csv", "report.html.part"])
+def test_a_report_of_logs_goes_through_no_link(call: Call, run: Path, name: str) -> None:
+    logs = Path("received")
+    shutil.copytree(run / "logs", logs)
+    Path("precious").mkdir()
+    Path("precious/file").write_text("mine")
+    (logs / name).parent.mkdir(exist_ok=True)
+    (logs / name).symlink_to(Path("precious/file").resolve())
+    answer = call("report", str(logs))
+    if not name.endswith(".part"):
+        assert answer.code == 2 and f"{name} is a link" in answer.err
+    assert contents(Path("precious")) == {"precious/file": hashlib.sha256(b"mine").hexdigest()}
+
+
 def test_an_edited_gain_is_not_run(call: Call, run: Path) -> None:
     edit(run / "plan.json", lambda plan: plan["conditions"][0]["config"]["controller"]["positive"].update(kp=5.0))
     (run / "logs/ramp_pos__pid/rep_01.mcap").unlink()

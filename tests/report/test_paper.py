@@ -151,7 +151,7 @@ def test_bad_calls_are_one_message_and_write_nothing(run: Path, tmp_path: Path) 
     with pytest.raises(UsageError, match="there is no such run"):
         paper([tmp_path / "nowhere"], out)
     for name, text, said in (
-        ("a.json", "{", "cannot be read as an answer"),
+        ("a.json", "{", "this is no JSON"),
         ("b.json", '{"schema": "hjcamp.plan/1"}', "unknown schema"),
     ):
         (tmp_path / name).write_text(text)

@@ -50,6 +50,16 @@ def test_a_run_lock_follows_no_link(tmp_path: Path, precious: Path) -> None:
     assert precious.read_text() == "precious" and not is_locked(tmp_path)
 
 
+def test_a_lock_with_another_name_is_left_alone(tmp_path: Path, precious: Path) -> None:
+    os.link(precious, tmp_path / ".lock")
+    with pytest.raises(HjcampError, match="is a link, and a lock follows none"), run_lock(tmp_path):
+        pass
+    assert precious.read_text() == "precious"
+    (tmp_path / ".lock").unlink()
+    with run_lock(tmp_path):
+        assert is_locked(tmp_path)
+
+
 @pytest.mark.parametrize("what", ["file", "dangling file", "folder"])
 def test_a_rig_lock_follows_no_link(what: str, tmp_path: Path, precious: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rig_lock, "rig_identity", lambda config: "a rig")

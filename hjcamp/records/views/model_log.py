@@ -15,7 +15,7 @@ from hjcamp.errors import HjcampError
 from hjcamp.model.field_unit import unit_of_field
 from hjcamp.records.views.viewer_layouts import Panels, write_layouts
 from hjcamp.records.write import start_time_ns
-from hjcamp.storage import whole_file
+from hjcamp.storage import file_names, whole_file
 
 Array = NDArray[np.float64]
 Channels = Mapping[str, Array]
@@ -47,8 +47,8 @@ def write_modelled(folder: Path, tests: Iterable[ModelledTest]) -> list[Path]:
     """
     written: list[Path] = []
     names: dict[str, list[str]] = {}
-    for test in tests:
-        stem = re.sub(r"[^\w.-]+", "__", test.name).strip("_") or f"test_{len(written)}"
+    tests = list(tests)
+    for test, stem in zip(tests, file_names(test.name for test in tests), strict=True):
         path = folder / f"{stem}.mcap"
         topics = topics_of(test)
         _write(path, test, topics)

@@ -11,6 +11,7 @@ import numpy as np
 
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
+from hjcamp.storage import new_part
 
 PANELS, EVENTS = "panel", "events"
 TIMELINE = "test_time"
@@ -47,6 +48,7 @@ def write_recording(path: Path, log: TestLog, panels: Labels, phases: Mapping[st
     views: list[Any] = [rrb.TextLogView(origin=f"/{EVENTS}", name="events")]
     part = path.with_name(path.name + ".part")
     path.parent.mkdir(parents=True, exist_ok=True)
+    new_part(part).close()
     recording = rr.RecordingStream("hjcamp", recording_id=log.metadata.get("config_sha256") or path.stem)
     recording.save(part)
     for number, (title, fields) in enumerate(panels.items()):

@@ -25,6 +25,7 @@ from hjcamp.report.spread import Condition, Gathering
 from hjcamp.report.store import replace_file
 from hjcamp.report.tables import build_table, by_condition
 from hjcamp.report.varied import frame_with_varied
+from hjcamp.storage import file_name, file_names
 
 #: From names of effects, and of a plant, to what has their docstrings.
 Documented = Callable[[str, set[str]], Sequence[object]]
@@ -108,8 +109,9 @@ def _write_run(paper: Paper, path: Path, prefix: str, style: Style, formats: Seq
     if shown:
         height = 0.25 + 0.07 * len(names) * -(-len(shown) // 2)
         files += write_figure(folder, f"{tag}means", formats, style, height, means_painter(names, shown, kinds))
-    for one in filter(drawable, spreads):
-        files += write_figure(folder, f"{tag}{one.name}", formats, style, 0.75, course_painter(one))
+    drawn = list(filter(drawable, spreads))
+    for one, stem in zip(drawn, file_names(["means", *(one.name for one in drawn)])[1:], strict=True):
+        files += write_figure(folder, f"{tag}{stem}", formats, style, 0.75, course_painter(one))
     paper.figures += [file.relative_to(paper.folder).as_posix() for file in files]
     for name, base in zip(names, distinct(macro(prefix, name) for name in names), strict=True):
         paper.numbers |= _numbers(next(row for row in rows if row["condition"] == name), base)
@@ -146,7 +148,7 @@ def _read(path: Path) -> tuple[Tests, list[Condition], list[Sheet]]:
 
 
 def _write_table(paper: Paper, sheet: Sheet, prefix: str = "") -> None:
-    name = "_".join(filter(None, (prefix.lower(), sheet.name)))
+    name = file_name("_".join(filter(None, (prefix.lower(), sheet.name))), "answer")
     file = f"tables/{name}.tex"
     if file in paper.tables:
         raise UsageError(f"two of the answers are named {name}.json; give them different names")

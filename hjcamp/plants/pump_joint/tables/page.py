@@ -171,6 +171,8 @@ def draw(found: Mapping[str, Any], path: Path) -> None:
     """Write the picture: simulated over measured of every RMSE and largest error, fitted and held out; none without such."""
     from matplotlib.figure import Figure
 
+    from hjcamp.storage import whole_file
+
     if not (groups := _drawn(found)):
         return
     figure = Figure(figsize=(9.0, 3.4), layout="constrained")
@@ -191,4 +193,5 @@ def draw(found: Mapping[str, Any], path: Path) -> None:
         axis.tick_params(labelsize=8)
     axes[0].set_ylabel("simulated / measured", fontsize=8)
     axes[0].legend(fontsize=8, frameon=False)
-    figure.savefig(path, dpi=120)
+    with whole_file(path) as stream:
+        figure.savefig(stream, format=path.suffix[1:], dpi=120)
