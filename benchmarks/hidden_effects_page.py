@@ -87,8 +87,8 @@ The cases were run in random order; they stand in `benchmarks/results/hidden_eff
 law, other noise, its own writer. But the same people wrote both, so what they did not think of is in neither. The rigs
 have seeds {min(seeds)} to {max(seeds)}; development has looked at many below {seen}. The plant's effects and strengths are
 those that development looked at, and ten laws of the library were widened or changed after seeing those of this plant
-(docs/decisions/0010). Thresholds come from twins of each campaign and from rigs with nothing missing
-(docs/levels.md), or stand by hand (docs/decisions/0033)."""
+(`docs/decisions/effects.md`). Thresholds come from twins of each campaign and from rigs with nothing missing
+(docs/levels.md), or stand by hand (`docs/decisions/decision.md`)."""
 
 
 def _counting() -> str:

@@ -19,13 +19,12 @@ DOCS, SITE = ROOT / "docs", ROOT / "site"
 SOURCE, HTML = SITE / "source", SITE / "html"
 COPIED = ("*.md", "*.svg", "*.png", "*.json", "*.ipynb", "*.csv", "*.yaml", "*.py")
 MENTIONED = re.compile(r"`(docs/[\w./-]+\.(?:md|ipynb))`")
-DECISION = re.compile(r"(?<![\w/`])(?<!\]\()(`?)docs/decisions/(\d{4})(?:-[\w-]+\.md)?\1(?![\w/*-])")
 PARTS = {
     "Begin": ("tour", "own_plant", "rig", "sweeps", "tables", "next", "ci"),
     "What was found": ("fidelity", "thesis_gap", "published_inconsistencies", "identification", "further_plants", "pump_cost"),
     "How well it works": ("benchmark", "any_plant", "foreign_machines", "next_value", "identification_recovery", "validation",
                           "convergence", "rig_faults", "bad_calls"),
-    "Reference": ("catalogue", "schemas/README", "decisions/README", "changelog"),
+    "Reference": ("catalogue", "schemas/README", "decisions/README", "limits", "history/README", "changelog"),
 }  # fmt: skip
 BODY = re.compile(r"</h1>(.*)</body>", re.DOTALL)
 
@@ -59,25 +58,19 @@ def catalogue_page(catalogue: Path) -> str:
 def linked(text: str, page: Path) -> str:
     """Return a page with links relative to its place; what stands in blocks of code stays."""
     up = "../" * len(page.relative_to(SOURCE).parent.parts)
-    names = {path.name[:4]: path.name for path in (DOCS / "decisions").glob("[0-9]*.md")}
 
     def mention(found: re.Match[str]) -> str:
         place = found[1].removeprefix("docs/")
         return f"[{found[1]}]({up}{place})" if (SOURCE / place).is_file() else found[0]
 
-    def decision(found: re.Match[str]) -> str:
-        name = names.get(found[2])
-        return f"[decision {found[2]}]({up}decisions/{name})" if name else found[0]
-
     pieces = re.split(r"(^```.*?^```[^\n]*$)", text, flags=re.MULTILINE | re.DOTALL)
     for place in range(0, len(pieces), 2):
-        shown = MENTIONED.sub(mention, pieces[place]).replace("](docs/", f"]({up}")
-        pieces[place] = DECISION.sub(decision, shown)
+        pieces[place] = MENTIONED.sub(mention, pieces[place]).replace("](docs/", f"]({up}")
     return "".join(pieces)
 
 
 def add_contents() -> None:
-    """Add the contents to the first page and to the list of decisions; a page that nobody names is an error of Sphinx."""
+    """Add the contents to the first page, the decisions and the history; a page that nobody names is an error of Sphinx."""
     known = {name for names in PARTS.values() for name in names}
     rest = [path.stem for path in sorted(SOURCE.glob("*.md")) if path.stem not in known | {"index"}]
     with (SOURCE / "index.md").open("a", encoding="utf-8") as stream:
@@ -85,8 +78,10 @@ def add_contents() -> None:
             there = [name for name in names if (SOURCE / f"{name}.md").is_file()]
             if there:
                 stream.write("\n```{toctree}\n:hidden:\n:caption: " + title + "\n\n" + "\n".join(there) + "\n```\n")
-    with (SOURCE / "decisions" / "README.md").open("a", encoding="utf-8") as stream:
-        stream.write("\n```{toctree}\n:glob:\n\n[0-9]*\n```\n")
+    for folder, pages in (("decisions", "[a-z]*"), ("history", "**"), ("history/decisions", "[0-9]*")):
+        if (SOURCE / folder / "README.md").is_file():
+            with (SOURCE / folder / "README.md").open("a", encoding="utf-8") as stream:
+                stream.write(f"\n```{{toctree}}\n:hidden:\n:glob:\n\n{pages}\n```\n")
 
 
 def main(catalogue: Path) -> int:

@@ -34,11 +34,10 @@ def test_every_page_has_a_place_and_mentions_lead_there(site: ModuleType) -> Non
         assert f"\n{page.stem}\n" in contents, page
     assert "](docs/" not in contents and "](rig.md)" in contents
     assert '<a href="catalogue/leakage.html">' in (site.SOURCE / "catalogue.md").read_text(encoding="utf-8")
-    page = site.SOURCE / "decisions" / "0001.md"
-    text = "see `docs/rig.md`, (docs/decisions/0027), `docs/decisions/0027` and `docs/none.md`\n```\n`docs/rig.md`\n```\n"
-    named = "[decision 0027](../decisions/0027-the-live-page-is-a-process-fed-by-the-log-thread.md)"
-    expected = text.replace("`docs/rig.md`,", "[docs/rig.md](../rig.md),").replace("`docs/decisions/0027`", named)
-    expected = expected.replace("(docs/decisions/0027)", f"({named})")
+    page = site.SOURCE / "decisions" / "rig.md"
+    text = "see `docs/rig.md`, `docs/decisions/live.md` and `docs/none.md`\n```\n`docs/rig.md`\n```\n"
+    expected = text.replace("`docs/rig.md`,", "[docs/rig.md](../rig.md),")
+    expected = expected.replace("`docs/decisions/live.md`", "[docs/decisions/live.md](../decisions/live.md)")
     assert site.linked(text, page) == expected
 
 

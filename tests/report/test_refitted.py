@@ -59,7 +59,7 @@ def test_each_condition_stands_with_its_three_values(shipped):
 
 
 def test_the_picture_of_all_conditions_comes_before_the_table(shipped):
-    """The report begins with the dot plot (decision 0025: a picture first)."""
+    """The report begins with the dot plot (a picture first)."""
     page = "".join(
         build_page(title="a", facts=[], verdict="", overview='<svg viewBox="0 0 9 9"></svg>', sheets=[], pictures={}, origin=[],
                    command="", configuration="", beside=refitted.beside_refit(conditions(1.8)),
