@@ -58,15 +58,21 @@ def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:
 
 
 def _report(folder: RunFolder, console: Console) -> Report:
+    from rich.padding import Padding
+    from rich.text import Text
+
     from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.report.build import build_report, verdict
-    from hjcamp.report.terminal import summary_table
+    from hjcamp.report.terminal import refitted_table, summary_table
 
     report = build_report(folder.path, against="published", further=further_pictures)
     console.print(summary_table(report.indicators))
     sentence = verdict(report.comparison, report.differs)
     if sentence:
         console.print(f"  {sentence}", markup=False)
+    if report.refitted is not None:
+        console.print(refitted_table(report.refitted))
+        console.print(Padding(Text(report.refitted.notes[1]), (0, 0, 0, 2)))
     console.print(f"  report  {report.page}", markup=False, soft_wrap=True)
     for number, command in enumerate(next_commands(folder, report)):
         console.print(f"  {'' if number else 'next':<8}{command}", markup=False, soft_wrap=True)

@@ -55,6 +55,7 @@ class Report:
     differs: dict[str, list[str]]
     verdict: str
     baseline: RunComparison | None = None
+    refitted: Sheet | None = None
 
 
 def build_report(
@@ -140,6 +141,7 @@ def build_report(
         differs,
         said,
         compared,
+        refitted,
     )
 
 

@@ -29,6 +29,12 @@ def summary_table(indicators: pl.DataFrame, against: str | None = "published") -
     return FittedSheet(arrange_conditions(by_condition(indicators, against)))
 
 
+def refitted_table(sheet: Sheet) -> FittedSheet:
+    """Return the first indicator of `beside_refit` in three columns, as printed, refitted and measured."""
+    headers = [sheet.headers[0], f"{sheet.headers[1]} as printed", "refitted", "measured"]
+    return FittedSheet(Sheet(sheet.name, sheet.title, "", headers, [row[:4] for row in sheet.rows], []))
+
+
 @dataclass(frozen=True)
 class FittedSheet:
     """A sheet that rich prints into the width there is: columns that do not fit follow below, behind the keys again."""

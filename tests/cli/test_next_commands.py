@@ -47,8 +47,9 @@ def test_what_is_advised_succeeds(
     (empty_folder / "campaigns" / "two_pumps.yaml").write_text(TWO_PUMPS)
     assert cli.run(["run", *call, "repetitions=1", "run_dir=a run"]) == 0
     commands = advised(capfd.readouterr().out)
-    assert [words[:2] for words in commands] == [["hjcamp", first]]
-    for words in commands:
+    # the tour is offered where refitted means stand next to those of the run, until it was begun
+    assert [words[1] for words in commands] == (["tour", first] if call[0] == "campaign=controllers" else [first])
+    for words in commands[-1:]:
         assert cli.run(words[1:]) == 0, capfd.readouterr().err
         capfd.readouterr()
 
@@ -57,10 +58,20 @@ def test_a_check_is_advised_only_where_it_passes(tmp_path: Path) -> None:
     plan: Any = SimpleNamespace(campaign="controllers", conditions=(SimpleNamespace(name="a", choices={}),))
     folder: Any = SimpleNamespace(path=tmp_path, plan=plan)
     comparison = against_published(measured_indicators(), declared_tables())
-    passing: Any = SimpleNamespace(comparison=comparison)
+    passing: Any = SimpleNamespace(comparison=comparison, refitted=None)
     compare = f"hjcamp compare {tmp_path}"
     assert next_commands(folder, passing) == [compare, f"hjcamp report {tmp_path} --check default"]
     far = comparison.with_columns(pl.col("difference") + 10.0, pl.col("difference_in_std") + 100.0)
     for other in (far, comparison.clear()):
-        report: Any = SimpleNamespace(comparison=other)
+        report: Any = SimpleNamespace(comparison=other, refitted=None)
         assert next_commands(folder, report) == [compare]
+
+
+def test_the_tour_is_advised_until_it_was_begun(empty_folder: Path) -> None:
+    plan: Any = SimpleNamespace(campaign="controllers", conditions=(SimpleNamespace(name="a", choices={}),))
+    folder: Any = SimpleNamespace(path=empty_folder, plan=plan)
+    comparison = against_published(measured_indicators(), declared_tables()).clear()
+    report: Any = SimpleNamespace(comparison=comparison, refitted=object())
+    assert next_commands(folder, report)[0] == "hjcamp tour"
+    (empty_folder / "tour").mkdir()
+    assert "hjcamp tour" not in next_commands(folder, report)

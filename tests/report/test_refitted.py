@@ -12,6 +12,7 @@ from hjcamp.plants.pump_joint.published import refitted
 from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
 from hjcamp.report.page import build_page
+from hjcamp.report.terminal import refitted_table
 
 PLACE = {"trajectory": "mixed", "controller": "pid", "payload": "brass_8p5g", "orientation": "vertical"}
 NAMES = ("rmse1_deg", "rmse2_deg", "e_max_deg")
@@ -24,7 +25,9 @@ def shipped(tmp_path, monkeypatch):
         {"choices": PLACE, "indicator": name, "simulated": {"published": 9.0, "accepted": 2.0 + place}}
         for place, name in enumerate(NAMES)
     ]
-    models = {"published": {}, "accepted": {}}
+    fitted = {"drop_positive": (1.37, 1.9), "viscous_positive": (23.5, 116.9), "feedforward_gain": (1.0, 0.47)}
+    quantities = {name: {"published": before, "value": after} for name, (before, after) in fitted.items()}
+    models = {"published": {}, "accepted": {"quantities": quantities}}
     found = {"tables": ["5.4.1", "5.4.2"], "models": models, "cells": [], "cells_held_out": rows}
     values.write_text(json.dumps(found), encoding="utf-8")
     monkeypatch.setattr(refitted, "VALUES", values)
@@ -55,7 +58,20 @@ def test_each_condition_stands_with_its_three_values(shipped):
         "4.00",
         "1.8",
     ]
-    assert "Table 5.4.1 and Table 5.4.2" in sheet.notes[0] and "hunt" in sheet.notes[1]
+    assert "Table 5.4.1 and Table 5.4.2" in sheet.notes[0]
+
+
+def test_why_is_said_in_the_numbers_of_the_fit_and_of_the_run(shipped):
+    why = refitted.beside_refit(conditions(1.8)).notes[1]
+    assert "1.4 times Coulomb friction" in why and "viscous friction of 24 N s/m" in why
+    assert "117 N s/m and 0.47 of the feedforward" in why
+    assert "off by 18.20 deg on average as printed and by 0.20 deg refitted, which is nearer in 1 of 1 conditions." in why
+
+
+def test_the_terminal_shows_the_first_indicator_in_three_columns(shipped):
+    table = refitted_table(refitted.beside_refit(conditions(1.8))).sheet
+    assert table.headers == ["condition", "RMSE1 as printed", "refitted", "measured"]
+    assert [[cell.text for cell in row] for row in table.rows] == [["mixed__pid", "20.00", "2.00", "1.8"]]
 
 
 def test_the_picture_of_all_conditions_comes_before_the_table(shipped):

@@ -45,7 +45,8 @@ def next_commands(folder: RunFolder, report: Report) -> list[str]:
         own = [one.name for one in conditions if tuple((group, one.choices.get(group)) for group in hardware) == first]
         there = [folder.path / "logs" / name for name in own]
         paths = [shlex.quote(str(path)) for path in there if path.is_dir()]
-    commands = [f"hjcamp compare {' '.join(paths)}"] if paths else []
+    commands = ["hjcamp tour"] if report.refitted is not None and not Path("tour").exists() else []
+    commands += [f"hjcamp compare {' '.join(paths)}"] if paths else []
     try:
         passes = not check(report.comparison)
     except UsageError:
