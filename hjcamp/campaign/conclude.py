@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from hjcamp.report.build import Report
 
 SHOWN = 5
+READABLE = 100
 
 
 def conclude(folder: RunFolder, result: RunResult, console: Console) -> Report | None:
@@ -58,9 +60,6 @@ def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:
 
 
 def _report(folder: RunFolder, console: Console) -> Report:
-    from rich.padding import Padding
-    from rich.text import Text
-
     from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.report.build import build_report, verdict
     from hjcamp.report.terminal import refitted_table, summary_table
@@ -72,7 +71,8 @@ def _report(folder: RunFolder, console: Console) -> Report:
         console.print(f"  {sentence}", markup=False)
     if report.refitted is not None:
         console.print(refitted_table(report.refitted))
-        console.print(Padding(Text(report.refitted.notes[1]), (0, 0, 0, 2)))
+        for line in textwrap.wrap(report.refitted.notes[1], min(console.width, READABLE) - 2):
+            console.print(f"  {line}", markup=False)
     console.print(f"  report  {report.page}", markup=False, soft_wrap=True)
     for number, command in enumerate(next_commands(folder, report)):
         console.print(f"  {'' if number else 'next':<8}{command}", markup=False, soft_wrap=True)

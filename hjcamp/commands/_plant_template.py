@@ -23,17 +23,20 @@ class {title}(Plant):
     position = State("m", typical=0.1)
     velocity = State("m/s", typical=0.05)
 
-    # hold="linear" where the input runs on between two samples, not held by a converter
-    voltage = Input("V", text="drive voltage; the logs hold it as voltage_v")
+    # The logs hold it as voltage_v; hold="linear" where the input runs on between two samples, not held by a converter
+    voltage = Input("V", text="drive voltage")
 
+    # Unit, value, (lowest, highest). base=True: differs from machine to machine, and is fitted before anything is called missing
     gain = Parameter("N/V", 35.0, text="force for one volt")
     mass = Parameter("kg", 95.0, (1.0, 1e3), base=True, text="moving mass")
     coulomb = Parameter("N", 20.0, (0.1, 200.0), base=True, text="Coulomb friction")
     viscous = Parameter("N*s/m", 200.0, (0.0, 2e3), base=True, text="viscous friction")
 
+    # The name is the field of the logs, quantity_unit; "encoder" is the line of the sensor below
     position_m = Measured("encoder", of="position")
     period = 0.001  # s between two samples of its tests
-    # loop = "foreign"   where a controller that is not in the equations holds the position: forces are judged then
+    # loop = "foreign"   where a controller that is not in the equations holds the position: tests are then judged in short
+    #                    windows alone, and `hjcamp next` proposes motions instead of inputs
 
     @staticmethod
     def equations(state, parameter, drive, rate):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import HjcampError
+from hjcamp.errors import HjcampError, UsageError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -28,14 +28,24 @@ def register(app: typer.Typer) -> None:
 
 def doctor(
     warm: Annotated[bool, typer.Option("--warm", help="Compile the kernels that runs and diagnoses need.")] = False,
+    detach: Annotated[bool, typer.Option("--detach", help="With --warm: in the background, and return at once.")] = False,
     json: AnswerFile = None,
 ) -> None:
     """Check this installation: versions, folders, caches, the rig's driver; exit code 1 where something is broken."""
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands._wrapped import print_wrapped
 
     check_answer_file(json)
     console = make_console()
+    if detach and not warm:
+        raise UsageError("--detach goes with --warm")
+    if detach:
+        from hjcamp.commands._warm import start
+
+        print_wrapped(console, [start()], 2)
+        write_answer(json, {"schema": SCHEMA, "findings": [], "broken": 0, "compiled": []})
+        return
     if warm:
         compiled = [{"kernel": what, "seconds": seconds} for what, seconds in compile_kernels(console)]
         write_answer(json, {"schema": SCHEMA, "findings": [], "broken": 0, "compiled": compiled})
@@ -55,11 +65,13 @@ def doctor(
 
 def compile_kernels(console: Console) -> Iterator[tuple[str, float]]:
     """Compile what is not compiled yet, saying what (and yielding it); nothing is written but the cache of kernels."""
+    from hjcamp.commands._warm import alone
     from hjcamp.known_plants import usual_plant
 
-    for subject, seconds in usual_plant().own_room("kernels").warm():
-        console.print(f"  {seconds:5.1f} s  {subject}", markup=False)
-        yield subject, seconds
+    with alone():
+        for subject, seconds in usual_plant().own_room("kernels").warm():
+            console.print(f"  {seconds:5.1f} s  {subject}", markup=False)
+            yield subject, seconds
 
 
 def findings(check: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:

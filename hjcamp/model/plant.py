@@ -45,7 +45,8 @@ class Plant:
     ``period`` is the usual time between samples of its logs, s: the unit of what effects call a ``period``.
     ``instances`` are the generic effects that have names and numbers of their own here: such an effect then acts at
     their places only. ``covers`` says of a generic effect why the plant needs none: what holds it already.
-    ``loop`` is "foreign" where somebody else's controller holds the measured motion: then forces are judged.
+    ``loop`` is "foreign" where a controller outside the equations holds the measured motion: tests are then judged in short
+    windows alone, never simulated whole, and `hjcamp next` proposes motions instead of inputs.
     A test follows ``controlled``, a measured field (the first one unless named), with ``choices`` of groups where nothing
     else is said; ``actuation`` is the law between what a controller returns and the inputs. What differs from test to test:
     friction by ``friction_varies``, starts by the ``scatter`` of a state, the ``drawn`` parameters.

@@ -29,7 +29,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "run": ("pictures", "note", "next_commands"),
     # asked of the usual plant alone
     "tables": ("diagnose_tables", "compare_tables", "add_table", "is_answer"),
-    "kernels": ("warm",),
+    "kernels": ("warm", "missing"),
     "configuration": ("check_test", "check_model"),
     "indicators": ("INDICATORS", "FURTHER", "error_indicators", "line_indicators"),
     "panels": ("PANELS", "SIGNALS"),

@@ -36,12 +36,13 @@ CONDITIONS: tuple[Sequence[str], ...] = (
 Task = tuple[str, Callable[..., None], tuple[object, ...]]
 
 
-def warm() -> Iterator[tuple[str, float]]:
+def warm(soon: bool = False) -> Iterator[tuple[str, float]]:
     """Compile and run every kernel of the demo, a diagnosis and `hjcamp next`, side by side on the processors there are.
 
-    Yields what was made ready, and the seconds that it took.
+    Yields what was made ready, and the seconds that it took. The longest come first, where it is needed ``soon`` those of a
+    diagnosis.
     """
-    yield from side_by_side(tasks())
+    yield from side_by_side(sorted(tasks(), key=lambda task: not task[0].startswith("diagnose")) if soon else tasks())
 
 
 def side_by_side(work: Sequence[Task], workers: int = 0) -> Iterator[tuple[str, float]]:
