@@ -24,7 +24,8 @@ def test_the_demo_needs_an_installation_and_compiles_its_own_kernels_only(tmp_pa
     assert "pip install" in demo and "campaign=robustness_vertical" in demo
     assert "[test]" not in demo and "--no-compile" in demo
     # what the tour needs is compiled once the answer is there, in the background, and not where nobody reads it
-    assert demo.count("--warm") == 1 and demo.index("campaign=robustness_vertical") < demo.index('test -n "$CI" ||') < demo.index("--detach")
+    run, reader, background = (demo.index(one) for one in ("campaign=robustness_vertical", 'test -n "$CI" ||', "--detach"))
+    assert demo.count("--warm") == 1 and run < reader < background
 
 
 def test_what_tests_need_is_installed_for_them(tmp_path: Path) -> None:
