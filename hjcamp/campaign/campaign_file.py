@@ -66,10 +66,10 @@ def read_campaign(content: Mapping[str, Any], expected_name: str) -> Campaign:
 
 
 def label_of(key: str, value: Any) -> str:
-    """Return a short, file-system safe name of one value of an axis: the choice, or ``kp-1.05`` for a parameter."""
-    text = str(value) if isinstance(value, str) else f"{key.split('.')[-1]}-{value}"
+    """Return a short name of one value of an axis: the choice, or ``kp=1.05`` for a parameter."""
+    parameter, text = "" if isinstance(value, str) else f"{key.split('.')[-1]}=", str(value).replace("e+", "e")
     safe = "".join(letter if (letter.isalnum() and letter.isascii()) or letter in "._-" else "-" for letter in text)
-    return safe.strip(".") or "empty"
+    return parameter + (safe.strip(".") or "empty")
 
 
 def _axis(name: str, values: Any, where: str) -> Axis:

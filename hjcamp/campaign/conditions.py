@@ -12,6 +12,7 @@ from hjcamp.campaign.campaign_file import RUN_KEYS, Axis, Campaign, label_of
 from hjcamp.configuration.composer import as_override, key_of
 from hjcamp.configuration.overrides import parse_overrides
 from hjcamp.errors import UsageError
+from hjcamp.records.plan import folder_name
 
 if TYPE_CHECKING:
     from hydra.core.override_parser.types import Override
@@ -97,6 +98,6 @@ def _narrow(axis: Axis, item: Override, composer: Composer) -> Axis:
 def _refuse_equal_names(drafts: Sequence[Draft]) -> None:
     names: set[str] = set()
     for draft in drafts:
-        if draft.name.lower() in names:
+        if folder_name(draft.name).lower() in names:
             raise UsageError(f"two conditions are named '{draft.name}'; use values or cases with different names")
-        names.add(draft.name.lower())
+        names.add(folder_name(draft.name).lower())

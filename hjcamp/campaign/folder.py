@@ -14,7 +14,7 @@ import yaml
 from hjcamp.campaign.files import run_errors, write_json
 from hjcamp.campaign.lock import is_locked
 from hjcamp.campaign.provenance import code, code_identity, provenance, utc_now
-from hjcamp.campaign.values import leaves
+from hjcamp.campaign.values import common, leaves
 from hjcamp.errors import UsageError
 from hjcamp.records.manifest import new_manifest, read_manifest
 from hjcamp.records.plan import Plan, read_plan
@@ -85,9 +85,12 @@ class RunFolder:
 
 
 def create(path: Path, plan: Plan, asked: Mapping[str, Any], overrides: list[str]) -> RunFolder:
-    """Make a run folder: ``config.yaml`` (what was asked), ``plan.json``, ``manifest.json``, empty ``logs/``."""
-    text = "# What was asked; plan.json holds the resolved configuration of each condition.\n" + yaml.safe_dump(
-        {"overrides": overrides, **asked}, sort_keys=False, allow_unicode=True
+    """Make a run folder: ``config.yaml`` (what runs), ``plan.json``, ``manifest.json``, empty ``logs/``."""
+    runs = common([one.config for one in plan.conditions])
+    text = "# What runs; what differs from condition to condition varies, and plan.json has it.\n" + yaml.safe_dump(
+        {"overrides": overrides, **asked, **{key: runs[key] for key in asked if key in runs}},
+        sort_keys=False,
+        allow_unicode=True,
     )
     with run_errors(path):
         (path / "logs").mkdir(parents=True, exist_ok=True)

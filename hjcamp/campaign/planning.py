@@ -12,7 +12,7 @@ from hjcamp.campaign.objective import read_objectives
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
 from hjcamp.errors import UsageError, counted, nearest, shown, unknown
-from hjcamp.records.plan import Condition, Plan, config_sha256, plan_sha256, planned_tests
+from hjcamp.records.plan import Condition, Plan, config_sha256, folder_name, lasting_name, plan_sha256, planned_tests
 from hjcamp.schema import naming
 from hjcamp.trajectories import Trajectory, build_trajectory
 
@@ -136,7 +136,8 @@ def _selected(drafts: list[Draft], patterns: Any) -> list[Draft]:
     names = [draft.name for draft in drafts]
     kept: set[str] = set()
     for pattern in patterns if isinstance(patterns, list | tuple) else [patterns]:
-        found = fnmatch.filter(names, str(pattern))
+        known = {name: (name, folder_name(name), lasting_name(name)) for name in names}
+        found = [name for name in names if fnmatch.filter(known[name], str(pattern))]
         if not found:
             match = nearest(str(pattern), names)
             hint = f"; did you mean '{match}'?" if match else "."

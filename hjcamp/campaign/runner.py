@@ -47,7 +47,7 @@ class RunResult:
         # what was found when the rig was looked at again stands in a line of its own
         if stopper.stops != RigStopped.exit_code or then.partition("\n")[0] != now.partition("\n")[0]:
             return ""
-        return f"{stopper.test} was stopped by the same limit before; --keep-going leaves it out and makes the others\n"
+        return f"{stopper.test} was stopped by the same limit before; without it: hjcamp report {self.path}\n"
 
 
 def run_plan(
@@ -88,8 +88,7 @@ def run_plan(
     if stopper is not None and stopper.stops is not None:
         kind = {3: RigStopped, 130: Interrupted}.get(stopper.stops, HjcampError)
         again = result.stopped_again(stopper)
-        how = f"{folder.path} --keep-going" if again else folder.path
-        raise kind(f"{stopper.message}\n{again}{counted(left, 'test')} left; go on with: hjcamp resume {how}")
+        raise kind(f"{stopper.message}\n{again}{counted(left, 'test')} left; go on with: hjcamp resume {folder.path}")
     if state == "interrupted" and left:
         raise Interrupted(
             f"stopped, {left} of {len(folder.plan.tests)} tests left; go on with: hjcamp resume {folder.path}"
@@ -164,7 +163,7 @@ def _bookkeeping(stopper: Outcome | None) -> Iterator[None]:
 
 
 def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -> list[PlannedTest]:
-    """Return the tests without a whole log; one that is damaged or another test is put aside, never overwritten."""
+    """Return the tests without a whole log, those that failed before last; what is damaged or foreign is put aside."""
     for left_over in folder.path.glob("logs/*/*.mcap.*"):
         if PRIVATE_NAME.search(left_over.name):
             left_over.unlink(missing_ok=True)
@@ -190,7 +189,8 @@ def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -
         say(f"{path} is {kind} ({reason}); kept as {aside.name} and repeated")
         waiting.append(test)
         folder.manifest["tests"][test.id] = {"state": "planned"}
-    return waiting
+    # What a rig or a model stopped once may stop again: it must not keep the others from being made.
+    return sorted(waiting, key=lambda test: test.id in result.before)
 
 
 def _problem(plan: Plan, test: PlannedTest, path: Path) -> tuple[str, str] | None:

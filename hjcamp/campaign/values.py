@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
+
+VARIES = "varies"
 
 
 def look_up(config: Mapping[str, Any], path: str) -> Any:
@@ -14,6 +16,17 @@ def look_up(config: Mapping[str, Any], path: str) -> Any:
             return None
         place = place[part]
     return place
+
+
+def common(values: Sequence[Any]) -> Any:
+    """Return nested values as all have them, `VARIES` for each that differs; a group whose name differs varies as a whole."""
+    first = values[0]
+    if all(value == first for value in values):
+        return first
+    if not all(isinstance(value, Mapping) and value.get("name") == first.get("name") for value in values):
+        return VARIES
+    keys = dict.fromkeys(key for value in values for key in value)
+    return {key: common([value.get(key) for value in values]) for key in keys}
 
 
 def leaves(config: Any, path: str = "") -> Iterator[tuple[str, Any]]:

@@ -49,7 +49,7 @@ def _print_settings(console: Console, found: dict[str, Any]) -> None:
     from rich.table import Table
 
     rows = [(one["name"], *map(" ".join, one["values"]), "") for one in found["origin"]]
-    pairs = len(found["pairs"])
+    pairs = len(found["pairs"] or found["alone"][0])
     for one in found["configuration"]:
         rows.append((one["parameter"], *_shown(one), _conditions(one["conditions"], pairs)))
     if rows:

@@ -16,8 +16,9 @@ from hjcamp.records.json_file import read_json_file
 
 SCHEMA = "hjcamp.plan/1"
 NAME = "plan.json"
-# A condition's name is a folder's name: never a way to another place.
-SAFE_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]*")
+# A condition's name makes a folder's name: never a way to another place.
+SAFE_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._=-]*")
+VALUE = re.compile(r"=(-?\d[\d.e-]*)(?=__|$)")
 OF_THE_RUN = ("repetitions", "seed")
 SHOWN_DIGITS = 12
 
@@ -85,6 +86,16 @@ def read_plan(file: Path) -> Plan:
     return plan
 
 
+def folder_name(condition: str) -> str:
+    """Return the name of a condition's folder: ``kp=-0.7`` is in ``kpm0p7``; a name without a value is its own."""
+    return VALUE.sub(lambda found: found[1].replace(".", "p").replace("-", "m"), condition).replace("=", "-")
+
+
+def lasting_name(condition: str) -> str:
+    """Return what seeds and comparisons know a condition by: ``kp-0.7``, as ``kp=0.7`` was written in earlier runs."""
+    return condition.replace("=", "-")
+
+
 def planned_tests(conditions: Sequence[str], repetitions: int, seed: int) -> tuple[PlannedTest, ...]:
     """Return the tests of a run: all that they are follows from the conditions' names, the repetitions and the seed."""
     return tuple(
@@ -93,7 +104,7 @@ def planned_tests(conditions: Sequence[str], repetitions: int, seed: int) -> tup
             name,
             repetition,
             seed_of(seed, name, repetition),
-            f"logs/{name}/rep_{repetition:02d}.mcap",
+            f"logs/{folder_name(name)}/rep_{repetition:02d}.mcap",
         )
         for name in conditions
         for repetition in range(1, repetitions + 1)
@@ -103,12 +114,12 @@ def planned_tests(conditions: Sequence[str], repetitions: int, seed: int) -> tup
 def seed_of(seed: int, condition: str, repetition: int) -> int:
     """Return the seed of one test.
 
-    It follows from the seed of the run, the condition's name and the repetition, so it is the same in any order, on
+    It follows from the seed of the run, the condition's lasting name and the repetition, so it is the same in any order, on
     any number of workers, and when a parameter or the backend is changed: runs can be compared test by test.
     """
     import numpy as np
 
-    name = int.from_bytes(hashlib.sha256(condition.encode()).digest()[:16], "big")
+    name = int.from_bytes(hashlib.sha256(lasting_name(condition).encode()).digest()[:16], "big")
     return int(np.random.SeedSequence([seed, name, repetition]).generate_state(2, np.uint64)[0] >> 1)
 
 
@@ -138,12 +149,12 @@ def _shape_problem(plan: Plan) -> str | None:
     seen: set[str] = set()
     for number, one in enumerate(plan.conditions):
         if not SAFE_NAME.fullmatch(one.name):
-            return f"conditions[{number}].name is {one.name!r}; letters, digits and . _ - make a name, not . in front"
-        if one.name.lower() in seen:
-            return f"two conditions are named '{one.name}'"
+            return f"conditions[{number}].name is {one.name!r}; letters, digits and . _ - = make a name, not . or = in front"
+        if folder_name(one.name).lower() in seen:
+            return f"two conditions are named '{one.name}', or their folders would be"
         if not (math.isfinite(one.duration) and one.duration >= 0):
             return f"conditions[{number}].duration is {one.duration}; zero or more is needed"
-        seen.add(one.name.lower())
+        seen.add(folder_name(one.name).lower())
     return None
 
 

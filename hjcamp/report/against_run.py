@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import polars as pl
 
 from hjcamp.errors import UsageError, counted, nearest
+from hjcamp.records.plan import lasting_name
 from hjcamp.report.indicators import INDICATORS, configuration, row_of
 from hjcamp.report.origin import read_origin
 from hjcamp.report.settings import difference
@@ -91,7 +92,8 @@ class RunComparison:
         ours, theirs = self.run.conditions, self.baseline.conditions
         if len(ours) == len(theirs) == 1:
             return {ours[0]: theirs[0]}
-        return {name: name for name in ours if name in theirs}
+        there = {lasting_name(name): name for name in theirs}
+        return {name: there[lasting_name(name)] for name in ours if lasting_name(name) in there}
 
     def refuse_without_pairs(self) -> None:
         """Raise `UsageError` where the runs have no condition in common."""

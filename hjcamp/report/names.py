@@ -18,14 +18,15 @@ UNITS = {**{one.suffix: one.shown.replace("^", "") for one in FIELD_UNITS.values
 def readable(name: str) -> str:
     """Return a name of a choice, a condition, or one of its tests for people.
 
-    ``sine_0p5hz__ffwd_pid/2`` is "sine 0.5 Hz, feedforward PID/2", ``frequency_hz-0.5__none`` is "frequency 0.5 Hz, none".
+    ``sine_0p5hz__ffwd_pid/2`` is "sine 0.5 Hz, feedforward PID/2", ``frequency_hz=0.5__none`` is "frequency 0.5 Hz, none".
     """
     condition, slash, repetition = name.partition("/")
     return ", ".join(map(_part, condition.split("__"))) + slash + repetition
 
 
 def _part(part: str) -> str:
-    key, _, value = part.partition("-")
+    # in earlier runs a value stood behind a "-"
+    key, _, value = part.partition("=" if "=" in part else "-")
     if not (key[:1].isalpha() and VALUE.fullmatch(value)):
         return _words(NUMBER.sub(r"\1.\2", part.replace("_", " ")))
     suffix = max((one for one in UNITS if key.endswith(f"_{one}")), key=len, default="")

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.report.against_run import RunComparison, read_tests
-from hjcamp.report.settings import ABSENT, unequal
+from hjcamp.report.settings import ABSENT, equal_leaves, unequal
 
 SCHEMA = "hjcamp.run_difference/1"
 #: What the logs say of where they come from.
@@ -42,8 +42,14 @@ def run_difference(one: Path, other: Path) -> dict[str, Any]:
 def configuration_rows(found: RunComparison) -> list[dict[str, Any]]:
     """Return each parameter that differs in a pair: its values (None and ``absent_in`` where it is not there), the conditions."""
     rows: dict[tuple[str, str, str], dict[str, Any]] = {}
-    for name, other in found.pairs.items():
-        ours, theirs = found.run.configurations.get(name, {}), found.baseline.configurations.get(other, {})
+    sides = (found.run.configurations, found.baseline.configurations)
+    pairs = [(name, sides[0].get(name, {}), sides[1].get(other, {})) for name, other in found.pairs.items()]
+    if not pairs:
+        # without a pair, what all tests of one run have is held against what all tests of the other have
+        shared = [dict(equal_leaves(list(side.values()))) for side in sides]
+        known = [{key: one[key] for key in one if key in other} for one, other in zip(shared, shared[::-1], strict=True)]
+        pairs = [(name, *known) for name in found.run.conditions]
+    for name, ours, theirs in pairs:
         for key, *values in unequal(ours, theirs):
             row = rows.setdefault(
                 (key, repr(values[0]), repr(values[1])),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 #: What does not decide the physics of a test: who carries it out, how often, and with which draws.
@@ -60,6 +60,14 @@ def leaves(value: Any, key: str) -> Iterator[tuple[str, Any]]:
             yield from leaves(part, f"{key}.{name}" if key else str(name))
     else:
         yield key, value
+
+
+def equal_leaves(configurations: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, Any]]:
+    """Yield the values that all of some nested configurations have, under their full names."""
+    flat = [dict(leaves(one, "")) for one in configurations]
+    for key, value in flat[0].items() if flat else ():
+        if all(key in one and equal(one[key], value) for one in flat):
+            yield key, value
 
 
 def equal(one: Any, other: Any) -> bool:

@@ -21,7 +21,7 @@ def test_a_campaign_is_read() -> None:
 def test_values_and_cases_get_readable_names() -> None:
     vary = {"controller.positive.kp": [1.0, 1.05], "case": {"low friction": {"friction": "reduced", "seal": 1}}}
     one, other = read_campaign({"vary": vary}, "mine").axes
-    assert list(one.cases) == ["kp-1.0", "kp-1.05"]
+    assert list(one.cases) == ["kp=1.0", "kp=1.05"]
     assert list(other.cases) == ["low-friction"]
 
 

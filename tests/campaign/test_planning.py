@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from hjcamp.campaign.campaign_file import label_of
 from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
-from hjcamp.records.plan import Plan, read_plan, seed_of
+from hjcamp.records.plan import Plan, folder_name, planned_tests, read_plan, seed_of
 
 COUNTS = {
     "controllers": (14, 252.0),
@@ -22,6 +23,9 @@ COUNTS = {
     "open_loop_validation": (1, 14.0),
     "feedforward_simulation": (2, 21.0),
 }
+
+
+VARIED = {"name": "c", "vary": {"trajectory": ["ramp_pos"], "controller.positive.kp": [0.7, 1.05]}}
 
 
 def plan(composer: Composer, campaign: str | None, *lines: str) -> Plan:
@@ -55,6 +59,34 @@ def test_a_campaign_fixes_and_varies(vertical: Plan) -> None:
     assert vertical.tables == ("table_5_5_1", "table_5_5_2", "table_5_5_3")
     test = vertical.tests[0]
     assert (test.id, test.log) == ("sine_0p5hz__pid/rep_01", "logs/sine_0p5hz__pid/rep_01.mcap")
+
+
+@pytest.mark.parametrize(
+    ("value", "name", "folder", "before"),
+    [
+        (0.7, "kp=0.7", "kp0p7", "kp-0.7"),
+        (-0.7, "kp=-0.7", "kpm0p7", "kp--0.7"),
+        (1e-15, "kp=1e-15", "kp1em15", "kp-1e-15"),
+        (1e20, "kp=1e20", "kp1e20", "kp-1e20"),
+        (2, "kp=2", "kp2", "kp-2"),
+        (True, "kp=True", "kp-True", "kp-True"),
+        ("pid", "pid", "pid", "pid"),
+    ],
+)
+def test_a_value_is_named_with_its_sign(value: object, name: str, folder: str, before: str) -> None:
+    label = label_of("controller.positive.kp", value)
+    assert label == name and folder_name(f"ramp__{label}__none") == f"ramp__{folder}__none"
+    # the draws of a test stay those of earlier runs, which named it otherwise and are read as they are
+    (test,), (earlier,) = planned_tests([label], 1, 3), planned_tests([before], 1, 3)
+    assert test.seed == earlier.seed
+    assert (test.log, earlier.log) == (f"logs/{folder}/rep_01.mcap", f"logs/{before}/rep_01.mcap")
+
+
+@pytest.mark.parametrize("pattern", ["'*kp=0.7'", "'*kp0p7'", "'*kp-0.7'", "ramp_pos__kp0p7"])
+def test_a_condition_is_chosen_by_any_of_its_names(composer: Composer, pattern: str) -> None:
+    asked = composer.compose([f"conditions={pattern}"]).config
+    made = make_plan({**asked, "campaign": VARIED}, "c", [f"conditions={pattern}"], composer)
+    assert [one.name for one in made.conditions] == ["ramp_pos__kp=0.7"]
 
 
 def test_the_steps_of_the_pid_design(composer: Composer) -> None:

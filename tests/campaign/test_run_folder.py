@@ -18,6 +18,7 @@ from hjcamp.campaign.finding import find_runs
 from hjcamp.campaign.folder import folder_for, open_folder
 from hjcamp.campaign.lock import is_locked, run_lock
 from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.values import common
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.records.plan import Plan
@@ -37,6 +38,35 @@ def test_a_new_folder_says_what_was_asked(plan: Plan, empty_folder: Path) -> Non
     assert json.loads((folder.path / "plan.json").read_text())["tests"][0]["log"] == "logs/ramp_pos__pid/rep_01.mcap"
     assert set(json.loads((folder.path / "manifest.json").read_text())["tests"]) == {test.id for test in plan.tests}
     assert not list(folder.path.rglob("*.part"))
+
+
+def test_the_configuration_says_what_runs_and_not_what_a_campaign_replaces(
+    composer: Composer, empty_folder: Path
+) -> None:
+    lines = ["campaign=robustness_vertical"]
+    asked = composer.compose(lines).config
+    folder, _ = folder_for(make_plan(asked, "robustness_vertical", lines, composer), asked, lines, None)
+    kept = yaml.safe_load((folder.path / "config.yaml").read_text())
+    assert asked["orientation"]["name"] == "horizontal"
+    assert (kept["orientation"]["name"], kept["payload"]["name"]) == ("vertical", "brass_8p5g")
+    assert (kept["trajectory"], kept["controller"]) == ("varies", "varies")
+    assert (kept["overrides"], kept["campaign"]["name"]) == (lines, "robustness_vertical")
+
+
+@pytest.mark.parametrize(
+    ("values", "together"),
+    [
+        ([1, 1], 1),
+        ([1, 2], "varies"),
+        ([{"a": 1}, {"a": 1, "b": 2}], {"a": 1, "b": "varies"}),
+        ([{"name": "x", "a": {"p": 1, "q": 1}}, {"name": "x", "a": {"p": 2, "q": 1}}], {"name": "x", "a": {"p": "varies", "q": 1}}),
+        ([{"name": "x", "a": 1}, {"name": "y", "a": 1}], "varies"),
+        ([None, {}], "varies"),
+        ([[1, 2], [1, 3]], "varies"),
+    ],
+)
+def test_what_all_have(values: list[Any], together: Any) -> None:
+    assert common(values) == together
 
 
 def test_an_unfinished_run_goes_on(plan: Plan, empty_folder: Path) -> None:

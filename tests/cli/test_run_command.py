@@ -161,9 +161,9 @@ def test_a_users_folder_works(call: Call, tmp_path: Path) -> None:
     (tmp_path / "campaigns").mkdir()
     text = "name: mine\nfixed: {controller: pid}\nvary: {controller.positive.kp: [1.0, 1.1]}\nrepetitions: 1\n"
     (tmp_path / "campaigns" / "mine.yaml").write_text(text)
-    assert "kp-1.1" in call("plan", "campaign=mine").out
+    assert "kp=1.1" in call("plan", "campaign=mine").out
     assert call("run", "campaign=mine", "workers=1", "run_dir=r").code == 0
-    assert (tmp_path / "r/logs/kp-1.1/rep_01.mcap").exists()
+    assert (tmp_path / "r/logs/kp1p1/rep_01.mcap").exists()
 
 
 def test_hydra_shows_the_configuration(call: Call, tmp_path: Path) -> None:

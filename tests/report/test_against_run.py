@@ -174,6 +174,31 @@ def test_two_runs_side_by_side(runs: tuple[Path, Path], capsys: pytest.CaptureFi
     assert "no condition is in both" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("names", [("ramp_pos__kp-0.7", "ramp_pos__kp=0.7"), ("ramp_pos__kp=0.7", "ramp_pos__kp-0.7")])
+def test_a_value_named_in_an_earlier_way_is_the_same_condition(tmp_path: Path, names: tuple[str, str]) -> None:
+    other = make_log("cycloid_pos")
+    paths = [
+        kept(tmp_path / str(place), [make_log("ramp_pos", condition=name), other]) for place, name in enumerate(names)
+    ]
+    found = run_difference(*paths)
+    assert found["pairs"] == [{"conditions": list(names)}, {"conditions": ["cycloid_pos__pid"] * 2}]
+
+
+def test_what_all_tests_of_one_run_have_and_no_test_of_the_other(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    level = [make_log(name, overrides=("orientation=horizontal",)) for name in ("ramp_pos", "cycloid_pos")]
+    upright = [make_log(name, overrides=("orientation=vertical",)) for name in ("cycloid_neg", "sine_0p5hz")]
+    paths = kept(tmp_path / "a", level), kept(tmp_path / "b", upright)
+    rows = {row["parameter"]: row for row in run_difference(*paths)["configuration"]}
+    assert rows["orientation.name"]["values"] == ["horizontal", "vertical"]
+    # what differs inside a run is no difference of the runs
+    assert "trajectory.name" not in rows
+    diff(*paths)
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("orientation.name")]
+    assert line.split() == ["orientation.name", "horizontal", "vertical", "all"]
+
+
 def test_an_effect_as_it_is_by_default_is_no_published_configuration() -> None:
     log = make_log("ramp_pos", "pid", overrides=("+effects.stribeck_friction={}",))
     (row,) = by_condition(indicators_frame([log])).iter_rows(named=True)

@@ -12,6 +12,8 @@ from hjcamp.report.names import axis, readable
     [
         ("cycloid_pos__ffwd_pid", "cycloid positive, feedforward PID"),
         ("frequency_hz-0.5__none/2", "frequency 0.5 Hz, none/2"),
+        ("kp=0.7__pid/2", "kp 0.7, PID/2"),
+        ("offset_deg=-3", "offset -3 deg"),
         ("offset_deg--3", "offset -3 deg"),
         ("kp-1e-3__my-own_law", "kp 1e-3, my-own law"),
         ("sine_0p5hz__brass_8p5g/3", "sine 0.5 Hz, brass 8.5 g/3"),

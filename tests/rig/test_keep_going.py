@@ -53,12 +53,16 @@ def test_a_test_that_stops_again_at_the_same_limit_is_named_with_the_way_on(
     device.faults = [Fault(kinds[0], 700, 1)]
     with pytest.raises(RigStopped) as first:
         run(folder, StopRule(), [])
-    assert "before" not in str(first.value) and str(first.value).endswith("go on with: hjcamp resume run")
-    device.faults = [Fault(kinds[1], 650, device.tests + 1)]
+    assert "same limit before" not in str(first.value) and str(first.value).endswith("go on with: hjcamp resume run")
+    device.faults = [Fault(kinds[1], 650, device.tests + 2)]
     with pytest.raises(RigStopped) as again:
         run(open_folder(folder.path), StopRule(), [])
-    assert ("stopped by the same limit before" in str(again.value)) is same
-    assert str(again.value).endswith("hjcamp resume run" + " --keep-going" * same)
+    assert "1 test left; go on with: hjcamp resume run" in str(again.value)
+    words = "ramp_pos__pid/rep_01 was stopped by the same limit before; without it: hjcamp report run"
+    assert (words in str(again.value)) is same
+    # the test that was stopped did not keep the other from being made
+    states = {test: entry["state"] for test, entry in open_folder(folder.path).manifest["tests"].items()}
+    assert states == {"ramp_pos__pid/rep_01": "failed", "ramp_pos__pid/rep_02": "done"}
 
 
 @pytest.mark.parametrize(("kind", "sample"), [("late_samples", 20), ("late_samples", 700), ("arm_jump", 700)])
