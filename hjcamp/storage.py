@@ -16,6 +16,7 @@ from hjcamp.errors import LONGEST_SHOWN, HjcampError, UsageError
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 # A disk takes 255 bytes, and what is being written has a longer name.
 LONGEST_NAME = 200
+VALUE = re.compile(r"=(-?\d+(?:\.\d+)?(?:e-?\d+)?)")
 LONGEST_STEM = 120
 CHOICE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 DENIED = (errno.EACCES, errno.EPERM, errno.EROFS)
@@ -113,7 +114,12 @@ def named_file(name: str, kind: str, *folders: Path) -> list[Path]:
 
 def file_name(text: str, usual: str = "test") -> str:
     """Return a condition, a model or another text as the name of a file: one part of a path, whatever the text holds."""
-    return re.sub(r"[^\w.=+-]+", "__", text).strip("._")[:LONGEST_STEM] or usual
+    return re.sub(r"[^\w.=+-]+", "__", values_spelled(text)).strip("._")[:LONGEST_STEM] or usual
+
+
+def values_spelled(name: str) -> str:
+    """Return a name with its values as files have them: ``kp=-0.7`` is ``kpm0p7``."""
+    return VALUE.sub(lambda found: found[1].replace(".", "p").replace("-", "m"), name)
 
 
 def file_names(texts: Iterable[str]) -> list[str]:

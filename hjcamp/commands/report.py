@@ -76,7 +76,7 @@ def report(
     violations = None if tolerances is None else check_cells(made.comparison, tolerances, made.differs)
     if summary is not None:
         sheets = [*made.sheets, made.conditions]
-        replace_file(summary, summary_markdown(str(made.run_dir), made.verdict, sheets, violations))
+        replace_file(summary, summary_markdown(made.title, made.verdict, sheets, violations))
     write_answer(json, report_answer(made, against, violations))
     if tolerances is not None and violations is not None:
         if junit is not None:

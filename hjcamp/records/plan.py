@@ -13,12 +13,12 @@ from typing import Any
 
 from hjcamp.errors import UsageError, counted
 from hjcamp.records.json_file import read_json_file
+from hjcamp.storage import values_spelled
 
 SCHEMA = "hjcamp.plan/1"
 NAME = "plan.json"
 # A condition's name makes a folder's name: never a way to another place.
 SAFE_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._=-]*")
-VALUE = re.compile(r"=(-?\d[\d.e-]*)(?=__|$)")
 OF_THE_RUN = ("repetitions", "seed")
 SHOWN_DIGITS = 12
 
@@ -88,7 +88,7 @@ def read_plan(file: Path) -> Plan:
 
 def folder_name(condition: str) -> str:
     """Return the name of a condition's folder: ``kp=-0.7`` is in ``kpm0p7``; a name without a value is its own."""
-    return VALUE.sub(lambda found: found[1].replace(".", "p").replace("-", "m"), condition).replace("=", "-")
+    return values_spelled(condition).replace("=", "-")
 
 
 def lasting_name(condition: str) -> str:

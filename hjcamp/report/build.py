@@ -57,6 +57,12 @@ class Report:
     baseline: RunComparison | None = None
     refitted: Sheet | None = None
 
+    @property
+    def title(self) -> str:
+        """The campaign and the name of the folder."""
+        campaigns = self.indicators["campaign"].drop_nulls().unique(maintain_order=True).to_list()
+        return " ".join(dict.fromkeys((*campaigns[:1], self.run_dir.resolve().name)))
+
 
 def build_report(
     run_dir: Path,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ Tolerances = dict[str, dict[str, float]]
 
 @dataclass(frozen=True)
 class Violation:
-    """One cell outside its tolerance."""
+    """One mean outside its tolerance; ``table`` names every table in which what is beside it is printed."""
 
     table: str
     cell: str
@@ -38,13 +38,24 @@ class Violation:
     p: float | None = None
 
     def __str__(self) -> str:
+        cell, indicator, mean, beside, difference, allowed, tables = self.row
+        return f"{tables}: {cell}: {indicator} {mean}, {self.beside} {beside} ({difference}; allowed {allowed})"
+
+    @property
+    def row(self) -> tuple[str, ...]:
+        """Condition, indicator, mean, what is beside, difference, allowed, tables; as texts."""
         in_std = f", {self.difference_in_std:+.1f} {self.beside} std" if self.difference_in_std is not None else ""
         chance = f", p {self.p:.2g}" if self.p is not None else ""
         # Means of two runs may differ by less than the print of a text shows.
         digits = 2 if self.beside == "published" else 4
         return (
-            f"{self.table}: {self.cell}: {self.indicator} {self.mean:.{digits}f}, {self.beside} "
-            f"{self.published:{'g' if digits == 2 else '.4f'}} ({self.difference:+.{digits}f}{in_std}{chance}; allowed {self.allowed})"
+            self.cell,
+            self.indicator,
+            f"{self.mean:.{digits}f}",
+            f"{self.published:{'g' if digits == 2 else '.4f'}}",
+            f"{self.difference:+.{digits}f}{in_std}{chance}",
+            self.allowed,
+            self.table,
         )
 
 
@@ -86,14 +97,32 @@ def check(
     why no published value stands beside some conditions.
     """
     limits = tolerances if isinstance(tolerances, dict) else read_tolerances(tolerances, _beside(comparison))
-    cells = [cell for cell in comparison.iter_rows(named=True) if cell["indicator"] in limits]
-    if not cells:
+    groups = means_of(comparison, limits)
+    if not groups:
         why = "".join(f"; {len(names)} of them: {reason}" for reason, names in list((differs or {}).items())[:3])
         raise UsageError(
             f"nothing to check: none of these conditions has a {_beside(comparison)} value with a tolerance{why}"
         )
-    outside = [cell for cell in cells if not _within(cell, limits[cell["indicator"]])]
-    return [_violation(cell, limits[cell["indicator"]], _beside(comparison)) for cell in outside]
+    found = []
+    for (_, indicator), cells in groups.items():
+        outside = [cell for cell in cells if not _within(cell, limits[indicator])]
+        if outside:
+            found.append(_violation(outside[0], limits[indicator], _beside(comparison), tables_of(cells)))
+    return found
+
+
+def means_of(comparison: pl.DataFrame, checked: Container[str]) -> dict[tuple[str, str], list[dict[str, Any]]]:
+    """Return the cells of each mean by condition and indicator: a published mean may be printed in several tables."""
+    found: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    for cell in comparison.iter_rows(named=True):
+        if cell["indicator"] in checked:
+            found.setdefault((str(cell["condition"]), cell["indicator"]), []).append(cell)
+    return found
+
+
+def tables_of(cells: Sequence[Mapping[str, Any]]) -> str:
+    """Return the tables of some cells, with commas."""
+    return ", ".join(dict.fromkeys(cell["table"] for cell in cells))
 
 
 def _beside(comparison: pl.DataFrame) -> str:
@@ -110,14 +139,14 @@ def _within(cell: dict[str, Any], limits: dict[str, float]) -> bool:
     return any(in_unit[kind] is not None and abs(in_unit[kind]) <= limit for kind, limit in limits.items())
 
 
-def _violation(cell: dict[str, Any], limits: dict[str, float], beside: str) -> Violation:
+def _violation(cell: dict[str, Any], limits: dict[str, float], beside: str, tables: str) -> Violation:
     name = " ".join(cell[group] for group in CHOICES if cell.get(group) is not None)
     name = f"{name} ({cell['condition']})" if name and cell.get("condition") else name or str(cell["condition"])
     allowed = " or ".join(
         f"p from {limit:g} on" if kind == "p" else f"{limit:g} {UNITS[kind]}" for kind, limit in limits.items()
     )
     return Violation(
-        table=cell["table"],
+        table=tables,
         cell=name,
         indicator=cell["indicator"],
         mean=_number(cell["mean"]),

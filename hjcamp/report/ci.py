@@ -11,10 +11,10 @@ from xml.etree import ElementTree
 import polars as pl
 
 from hjcamp.errors import counted
-from hjcamp.report.check import Violation
+from hjcamp.report.check import Violation, means_of, tables_of
 from hjcamp.report.formats import to_markdown
 from hjcamp.report.indicators import INDICATORS
-from hjcamp.report.sheet import Sheet
+from hjcamp.report.sheet import Cell, Sheet
 
 SHOWN = 50
 #: What XML 1.0 cannot hold, even escaped.
@@ -30,38 +30,48 @@ def summary_markdown(title: str, verdict: str, sheets: Sequence[Sheet], violatio
             if violations
             else "All means are within the tolerances.\n"
         )
-        parts += [f"* {line}\n" for line in map(str, violations[:SHOWN])]
-        if len(violations) > SHOWN:
-            parts.append(f"* ... and {len(violations) - SHOWN} more\n")
+        if violations:
+            parts.append("\n" + to_markdown(_outside(violations)))
     if verdict:
         parts.append(f"\n{verdict}\n")
     return "\n".join(["".join(parts), *map(to_markdown, sheets)])
 
 
 def junit_xml(suite: str, cells: pl.DataFrame, violations: Sequence[Violation], checked: Sequence[str]) -> str:
-    """Return one test case for each published mean of ``cells`` (of `against_published`) whose indicator was ``checked``."""
-    outside = {(one.table, one.condition, one.indicator): str(one) for one in violations}
-    rows = [row for row in cells.iter_rows(named=True) if row["indicator"] in checked]
+    """Return one test case for each mean of ``cells`` (of `against_published`) whose indicator was ``checked``.
+
+    The tables in which a mean is printed are a property of its case.
+    """
+    outside = {(one.condition, one.indicator): str(one) for one in violations}
+    means = means_of(cells, checked)
     root = ElementTree.Element("testsuites")
     place = ElementTree.SubElement(
         root,
         "testsuite",
         name=_clean(suite),
-        tests=str(len(rows)),
+        tests=str(len(means)),
         failures=str(len(violations)),
         errors="0",
         skipped="0",
     )
-    for row in rows:
-        name = f"{row['condition']} {row['indicator']}"
+    for (condition, indicator), rows in means.items():
         case = ElementTree.SubElement(
-            place, "testcase", classname=_clean(f"{suite}.{row['table']}"), name=_clean(name), time="0"
+            place, "testcase", classname=_clean(f"{suite}.{indicator}"), name=_clean(f"{condition} {indicator}"), time="0"
         )
-        said = outside.get((row["table"], str(row["condition"]), row["indicator"]))
-        if said:
+        properties = ElementTree.SubElement(case, "properties")
+        ElementTree.SubElement(properties, "property", name="tables", value=_clean(tables_of(rows)))
+        if said := outside.get((condition, indicator)):
             ElementTree.SubElement(case, "failure", message=_clean(said)).text = _clean(said)
     ElementTree.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _outside(violations: Sequence[Violation]) -> Sheet:
+    beside = violations[0].beside
+    headers = ["condition", "indicator", "mean", beside, "difference", "allowed", "printed in"]
+    more = [f"{len(violations) - SHOWN} more are outside."] if len(violations) > SHOWN else []
+    rows = [[Cell(text) for text in one.row] for one in violations[:SHOWN]]
+    return Sheet("outside", "Outside the tolerances", "", headers, rows, more)
 
 
 def metrics_json(conditions: pl.DataFrame) -> str:

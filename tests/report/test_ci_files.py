@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
+import polars as pl
 import pytest
 import yaml
 from report_samples import make_logs, make_plan, write_plan
@@ -25,11 +27,33 @@ def test_one_case_for_each_published_mean(tmp_path: Path) -> None:
     suite = ElementTree.fromstring(junit_xml("a \x00 <b>", made.comparison, violations, list(limits)))[0]
     cells = made.comparison.filter(made.comparison["indicator"] == "rmse1_deg")
     # The samples are off by 1.65 and 0.65 deg on average; what is printed says which of them pass.
-    outside = sum(abs(row["mean"] - row["published_mean"]) > 0.1 for row in cells.iter_rows(named=True))
-    assert outside > 0 and int(suite.attrib["tests"]) == cells.height and int(suite.attrib["failures"]) == outside
+    names = {row["condition"] for row in cells.iter_rows(named=True) if abs(row["mean"] - row["published_mean"]) > 0.1}
+    outside, means = len(names), cells["condition"].n_unique()
+    assert outside > 0 and int(suite.attrib["tests"]) == means and int(suite.attrib["failures"]) == outside
     assert len(suite.findall("testcase/failure")) == outside and suite.attrib["name"] == "a ? <b>"
     text = summary_markdown("run", "said", made.sheets, violations)
     assert text.startswith("# run") and f"**{outside} means are outside" in text and "| trajectory" in text
+    (table,) = re.findall(r"## Outside the tolerances\n\n((?:\|.*\n)+)", text)
+    assert len(table.splitlines()) == 2 + outside and table.startswith("| condition | indicator | mean | published |")
+
+
+@pytest.mark.parametrize("tables", [("table_5_5_1", "table_5_5_3"), ("table_5_5_1",), ("table_5_5_3", "table_5_5_2", "table_5_5_1")])
+def test_a_mean_that_is_printed_in_several_tables_is_one_case(tables: tuple[str, ...]) -> None:
+    cells = pl.DataFrame(
+        [
+            {"table": table, "condition": name, "indicator": indicator, "n": 7, "mean": 2.0, "std": 0.1,
+             "published_mean": printed, "published_std": 0.1, "difference": 2.0 - printed, "difference_in_std": (2.0 - printed) / 0.1}
+            for table in tables for name, printed in (("one", 1.0), ("other", 2.0)) for indicator in ("rmse1_deg", "e_max_deg")
+        ]
+    )  # fmt: skip
+    limits = {"rmse1_deg": {"absolute": 0.1}, "e_max_deg": {"absolute": 5.0}}
+    violations = check(cells, limits)
+    assert [(one.condition, one.indicator) for one in violations] == [("one", "rmse1_deg")]
+    suite = ElementTree.fromstring(junit_xml("hjcamp", cells, violations, list(limits)))[0]
+    assert (suite.attrib["tests"], suite.attrib["failures"]) == ("4", "1")
+    names = [case.attrib["name"] for case in suite.findall("testcase")]
+    assert len(set(names)) == 4
+    assert {one.attrib["value"] for one in suite.findall("testcase/properties/property")} == {", ".join(tables)}
 
 
 def test_metrics_and_parameters_lie_in_the_run_folder(tmp_path: Path) -> None:
