@@ -171,11 +171,12 @@ def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -
     for test in folder.plan.tests:
         path = folder.path / test.log
         known = folder.manifest["tests"][test.id]
-        if known["state"] == "failed" and known.get("message"):
+        if known["state"] != "done" and known.get("message"):
             result.before[test.id] = known["message"]
         if not path.exists():
             waiting.append(test)
-            folder.manifest["tests"][test.id] = {"state": "planned"}
+            # why it failed is kept until it is made
+            folder.manifest["tests"][test.id] = {**known, "state": "planned"}
             continue
         problem = _problem(folder.plan, test, path)
         if problem is None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -43,12 +43,14 @@ def configuration_rows(found: RunComparison) -> list[dict[str, Any]]:
     """Return each parameter that differs in a pair: its values (None and ``absent_in`` where it is not there), the conditions."""
     rows: dict[tuple[str, str, str], dict[str, Any]] = {}
     sides = (found.run.configurations, found.baseline.configurations)
-    pairs = [(name, sides[0].get(name, {}), sides[1].get(other, {})) for name, other in found.pairs.items()]
+    pairs: list[tuple[str, Mapping[str, Any], Mapping[str, Any]]] = [
+        (name, sides[0].get(name, {}), sides[1].get(other, {})) for name, other in found.pairs.items()
+    ]
     if not pairs:
         # without a pair, what all tests of one run have is held against what all tests of the other have
         shared = [dict(equal_leaves(list(side.values()))) for side in sides]
         known = [{key: one[key] for key in one if key in other} for one, other in zip(shared, shared[::-1], strict=True)]
-        pairs = [(name, *known) for name in found.run.conditions]
+        pairs = [(name, known[0], known[1]) for name in found.run.conditions]
     for name, ours, theirs in pairs:
         for key, *values in unequal(ours, theirs):
             row = rows.setdefault(

@@ -60,6 +60,9 @@ def test_a_test_that_stops_again_at_the_same_limit_is_named_with_the_way_on(
     assert "1 test left; go on with: hjcamp resume run" in str(again.value)
     words = "ramp_pos__pid/rep_01 was stopped by the same limit before; without it: hjcamp report run"
     assert (words in str(again.value)) is same
+    device.faults = [Fault(kinds[1], 650, device.tests + 1)]
+    with pytest.raises(RigStopped, match="same limit before"):
+        run(open_folder(folder.path), StopRule(), [])
     # the test that was stopped did not keep the other from being made
     states = {test: entry["state"] for test, entry in open_folder(folder.path).manifest["tests"].items()}
     assert states == {"ramp_pos__pid/rep_01": "failed", "ramp_pos__pid/rep_02": "done"}
