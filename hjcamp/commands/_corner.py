@@ -37,6 +37,7 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
     """
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.pictures.corner import MOST, draw_corner
+    from hjcamp.report.units import told_error
 
     if not found:
         return [], {}
@@ -44,9 +45,9 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
     if len(found) < 2:
         return parts, {}
     drawn = sorted(_first(found, correlation)[:MOST])
-    picture = draw_corner(
-        [found[place].label for place in drawn], [_value(found[place]) for place in drawn], correlation[np.ix_(drawn, drawn)]
-    )  # fmt: skip
+    shown = [found[place] for place in drawn]
+    values = [told_error(one.value, one.error, one.unit) for one in shown]
+    picture = draw_corner([one.label for one in shown], values, correlation[np.ix_(drawn, drawn)])
     which = f": {len(drawn)} of {len(found)}, those of effects and those most alike" if len(drawn) < len(found) else ""
     return [*parts, page.picture(f"Fitted parameters, two by two{which}", picture), page.note(SAID)], {
         "corner": picture
@@ -56,11 +57,12 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
 def known_rows(found: Sequence[Estimate], correlation: Array) -> list[list[str]]:
     """Return the rows of the table: parameter, value, interval, which other is most like it, how much, what to mind."""
     from hjcamp.report.pictures.corner import ALIKE, told_correlation
-    from hjcamp.report.units import told, told_interval
+    from hjcamp.report.units import told_estimate, told_interval
 
     rows, beside = [], _beside(correlation)
     for place, one in enumerate(found):
-        row = [one.label, told(one.value, one.unit), told_interval({"unit": one.unit, "ci95": one.ci95})]
+        estimate = {"value": one.value, "unit": one.unit, "ci95": one.ci95}
+        row = [one.label, told_estimate(estimate), told_interval(estimate)]
         most, said = "", ""
         if len(found) > 1:
             other = int(np.argmax(beside[place]))
@@ -81,13 +83,3 @@ def _first(found: Sequence[Estimate], correlation: Array) -> list[int]:
     """Return the places of parameters in the order in which they deserve room."""
     most = _beside(correlation).max(axis=1)
     return sorted(range(len(found)), key=lambda place: (not found[place].effect, -float(most[place])))
-
-
-def _value(one: Estimate) -> str:
-    """Return value and standard error in the unit that people read: ``80 ± 0.2 kg``."""
-    from hjcamp.report.units import plain, shown
-
-    value, name = shown(one.value, one.unit)
-    # the unit by the value's size: that of its error may be another
-    factor = value / one.value if one.value else shown(1.0, one.unit)[0]
-    return f"{plain(value)} ± {plain(abs(one.error * factor), 2)} {name}".rstrip()

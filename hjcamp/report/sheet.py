@@ -14,6 +14,7 @@ from hjcamp.report.declared import Column, TableDefinition
 from hjcamp.report.indicators import CHOICES, FURTHER, INDICATORS
 from hjcamp.report.published import CONDITION, MEASURED_WITH, published_cells
 from hjcamp.report.tables import FAR_OFF, differences
+from hjcamp.report.units import decimals_of, rounded
 from hjcamp.report.welch import SIGNIFICANT
 
 TITLES = {
@@ -193,7 +194,7 @@ def _pair(row: dict[str, Any], name: str, definition: TableDefinition, compared:
     mean, std = row[f"{name}_mean"], row[f"{name}_std"]
     if mean is not None and name in definition.magnitudes:
         mean = abs(mean)
-    text = " ".join(part for part in (with_deviation(mean, std, 2), row.get(f"{name}_arrow") or "") if part)
+    text = " ".join(part for part in (with_own_deviation(mean, std), row.get(f"{name}_arrow") or "") if part)
     cells = [Cell(text, "value", far_off(row, name))]
     if compared:
         beside = f"{name}_{_beside([row])}"
@@ -229,6 +230,14 @@ def with_deviation(mean: float | None, std: float | None, decimals: int) -> str:
     # A tiny negative number must not show as -0.00.
     shown = f"{round(mean, decimals) + 0.0:.{decimals}f}"
     return shown if std is None else f"{shown} ± {std:.2f}"
+
+
+def with_own_deviation(mean: float | None, std: float | None) -> str:
+    """Return "mean ± std" of a run, rounded to two digits of the deviation; a dash where there is no mean."""
+    places = None if std is None else decimals_of(std, mean or 0.0)
+    if mean is None or std is None or places is None or math.isnan(mean):
+        return with_deviation(mean, std, 2)
+    return f"{rounded(mean, places)} ± {rounded(std, places)}"
 
 
 def _matches(row: dict[str, Any], column: Column) -> bool:

@@ -33,6 +33,10 @@ SHOWN: dict[str, tuple[str, float]] = {
 }
 
 
+#: Of an estimate that is known ever so well.
+MOST_DIGITS = 7
+
+
 def shown(value: float, unit: str) -> tuple[float, str]:
     """Return an SI value and its unit as people read them; a number without unit has the unit ''."""
     name, factor = unit_for(value, unit)
@@ -61,15 +65,86 @@ def told(value: float, unit: str, digits: int = 3) -> str:
     return f"{plain(number, digits)} {name}".rstrip()
 
 
-def told_interval(row: Mapping[str, Any], digits: int = 3) -> str:
-    """Return the 95 % interval of one row of an answer (value, unit, ci95): ``0.268 to 0.29``; in words where nothing tells it."""
-    if not row.get("told", True):
-        return "not told by these tests"
-    factor = unit_for(row.get("value", row["ci95"][1]), row["unit"])[1]
-    low, high = (one * factor for one in row["ci95"])
-    while digits < 7 and low != high and plain(low, digits) == plain(high, digits):
-        digits += 1
-    return f"{plain(low, digits)} to {plain(high, digits)}"
+def estimate_texts(row: Mapping[str, Any], digits: int = 3) -> tuple[str, tuple[str, str] | None, str]:
+    """Return the value, the ends of the interval (None: not known) and the unit of one row of an answer (value, unit, ci95).
+
+    All are rounded to the same decimals, with which half the interval has two digits. Rounding keeps the order of numbers, so
+    a value is never shown outside its own interval. Without an interval the value has ``digits`` digits.
+    """
+    factor, name = _unit_of(row)
+    ends = row.get("ci95") or (None, None)
+    value = row.get("value", ends[1])
+    if None in ends or not row.get("told", True):
+        return plain(value * factor, digits), None, name
+    low, high = (end * factor for end in ends)
+    places = decimals_of(0.5 * abs(high - low), value * factor)
+    texts = [plain(one, digits) if places is None else rounded(one, places) for one in (value * factor, low, high)]
+    return texts[0], (texts[1], texts[2]), name
+
+
+def told_estimate(row: Mapping[str, Any], digits: int = 3) -> str:
+    """Return the value of one row of an answer as its interval allows, with its unit: ``0.279 mm3/(s MPa)``."""
+    value, _, name = estimate_texts(row, digits)
+    return f"{value} {name}".rstrip()
+
+
+def told_like(value: float, row: Mapping[str, Any], digits: int = 3) -> str:
+    """Return another value of the same quantity (what was published of it) in the unit that `told_estimate` shows."""
+    return f"{number_like(value, row, digits)} {_unit_of(row)[1]}".rstrip()
+
+
+def number_like(value: float, row: Mapping[str, Any], digits: int = 3) -> str:
+    """Return `told_like` without its unit."""
+    return plain(value * _unit_of(row)[0], digits)
+
+
+def told_interval(row: Mapping[str, Any]) -> str:
+    """Return the 95 % interval of one row of an answer (value, unit, ci95): ``0.268 to 0.290``; in words where nothing tells it."""
+    ends = estimate_texts(row)[1]
+    return "not told by these tests" if ends is None else " to ".join(ends)
+
+
+def told_error(value: float, error: float, unit: str) -> str:
+    """Return a value and its standard error with the same decimals, two digits of the error: ``80.0000 ± 0.0035 kg``."""
+    factor, name = _unit_of({"value": value, "unit": unit})
+    places = decimals_of(abs(error * factor), value * factor)
+    texts = [plain(value * factor), plain(abs(error * factor), 2)]
+    if places is not None:
+        texts = [rounded(value * factor, places), rounded(abs(error * factor), places)]
+    return f"{texts[0]} ± {texts[1]} {name}".rstrip()
+
+
+def decimals_of(uncertainty: float, value: float = 0.0, digits: int = 2) -> int | None:
+    """Return the decimals that show an uncertainty with so many digits (negative: tens, hundreds); None where there is none.
+
+    No more than ``MOST_DIGITS`` digits of the value are shown.
+    """
+    if not (uncertainty > 0.0 and math.isfinite(uncertainty)):
+        return None
+    exponent = math.floor(math.log10(uncertainty))
+    if round(uncertainty / 10.0 ** (exponent - digits + 1)) >= 10**digits:  # 0.0996 has the digits of 0.10
+        exponent += 1
+    most = MOST_DIGITS - 1 - math.floor(math.log10(abs(value))) if value else math.inf
+    return int(min(digits - 1 - exponent, most))
+
+
+def rounded(number: float, places: int) -> str:
+    """Return a number with so many decimals; one that would be shown as nothing keeps two digits of its own.
+
+    The order of numbers is kept: what is rounded to nothing is below half a step, what is not is at least one.
+    """
+    near = round(number, places)
+    if not near and number:
+        return plain(number, 2)
+    size = abs(near)
+    if near and not 1e-4 <= size < 1e7:
+        return f"{near:.{max(math.floor(math.log10(size)) + places, 0)}e}"
+    return f"{near:.{max(places, 0)}f}"
+
+
+def _unit_of(row: Mapping[str, Any]) -> tuple[float, str]:
+    name, factor = unit_for(row.get("value", (row.get("ci95") or (0.0, 0.0))[1]), row["unit"])
+    return factor, name
 
 
 def plain(number: float, digits: int = 3) -> str:

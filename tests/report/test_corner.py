@@ -41,7 +41,7 @@ def estimate(name: str, effect: str = "") -> Estimate:
 def test_the_table_says_value_interval_and_what_is_hardly_told_apart() -> None:
     alike = np.array([[1.0, -0.97, 0.001], [-0.97, 1.0, 0.0], [0.001, 0.0, 1.0]])
     rows = known_rows([estimate("one"), estimate("two"), estimate("low")], alike)
-    assert rows[0] == ["one", "2 mm", "1 to 3", "two", "-0.97", "hardly told apart"]
+    assert rows[0] == ["one", "2.0 mm", "1.0 to 3.0", "two", "-0.97", "hardly told apart"]
     assert rows[2][-2:] == ["0", "at its bound"]
     assert alike[0, 0] == 1.0
 
@@ -51,6 +51,6 @@ def test_where_room_is_short_effects_come_first_then_what_is_most_alike() -> Non
     correlation = np.eye(len(found))
     correlation[1, 2] = correlation[2, 1] = 0.8
     parts, pictures = how_well_known(found, correlation)
-    assert ">spring<" in pictures["corner"] and ">p2<" in pictures["corner"] and "2 ± 0.54 mm" in pictures["corner"]
+    assert ">spring<" in pictures["corner"] and ">p2<" in pictures["corner"] and "2.00 ± 0.54 mm" in pictures["corner"]
     assert f">p{MOST}<" not in pictures["corner"] and f"{MOST} of {len(found)}" in "".join(parts)
     assert how_well_known(found[:1], np.eye(1))[1] == {} and how_well_known([], np.eye(0)) == ([], {})

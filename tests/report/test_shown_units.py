@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+import math
+
 import pint
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hjcamp.effects import load_effects
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.report.units import SHOWN, label, plain, shown, told, told_interval
+from hjcamp.report.units import (
+    SHOWN,
+    decimals_of,
+    label,
+    plain,
+    rounded,
+    shown,
+    told,
+    told_error,
+    told_estimate,
+    told_interval,
+    told_like,
+)
 
 
 def test_every_factor_agrees_with_pint() -> None:
@@ -32,18 +48,58 @@ def test_what_is_told() -> None:
     assert told(12345.6, "N") == "12346 N"
     assert told(0.0, "N") == "0 N"
     assert told(7.20, "N") == "7.2 N"
-    assert told_interval({"unit": "Pa", "ci95": [4.92e5, 5.01e5]}) == "0.492 to 0.501"
+    assert told_interval({"unit": "Pa", "ci95": [4.92e5, 5.01e5]}) == "0.4920 to 0.5010"
     assert told(465.0, "Pa") == "465 Pa" and told(4650.0, "Pa") == "0.00465 MPa"
     assert told(0.0065, "m^3") == "0.0065 m^3" and told(8.5e-9, "m^3") == "8.5 mm3"
     assert told(31.0, "m/s") == "31 m/s" and told(0.31, "m/s") == "310 mm/s"
     assert told(0.3, "N*s/m") == "0.3 N*s/m" and told(120.0, "N*s/m") == "0.12 N s/mm" and told(1.08, "N/m") == "1.08 N/m"
     # both ends in the unit of the value
-    assert told_interval({"unit": "Pa", "value": 1500.0, "ci95": [900.0, 2100.0]}) == "0.0009 to 0.0021"
-    assert told_interval({"unit": "kg", "value": 1.1, "ci95": [0.9, 1.3]}) == "0.9 to 1.3"
-    assert told_interval({"unit": "N", "ci95": [2.94512, 2.94533]}) == "2.9451 to 2.9453"
+    assert told_interval({"unit": "Pa", "value": 1500.0, "ci95": [900.0, 2100.0]}) == "0.00090 to 0.00210"
+    assert told_interval({"unit": "kg", "value": 1.1, "ci95": [0.9, 1.3]}) == "0.90 to 1.30"
+    assert told_interval({"unit": "N", "ci95": [2.94512, 2.94533]}) == "2.94512 to 2.94533"
 
 
 def test_labels() -> None:
     assert label("coulomb_positive") == "Coulomb friction, positive"
     assert label("arm_deg") == "arm angle"
     assert label("conductance_above") == "conductance above"
+
+
+@given(
+    st.floats(-1e9, 1e9).filter(lambda value: abs(value) > 1e-12),
+    st.floats(1e-9, 10.0),
+    st.floats(1e-9, 10.0),
+    st.sampled_from(sorted(SHOWN)),
+)
+def test_a_value_is_never_shown_outside_its_own_interval(value: float, below: float, above: float, unit: str) -> None:
+    low, high = value - below * abs(value), value + above * abs(value)
+    row = {"value": value, "unit": unit, "ci95": [low, high]}
+    seen = float(told_estimate(row).partition(" ")[0])
+    ends = [float(end) for end in told_interval(row).split(" to ")]
+    assert ends[0] <= seen <= ends[1]
+    # no more is lost than a twentieth of the half width, unless seven digits are too few to show it
+    factor = shown(value, unit)[0] / value
+    width = max(0.5 * (high - low) * factor * 0.0501, 0.501e-6 * abs(value * factor))
+    for text, number in zip((seen, *ends), (value, low, high), strict=True):
+        assert abs(text - number * factor) <= width
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-12, 1e6))
+def test_an_uncertainty_has_two_digits_and_its_value_as_many_decimals(value: float, error: float) -> None:
+    places = decimals_of(error)
+    assert places is not None
+    text = rounded(error, places)
+    assert len(text.partition("e")[0].replace(".", "").strip("0").rjust(2, "0")) <= 2 or error >= 100.0
+    assert abs(float(text) - error) <= 0.0501 * error
+    assert decimals_of(0.0) is None and decimals_of(math.inf) is None
+
+
+def test_published_faults_are_shown_right() -> None:
+    stiffness = {"value": 140.2, "unit": "N/m", "ci95": [140.1, 140.3]}
+    assert (told_estimate(stiffness), told_interval(stiffness)) == ("0.14020 N/mm", "0.14010 to 0.14030")
+    assert told_like(0.5, {"value": 20.0, "unit": "N/m", "ci95": [10.0, 30.0]}) == "0.5 N/m"
+    assert told_error(80.0, 0.0035, "kg") == "80.0000 ± 0.0035 kg"
+    assert told_error(15.0, 0.0023, "N") == "15.0000 ± 0.0023 N"
+    assert told_estimate({"value": 1.0, "unit": "N", "ci95": [0.001, 50.0]}) == "1 N"
+    assert told_interval({"value": 1.0, "unit": "N", "ci95": [0.001, 50.0]}) == "0.001 to 50"
+    assert told_estimate({"value": 2.0, "unit": "N", "ci95": [1.0, 3.0], "told": False}) == "2 N"

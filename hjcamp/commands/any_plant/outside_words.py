@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.levels import LEVEL, MATTERS
-from hjcamp.report.units import plain, told, told_interval
+from hjcamp.report.units import plain, told, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
     from hjcamp.model.effect import Effect
@@ -46,10 +46,10 @@ def constant_words(rows: Mapping[str, Mapping[str, Any]], before: float) -> list
     """Say which constant of the plant's file may be another one, beside the error of the base ``before``, over the floor."""
     said = []
     for name, one in rows.items():
-        label, unit = name.replace("_", " "), one["unit"]
+        label = name.replace("_", " ")
         said.append(
-            f"The plant's file gives {label} as {told(one['declared'], unit)}. With {told(one['value'], unit, 4)} "
-            f"({told_interval(one, 4)}) and nothing else the error is {one['left']:.2f} times the floor instead of "
+            f"The plant's file gives {label} as {told_like(one['declared'], one)}. With {told_estimate(one)} "
+            f"({told_interval(one)}) and nothing else the error is {one['left']:.2f} times the floor instead of "
             f"{before:.2f}: if it is not known so well, write base=True at {name} and ask again."
         )
     return said

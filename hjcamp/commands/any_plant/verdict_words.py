@@ -39,7 +39,7 @@ from hjcamp.commands.any_plant.words import (
 )
 from hjcamp.prediction.levels import LEVEL
 from hjcamp.report.floor_words import worst_words
-from hjcamp.report.units import plain, told, told_interval
+from hjcamp.report.units import plain, told, told_estimate, told_interval
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -318,7 +318,7 @@ class Words:
             sign = "+ " if one.get("beside") else ""
             first = [f"{sign}{one['effect']}", f"{one['t']:.1f}", f"{100 * one['heldout_error_ratio']:.0f} %"]
             for name, row in one["parameters"].items():
-                rows.append([*first, name.replace("_", " "), told(row["value"], row["unit"]), told_interval(row) + bound_word(row)])
+                rows.append([*first, name.replace("_", " "), told_estimate(row), told_interval(row) + bound_word(row)])
                 first = ["", "", ""]
         return rows
 

@@ -11,7 +11,7 @@ from hjcamp.commands.any_plant.head_words import print_head
 from hjcamp.commands.any_plant.plant_hints import far_states
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.levels import MATTERS
-from hjcamp.report.units import plain, told, told_interval
+from hjcamp.report.units import plain, told, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -48,18 +48,18 @@ def calibration_table(
     from hjcamp.prediction.fitting.intervals import limited
 
     return [
-        [name.replace("_", " ").replace(DELAY, "delay of "), told(row["published"], row["unit"]), told(row["value"], row["unit"]),
+        [name.replace("_", " ").replace(DELAY, "delay of "), told_like(row["published"], row), told_estimate(row),
          told_interval(row) + ("  at its bound" if limited(row) else ""),
-         *([_found(beside[name], row["unit"]) if name in beside else ""] if beside else [])]
+         *([_found(beside[name], row) if name in beside else ""] if beside else [])]
         for name, row in rows.items()
     ]  # fmt: skip
 
 
-def _found(row: Mapping[str, Any], unit: str) -> str:
+def _found(row: Mapping[str, Any], alone: Mapping[str, Any]) -> str:
     """Return a base parameter beside what was found, and whether a bound stops it."""
     from hjcamp.prediction.fitting.intervals import limited
 
-    return told(row["value"], unit) + ("  at its bound" if limited(row) else "")
+    return (told_estimate(row) if row.get("ci95") else told_like(row["value"], alone)) + ("  at its bound" if limited(row) else "")
 
 
 def calibrated(beside: object) -> tuple[str, ...]:
@@ -299,7 +299,7 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
     content = answer(found, path.stem, str(path))
     print_head(console, found.analysis)
     rows = [
-        [name, parameter.replace("_", " "), told(row["value"], row["unit"]), told_interval(row) + bound_word(row)]
+        [name, parameter.replace("_", " "), told_estimate(row), told_interval(row) + bound_word(row)]
         for name in names
         for parameter, row in content["parameters"].get(name, {}).items()
     ]

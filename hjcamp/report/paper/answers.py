@@ -13,7 +13,7 @@ from hjcamp.report.paper.names import macro
 from hjcamp.report.paper.numbers import Quantity, of_estimate
 from hjcamp.report.paper.tables import plain_sheet
 from hjcamp.report.sheet import NO_TEST, Sheet
-from hjcamp.report.units import SHOWN, label, plain, shown
+from hjcamp.report.units import estimate_texts, label, number_like, plain
 
 
 def read_answer(path: Path) -> dict[str, Any]:
@@ -84,35 +84,17 @@ def _diagnosis(answer: Mapping[str, Any], name: str) -> Sheet:
 def _calibration(answer: Mapping[str, Any], name: str) -> Sheet:
     rows = []
     for key, row in answer["calibration"].items():
-        scale, unit = _scale(row["unit"])
-        ends = _ends(row)
-        rows.append(
-            [
-                row.get("text") or label(key),
-                unit,
-                plain(row["value"] * scale, 4),
-                " to ".join(plain(end * scale, 4) for end in ends) if ends else NO_TEST,
-                NO_TEST if row.get("published") is None else plain(row["published"] * scale, 4),
-            ]
-        )
+        value, ends, unit = estimate_texts(row, 4)
+        published = NO_TEST if row.get("published") is None else number_like(row["published"], row, 4)
+        rows.append([row.get("text") or label(key), unit, value, " to ".join(ends) if ends else NO_TEST, published])
     headers = ["constant", "unit", "value", "95 % interval", "published"]
     return plain_sheet(name, f"Constants identified from {counted(answer['tests'], 'test')}", headers, rows)
 
 
 def _estimate(row: Mapping[str, Any]) -> str:
-    scale, unit = _scale(row["unit"])
-    ends = _ends(row)
-    interval = f" ({plain(ends[0] * scale)} to {plain(ends[1] * scale)})" if ends else ""
-    return f"{plain(row['value'] * scale)}{interval} {unit}".rstrip()
-
-
-def _ends(row: Mapping[str, Any]) -> tuple[float, float] | None:
-    ends = row.get("ci95")
-    return None if not ends or None in ends else (ends[0], ends[1])
-
-
-def _scale(unit: str) -> tuple[float, str]:
-    return (shown(1.0, unit)[0], SHOWN[unit][0]) if unit in SHOWN and unit != "kg" else (1.0, unit)
+    value, ends, unit = estimate_texts(row)
+    interval = f" ({' to '.join(ends)})" if ends else ""
+    return f"{value}{interval} {unit}".rstrip()
 
 
 SHEETS = {

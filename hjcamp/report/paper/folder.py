@@ -34,7 +34,6 @@ MAIN = r"""% Shows everything that is here; hjcamp paper writes this file once a
 \usepackage[utf8]{inputenc}
 \usepackage[margin=20mm]{geometry}
 \usepackage{amssymb,booktabs,graphicx,siunitx}
-\sisetup{separate-uncertainty=true}
 \input{numbers}
 \begin{document}
 @tables@
@@ -125,7 +124,7 @@ def _numbers(row: Mapping[str, Any], base: str) -> dict[str, Quantity]:
         if mean is not None:
             found[f"{base}{word}"] = of_mean(mean, std, row["n"], r"\degree")
         if std is not None:
-            found[f"{base}{word}Std"] = Quantity(std, None, r"\degree")
+            found[f"{base}{word}Std"] = Quantity(std, None, r"\degree", 2)
     return found
 
 

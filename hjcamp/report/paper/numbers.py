@@ -6,9 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from hjcamp.report.units import shown
+from hjcamp.report.units import decimals_of, shown
 
-SIGNIFICANT = 2  # digits of an uncertainty
 #: Half a 95 % interval in standard uncertainties of a normal distribution.
 COVERAGE = 1.959964
 
@@ -19,25 +18,23 @@ class Quantity(NamedTuple):
     value: float
     uncertainty: float | None
     unit: str
+    digits: int = 4  # where no uncertainty is known
 
     @property
     def latex(self) -> str:
         r"""The quantity as a macro of siunitx, which versions 2 and 3 know."""
-        number = uncertain(self.value, self.uncertainty)
+        number = uncertain(self.value, self.uncertainty, self.digits)
         return rf"\SI{{{number}}}{{{self.unit}}}" if self.unit else rf"\num{{{number}}}"
 
 
-def uncertain(value: float, uncertainty: float | None) -> str:
-    """Return ``1.234(56)``: the uncertainty with two digits, the value with as many places; four digits where none is known."""
+def uncertain(value: float, uncertainty: float | None, digits: int = 4) -> str:
+    """Return ``1.234(56)``: the uncertainty with two digits, the value with as many places; ``digits`` where none is known."""
     if not uncertainty or not math.isfinite(uncertainty):
-        return f"{value:.4g}"
-    exponent = math.floor(math.log10(uncertainty))
-    if round(uncertainty / 10.0 ** (exponent - 1)) >= 100:  # 0.0996 has the digits of 0.10
-        exponent += 1
+        return f"{value:.{digits}g}"
     if not -4 <= math.floor(math.log10(max(abs(value), uncertainty))) < 6:
         power = math.floor(math.log10(max(abs(value), uncertainty)))
         return f"{uncertain(value / 10.0**power, uncertainty / 10.0**power)}e{power}"
-    places = max(SIGNIFICANT - 1 - exponent, 0)
+    places = max(decimals_of(uncertainty) or 0, 0)
     return f"{value:.{places}f}({round(uncertainty * 10**places)})"
 
 
@@ -69,6 +66,6 @@ def unit_latex(unit: str) -> str:
 
 def macros(quantities: Mapping[str, Quantity]) -> str:
     """Return the file of macros, a line for each quantity."""
-    lines = ["% needs \\usepackage{siunitx}; value(standard uncertainty of the mean, two digits)"]
+    lines = ["% needs \\usepackage{siunitx}; in brackets: the standard uncertainty, of a mean s / sqrt(n), two digits"]
     lines += [rf"\newcommand{{\{name}}}{{{one.latex}}}" for name, one in quantities.items()]
     return "\n".join([*lines, ""])

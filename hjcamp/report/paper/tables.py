@@ -14,8 +14,9 @@ from hjcamp.report.sheet import NO_TEST, Cell, Sheet
 NEEDS = "% needs \\usepackage{booktabs,graphicx,siunitx}"
 #: A table that is wider than the text is made smaller; no other is.
 FITTED = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
-#: A number, its deviation, and what may stand behind them: a mark, an arrow, a change in brackets.
-VALUE = re.compile(r"(-?)(\d+)(?:\.(\d+))?(?: ± (\d+\.?\d*))?(?: ([^\w\s].*))?")
+#: A number, and what may stand behind it: its deviation, a mark, an arrow, a change in brackets.
+VALUE = re.compile(r"(-?)(\d+)(?:\.(\d+))?(?: ([^\w\s].*))?")
+DEVIATION = "In a table, ± is the sample standard deviation s of the n tests, with the digits that were printed where it is published."
 UNIT = "unit"
 
 
@@ -53,7 +54,8 @@ def paper_table(sheet: Sheet, label: str) -> str:
             behind = [f" & {escape_latex(_after(cell))}" if place in marked else "" for place, cell in enumerate(row)]
             lines.append(" & ".join(map("".join, zip(cells, behind, strict=True))) + r" \\")
     lines += [r"\bottomrule", r"\end{tabular}}"]
-    lines += [rf"\par\footnotesize {escape_latex(note)}" for note in sheet.notes]
+    deviation = [DEVIATION] if any(" ± " in cell.text for row in rows for cell in row) else []
+    lines += [rf"\par\footnotesize {escape_latex(note)}" for note in [*deviation, *sheet.notes]]
     return "\n".join([*lines, r"\end{table}", ""])
 
 
@@ -79,21 +81,7 @@ def _format(cells: Sequence[Cell]) -> str:
     there = [one for one in found if one is not None]
     sign = "-" if any(one[1] for one in there) else ""
     digits = max(len(one[2]) for one in there)
-    places = max(_places(one) for one in there)
-    errors = [len(_error(one)) for one in there if one[4]]
-    return f"{sign}{digits}.{places}" + (f"({max(errors)})" if errors else "")
-
-
-def _places(found: re.Match[str]) -> int:
-    """Return the decimals of a number, so many more that a small deviation is not rounded to nothing: 1.8 ± 0.04 is 1.80(4)."""
-    places, most = len(found[3] or ""), len((found[4] or "").partition(".")[2])
-    while places < most and not round(float(found[4]) * 10**places):
-        places += 1
-    return places
-
-
-def _error(found: re.Match[str]) -> str:
-    return str(round(float(found[4]) * 10 ** _places(found)))
+    return f"{sign}{digits}.{max(len(one[3] or '') for one in there)}"
 
 
 def _kind(number: str, marked: bool) -> str:
@@ -102,7 +90,7 @@ def _kind(number: str, marked: bool) -> str:
 
 def _after(cell: Cell) -> str:
     found = VALUE.fullmatch(cell.text)
-    return " ".join(filter(None, (found[5] if found else "", cell.mark)))
+    return " ".join(filter(None, (found[4] if found else "", cell.mark)))
 
 
 def _cell(cell: Cell, is_number: bool, heading: str) -> str:
@@ -113,5 +101,4 @@ def _cell(cell: Cell, is_number: bool, heading: str) -> str:
     found = VALUE.fullmatch(cell.text)
     if found is None:
         return "{--}" if cell.text == NO_TEST else "{}"
-    decimals = (found[3] or "").ljust(_places(found), "0")
-    return f"{found[1]}{found[2]}" + (f".{decimals}" if decimals else "") + (f"({_error(found)})" if found[4] else "")
+    return f"{found[1]}{found[2]}" + (f".{found[3]}" if found[3] else "")

@@ -62,14 +62,9 @@ def answer_of(found: Calibration) -> dict[str, Any]:
 
 def row_of(one: Estimate) -> list[str]:
     """Return what a table shows of an estimate: text, value, interval, published value, tests."""
-    from hjcamp.plants.pump_joint.calibrate.estimate import significant
-
-    scale, unit = one.shown_scale, one.shown_unit
-    width = (one.interval[1] - one.interval[0]) * scale if one.interval else 0.0
-    value = significant(one.value * scale, width) if one.interval else f"{one.value * scale:.4g}"
-    interval = " to ".join(significant(end * scale, width) for end in one.interval) if one.interval else "none"
-    published = "" if one.published is None else f"{one.published * scale:.4g}"
-    return [one.text, f"{value} {unit}", interval, published, str(one.tests)]
+    value, ends = one.texts
+    published = "" if one.published is None else f"{one.published * one.shown_scale:.4g}"
+    return [one.text, f"{value} {one.shown_unit}", " to ".join(ends) or "none", published, str(one.tests)]
 
 
 def notes_of(found: Calibration) -> list[str]:

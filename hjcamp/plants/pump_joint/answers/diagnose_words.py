@@ -11,7 +11,7 @@ from hjcamp.plants.pump_joint.analyses.diagnosing import Diagnosed, looks_at_fin
 from hjcamp.plants.pump_joint.answers.where_words import where_sentences
 from hjcamp.plants.pump_joint.diagnosis.levels import CERTAIN, LEVEL, best_gains
 from hjcamp.report.floor_words import worse_calibrated, worst_words
-from hjcamp.report.units import label, told, told_interval
+from hjcamp.report.units import label, told, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.scale import Judged
@@ -136,7 +136,7 @@ class Told(Diagnosed):
             move = row["value"] - row["published"]
             if every or abs(move) > MOVED * (abs(row["published"]) or 1.0):
                 change = f"{100 * move / abs(row['published']):+.0f} %" if row["published"] else ""
-                before, here = told(row["published"], row["unit"]), told(row["value"], row["unit"])
+                before, here = told_like(row["published"], row), told_estimate(row)
                 rows.append([label(name), before, here, told_interval(row), change])
         return rows
 
@@ -151,7 +151,7 @@ class Told(Diagnosed):
             posterior = "<0.01" if row["posterior"] < 0.005 else f"{row['posterior']:.2f}"
             first = [row["effect"], posterior, left]
             for name, one in row["parameters"].items():
-                rows.append([*first, label(name), told(one["value"], one["unit"]), told_interval(one)])
+                rows.append([*first, label(name), told_estimate(one), told_interval(one)])
                 first = ["", "", ""]
         return rows
 
@@ -175,7 +175,7 @@ def whole_sentence(text: str) -> str:
 
 def parameters_told(rows: Mapping[str, Mapping[str, Any]]) -> str:
     """Return the parameters of one effect in a line, in the units that people read."""
-    return ", ".join(f"{label(name)} {told(row['value'], row['unit'])}" for name, row in rows.items())
+    return ", ".join(f"{label(name)} {told_estimate(row)}" for name, row in rows.items())
 
 
 def cut(names: Sequence[str], most: int) -> str:

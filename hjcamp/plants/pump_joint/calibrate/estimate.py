@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.report.units import decimals_of, rounded
+
 Array = NDArray[np.float64]
 LEVEL = 0.95
 
@@ -34,13 +36,19 @@ class Estimate:
     @property
     def shown(self) -> str:
         """Value and interval in the unit for people, with the digits that the interval allows."""
+        value, ends = self.texts
+        return " ".join(filter(None, (value, f"[{', '.join(ends)}]" if ends else "", self.shown_unit)))
+
+    @property
+    def texts(self) -> tuple[str, tuple[str, ...]]:
+        """The value and the ends of its interval in the unit for people, rounded alike; no ends where there is no interval."""
         value = self.value * self.shown_scale
         if self.interval is None:
-            return f"{value:.4g} {self.shown_unit}".rstrip()
-        low, high = (end * self.shown_scale for end in self.interval)
-        width = high - low
-        ends = f"[{significant(low, width)}, {significant(high, width)}]"
-        return f"{significant(value, width)} {ends} {self.shown_unit}"
+            return f"{value:.4g}", ()
+        ends = [end * self.shown_scale for end in self.interval]
+        places = decimals_of(0.5 * (ends[1] - ends[0]), value)
+        said = [f"{one:.6g}" if places is None else rounded(one, places) for one in (value, *ends)]
+        return said[0], tuple(said[1:])
 
 
 @dataclass(frozen=True)
@@ -99,12 +107,3 @@ def mean_interval(values: Sequence[float] | Array, resolution: float = 0.0) -> t
     spread = float(t.ppf(0.5 + LEVEL / 2, len(numbers) - 1) * numbers.std(ddof=1))
     half = math.hypot(spread, 1.96 * resolution / math.sqrt(12.0)) / math.sqrt(len(numbers))
     return mean, (mean - half, mean + half)
-
-
-def significant(value: float, width: float) -> str:
-    """Return ``value`` with two digits of ``width``, at least three and at most six digits of its own."""
-    if value == 0 or not math.isfinite(value):
-        return f"{value:g}"
-    size = math.floor(math.log10(abs(value)))
-    digits = size - math.floor(math.log10(width)) + 2 if width > 0 else 6
-    return f"{value:.{min(max(digits, 3), 6)}g}"

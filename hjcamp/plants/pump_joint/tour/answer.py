@@ -6,6 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.plants.pump_joint.tour.samples import sealed_answer
+from hjcamp.report.units import estimate_texts, number_like, told_interval
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -67,12 +68,12 @@ def rows(hidden: dict[str, Any], diagnosis: dict[str, Any]) -> list[tuple[str, .
     calibration = diagnosis.get("calibration") or {}
     for name, value in hidden["base"].items():
         row = calibration.get(name)
-        found.append(_cells(name, "" if row is None else f"{row['published']:.3g}", value, row))
+        found.append(_cells(name, "" if row is None else number_like(row["published"], row), value, row))
     return found
 
 
 def _cells(name: str, published: str, value: float, row: dict[str, Any] | None) -> tuple[str, ...]:
     if row is None:
         return name, published, f"{value:.3g}", "", "", ""
-    low, high = row["ci95"]
-    return name, published, f"{value:.3g}", f"{row['value']:.3g}", f"{low:.3g} to {high:.3g}", row["unit"]
+    found, _, unit = estimate_texts(row)
+    return name, published, number_like(value, row), found, told_interval(row), unit
