@@ -79,7 +79,7 @@ def diagnosis_drawn(words: Any) -> tuple[Any, ...]:
         missing = replace(missing_of(words), after=())
         return (lambda: draw_missing(missing)["before"],)
     if steps:
-        return draw_gains, steps[0].chance, steps[0].gain, "residuals moved in time", OWN
+        return draw_gains, steps[0].chance, steps[0].gain, "circularly shifted residuals", OWN
     raise UsageError(f"{words.title}: nothing was fitted, so there is nothing to draw")
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hjcamp.errors import UsageError, counted
 from hjcamp.model.field_unit import unit_of_field
 from hjcamp.report.names import readable
-from hjcamp.report.units import label
+from hjcamp.report.units import label, unit_for
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
@@ -51,6 +51,8 @@ class Exploration:
         self._hidden = list(hidden)
         self._floors = dict(floors or {})
         self._channels: dict[str, dict[str, Any]] = {}
+        # from the unit of the name to that of tables
+        self._factors: dict[str, float] = {}
         self._tests: list[dict[str, Any]] = []
         self._stretch = 0
         self._curves: list[bytes] = []
@@ -98,9 +100,8 @@ class Exploration:
             for channel, values in channels.items()
         ]
         told = errors or {}
-        entry["rms"] = [
-            _finite(told[one]) if one in told else _errors(measured, given.get(one, {})) for one in self._models
-        ]
+        found = [_finite(told[one]) if one in told else _errors(measured, given.get(one, {})) for one in self._models]
+        entry["rms"] = [{channel: error * self._factors.get(channel, 1.0) for channel, error in one.items()} for one in found]
         self._tests.append(entry)
 
     def add_log(self, name: str, log: TestLog) -> None:
@@ -117,7 +118,7 @@ class Exploration:
             "models": self._models,
             "observed": self._observed,
             "hidden": self._hidden,
-            "floors": {name: floor for name, floor in self._floors.items() if floor},
+            "floors": {name: floor * self._factors.get(name, 1.0) for name, floor in self._floors.items() if floor},
             "tests": self._tests,
             "averaged": self._stretch,
         }
@@ -129,6 +130,9 @@ class Exploration:
     def _packed(self, model: int, channel: str, values: Array, where: str) -> dict[str, Any]:
         if channel not in self._channels:
             self._channels[channel] = described(channel, where)
+            most = float(np.nanmax(np.abs(values))) if np.isfinite(values).any() else 0.0
+            name, self._factors[channel] = unit_for(most, self._channels[channel]["unit"] or "1")
+            self._channels[channel]["unit"] = name
         means = _means(np.asarray(values, dtype=np.float64), self._stretch)
         there = np.isfinite(means)
         low = float(means[there].min()) if there.any() else 0.0
@@ -137,7 +141,8 @@ class Exploration:
         steps[there] = np.round((means[there] - low) / span * STEPS).astype(np.uint16) + 1
         self._curves.append(np.diff(steps, prepend=np.uint16(0)).astype("<u2").tobytes())
         place, self._points = self._points, self._points + len(steps)
-        return {"model": model, "channel": channel, "at": place, "low": low, "per": span / STEPS}
+        factor = self._factors[channel]
+        return {"model": model, "channel": channel, "at": place, "low": low * factor, "per": span / STEPS * factor}
 
 
 def described(channel: str, where: str) -> dict[str, Any]:

@@ -20,13 +20,7 @@
   const number = (value) => (value == null ? "" : Math.abs(value) >= 1e5 || (value && Math.abs(value) < 1e-3)
     ? value.toExponential(2) : String(+value.toPrecision(4)));
 
-  // Small errors of channels in SI units get a prefix: 1.7e-4 m is 170 µm.
-  const PLAIN = ["m", "m/s", "m/s^2", "N", "N m", "Pa", "V", "A", "W", "K", "s", "rad", "rad/s"];
-  function reading(value, unit, digits) {
-    const thousands = value && PLAIN.includes(unit) ? Math.min(Math.max(Math.floor(Math.log10(Math.abs(value)) / 3), -4), 0) : 0;
-    const told = +(value * 1000 ** -thousands).toPrecision(digits);
-    return `${number(told)} ${["", "m", "µ", "n", "p"][-thousands]}${unit}`;
-  }
+  const reading = (value, unit) => `${number(+value.toPrecision(3))} ${unit}`;
 
   async function unpack(text) {
     const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -85,12 +79,8 @@
   const list = root.querySelector(".list"), area = root.querySelector(".plots"), bar = root.querySelector(".bar");
   let plots = [];
   const size = () => Math.max(area.clientWidth, 200);
-  const ends = (unit) => (u, ticks) => {
-    const small = Math.max(...ticks.map(Math.abs)) < 0.01 && PLAIN.includes(unit);
-    return ticks.map((value) => (small ? reading(value, unit, 3) : number(value)));
-  };
-  const axes = (unit) => [0, 1].map((side) => ({
-    ...(side ? { values: ends(unit) } : {}),
+  const axes = [0, 1].map((side) => ({
+    ...(side ? { values: (u, ticks) => ticks.map(number) } : { values: (u, ticks) => ticks.map((value) => `${number(value)} s`) }),
     stroke: () => shade("--soft"), grid: { stroke: () => shade("--grid"), width: 1 }, ticks: { stroke: () => shade("--grid"), width: 1 },
     size: side ? 56 : 28, ...(side ? { space: 16 } : {}), font: "11px system-ui, sans-serif",
   }));
@@ -122,7 +112,7 @@
         (one.told && u.series[k + 1].show && u.data[k + 1][at] != null ? [`${one.told} ${number(u.data[k + 1][at])}`] : []))].join("  ");
     };
     const made = new uPlot({
-      width: size(), height, legend: { show: false }, scales: { x: { time: false } }, axes: axes(channel.unit),
+      width: size(), height, legend: { show: false }, scales: { x: { time: false } }, axes,
       cursor: { sync: { key: "explorer" }, drag: { x: true, y: false, setScale: false }, points: { size: 5 },
         bind: { dblclick: () => () => { zoom(null); return null; } } },
       series: [{}, ...series], hooks: { draw: [lines], setCursor: [tell], setSelect: [selected] },
@@ -250,7 +240,7 @@
       make("td", row, {}, test.label);
       if (state.by) test.rms.forEach((one, model) => {
         if (state.off.has(head.models[model])) return;
-        const cell = make("td", row, {}, one[state.by] == null ? "" : reading(one[state.by], unit, 3));
+        const cell = make("td", row, {}, one[state.by] == null ? "" : reading(one[state.by], unit));
         const width = highest ? (100 * (one[state.by] || 0)) / highest : 0;
         make("span", cell, { class: "meter", style: `width:${width}%;background:var(${shades[model % shades.length]})` });
       });

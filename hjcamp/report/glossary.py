@@ -20,7 +20,7 @@ WORDS: Mapping[str, str] = {
     "memory": "The time in which a plant's readings forget where a test began (to 37 %): how long it remembers.",
     "delay": "The time by which an input acts later than its log says, fitted with the base from one sample early to two late; "
     "more of it is an effect (command_delay, sensor_lag).",
-    "over the floor": "Errors divided by their floor, of all channels and of all shapes that an error has within a window together: "
+    "normalised error": "Errors divided by their floor, of all channels and of all shapes that an error has within a window together: "
     "1 is as good as repetitions allow, 2 is twice that (a geometric mean, so that each shape counts by its own floor; it is not the "
     "quotient of two rms).",
     "calibrated": "With the base parameters fitted to these tests first, so that a constant that is merely different on this rig "
@@ -59,7 +59,8 @@ WORDS: Mapping[str, str] = {
     "anything is fitted.",
     "gain": "By how much an effect raises the log-likelihood of the tests.",
     "chance": "What effects gain where none of them is missing, found from surrogate data.",
-    "surrogate data": "Data as noisy as the measured ones in which nothing is missing: residuals moved in time, or twins.",
+    "surrogate data": "Data as noisy as the measured ones in which nothing is missing: circularly shifted residuals, or simulations "
+    "(twins).",
     "twin": "A simulation of the measured tests by the calibrated model with the rig's scatter and nothing missing; what effects "
     "gain on twins is chance.",
     "residual": "What is measured less what the model predicts.",
@@ -85,7 +86,8 @@ WORDS: Mapping[str, str] = {
 }  # fmt: skip
 ALSO: Mapping[str, str] = {
     "remembers": "memory", "whole test": "whole tests", "runs_away": "runs away", "run away": "runs away",
-    "delays": "delay",
+    "delays": "delay", "over the floor": "normalised error", "over_floor": "normalised error",
+    "circularly shifted residuals": "surrogate data",
     "driver": "drivers", "law_left": "law left", "heldout": "held-out", "held out": "held-out", "left out": "held-out",
     "chapters left out": "chapter", "posterior": "posterior weight", "weight": "posterior weight", "twins": "twin",
     "residuals moved in time": "surrogate data", "residuals drawn at random": "surrogate data",

@@ -26,6 +26,9 @@ SHADES = {
     figures.BLUE: "var(--blue)",
     figures.RED: "var(--red)",
     figures.GREEN: "var(--green)",
+    figures.PURPLE: "var(--purple)",
+    figures.ORANGE: "var(--orange)",
+    figures.TEAL: "var(--teal)",
 }
 #: Pixels of the screen for a point of the drawing, whose smallest letters have 7 points.
 READABLE = 1.2

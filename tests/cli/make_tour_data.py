@@ -19,8 +19,7 @@ EFFECT, STRENGTH, SEED = "leakage", "medium", 3
 PARAMETERS = {"leak_conductance": "conductance", "leak_opening_pressure": "threshold"}
 NOTE = (
     "In the rig the gap of the leak widens steadily above the threshold (flow as its third power); in the library the "
-    "flow grows along a straight line above it. One law stands for the other: conductance and threshold come out higher, "
-    "by more than their intervals say, since an interval takes its law for granted."
+    "flow grows along a straight line above it. One law stands for the other, and an interval takes its law for granted."
 )
 BASE = ("static_positive", "coulomb_positive", "viscous_positive", "static_negative", "coulomb_negative")
 

@@ -14,7 +14,7 @@ import pytest
 import hjcamp.commands
 import hjcamp.effects
 from hjcamp.plants.pump_joint.tour import samples as samples
-from hjcamp.plants.pump_joint.tour.answer import judged
+from hjcamp.plants.pump_joint.tour.answer import compared, judged
 from hjcamp.records.find import group_by_condition, read_logs
 
 if TYPE_CHECKING:
@@ -214,3 +214,19 @@ def test_a_damaged_answer_is_said(call: Call) -> None:
 def test_part_of_the_truth_is_part_of_it() -> None:
     hidden = {"verdict": "effect", "effects": ["leakage"]}
     assert judged(hidden, {"verdict": "one_of", "effects": ["leakage", "tubing_creep"]}) == "partly right"
+
+
+@pytest.mark.parametrize(
+    ("value", "interval", "said"),
+    [
+        (2.5, (1.8, 2.2), "1 of 2 hidden values lie within {}; outside: leakage.x (found 20 % lower)."),
+        (1.6, (1.8, 2.2), "1 of 2 hidden values lie within {}; outside: leakage.x (found 25 % higher)."),
+        (2.1, (1.8, 2.2), "2 of 2 hidden values lie within {}."),
+    ],
+)
+def test_the_last_sentence_is_computed_from_what_was_found(value: float, interval: tuple[float, float], said: str) -> None:
+    row = {"value": 2.0, "unit": "N", "ci95": list(interval), "published": 1.0}
+    found = {"candidates": [{"effect": "leakage", "parameters": {"x": row}}], "calibration": {"mass": row | {"ci95": [1.0, 3.0]}}}
+    hidden = {"parameters": {"leakage": {"x": value}}, "base": {"mass": 2.9}}
+    said = said.format("the 95 % interval of what was found")
+    assert compared(hidden, found) == said and compared(hidden, {}) == ""

@@ -35,7 +35,7 @@ CONTENT: dict[str, Any] = {
 
 def told(**changed: Any) -> Told:
     """Return a diagnosis with some of its answer changed."""
-    step = SimpleNamespace(null_gains=np.zeros(24), best="leakage", p_value=changed.get("p_value", 1.0))
+    step = SimpleNamespace(null_gains=np.linspace(2.0, 6.0, 24), gain=158.0, best="leakage", p_value=changed.get("p_value", 1.0))
     final = SimpleNamespace(candidate=SimpleNamespace(effects={"leakage": {}}))
     confounded = [
         {"effects": ["encoder_bias"], "cosine": 0.99, "with": "base parameters"},
@@ -65,15 +65,15 @@ def judged(score: float) -> Judged:
 @pytest.mark.parametrize(
     ("p_value", "rig_chance", "verdict", "said"),
     [
-        (1 / 25, 1 / 201, "effect", "No twin of 24, simulated with nothing missing,"),
-        (1 / 25, 1 / 201, "effect", "gained as much as leakage does here, and none of 200 simulated rigs"),
-        (3 / 25, 4 / 201, "effect", "2 of 24 twins, simulated with nothing missing, gained as much as"),
-        (3 / 25, 4 / 201, "effect", "and 3 of 200 simulated rigs with another contact gained as much for their effect"),
-        (3 / 25, 4 / 201, "effect", "(p = 0.12)."),
+        (1 / 25, 1 / 201, "effect", "Adding leakage raises the log-likelihood by 158; the most in 24 simulations with nothing missing"),
+        (1 / 25, 1 / 201, "effect", " is 6 (p <= 0.04, the least that 24 can show). None of 200 simulated rigs"),
+        (1 / 25, 1 / 201, "effect", "gained as much for their effect (p <= 0.005)."),
+        (3 / 25, 4 / 201, "effect", "by 158, and 2 of 24 simulations with nothing missing by as much (p = 0.12)."),
+        (3 / 25, 4 / 201, "effect", "3 of 200 simulated rigs with another contact gained as much for their effect (p = 0.02)."),
         (0.04, 8 / 201, "nothing_missing", "(p = 0.04). A name is given where no more than 5 of these rigs do."),
     ],
 )
-def test_chance_is_a_count_of_twins_and_of_rigs(p_value: float, rig_chance: float, verdict: str, said: str) -> None:
+def test_chance_is_the_gain_against_those_of_twins_and_of_rigs(p_value: float, rig_chance: float, verdict: str, said: str) -> None:
     assert said in told(p_value=p_value, rig_chance=rig_chance, verdict=verdict).chance()
 
 
@@ -92,9 +92,9 @@ def test_what_is_certain_is_told_before_what_is_not() -> None:
 
 def test_tables_are_in_readable_units() -> None:
     rows = told().candidates()
-    assert rows[0] == ["leakage", "1.00", "10 %", "conductance", "0.279 mm3/(s MPa)", "0.26 to 0.3"]
+    assert rows[0] == ["leakage", "1.00", "10 %", "conductance", "0.279 mm3/(s MPa)", "0.260 to 0.300"]
     assert rows[1][:3] == ["tubing_creep", "<0.01", ""]
-    assert told().calibration() == [["Coulomb friction, positive", "5.27 N", "4.21 N", "4.1 to 4.3", "-20 %"]]
+    assert told().calibration() == [["Coulomb friction, positive", "5.27 N", "4.21 N", "4.10 to 4.30", "-20 %"]]
     assert told().calibration(every=True)[1][1:3] == ["0", "-0.001"]
 
 
@@ -109,7 +109,7 @@ def test_errors_are_told_in_their_unit_first_then_in_floors() -> None:
     headings, rows = error_table(one.errors(), one.judging.scale)
     assert headings == ["error", "published", "calibrated", "with leakage", "floor"]
     assert rows[0] == ["arm angle", "6.2 deg  15.5 x", "5.6 deg  14.0 x", "0.46 deg  1.1 x", "0.4 deg"]
-    assert rows[1][0] == "line 1" and rows[1][1] == "139 kPa  15.5 x" and rows[1][-1] == "9 kPa"
+    assert rows[1][0] == "line 1" and rows[1][1] == "0.139 MPa  15.5 x" and rows[1][-1] == "0.009 MPa"
     assert rows[-1] == ["arm and lines", "15.50 x", "14.00 x", "1.15 x", "1.00 x"]
 
 

@@ -57,7 +57,7 @@ def test_the_worst_conditions_are_told_over_their_floor() -> None:
     headings, table = worst_table(rows)
     assert headings[-1] == "shared by repetitions" and table[0] == ["slow", "arm angle", "3.16", "1.2 deg"]
     headings, table = worst_table([row | {"shared": None} for row in rows])
-    assert headings[-1] == "over the floor" and table[0] == ["slow", "arm angle", "3.16"] and worst_words([], "the floor") == []
+    assert headings[-1] == "error / floor" and table[0] == ["slow", "arm angle", "3.16"] and worst_words([], "the floor") == []
 
 
 @pytest.mark.parametrize(

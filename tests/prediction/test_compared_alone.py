@@ -34,7 +34,7 @@ def test_it_is_said_why_a_model_that_errs_less_in_a_channel_is_farther_off() -> 
     models = [SimpleNamespace(name="first", rms=[1.0, 1.0], score=2.0), SimpleNamespace(name="second", rms=[2.0, 0.7], score=3.0)]
     found = SimpleNamespace(models=models, calibrated=calibrated, analysis=SimpleNamespace(measured=SimpleNamespace(sensors=sensors)))
     said = further_off(found)  # type: ignore[arg-type]
-    assert said[-1].startswith("second errs less in speed than first, though it is farther over the floor: ")
+    assert said[-1].startswith("second errs less in speed than first, though its normalised error is larger: ")
     calibrated.rms = [3.0, 0.5]
     assert further_off(found)[-1].startswith("first errs less in arm angle than what is calibrated here")  # type: ignore[arg-type]
     calibrated.rms, models[1].rms = [0.5, 0.5], [2.0, 1.0]

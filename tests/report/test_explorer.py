@@ -45,10 +45,12 @@ def cart(tests: int = 3) -> Exploration:
 
 def test_points_come_back_to_a_sixteen_bit_step() -> None:
     shown = cart()
-    expected = np.sin(2 * np.pi * TIME) + 0.1
-    assert np.abs(decoded(shown, 0, "position_m", 0) - expected).max() <= 2.0 / 65534
-    assert shown.head()["tests"][1]["rms"][0]["position_m"] == pytest.approx(0.2)
-    assert [one["unit"] for one in shown.head()["channels"]] == ["m", "N"]
+    # in the unit of tables: points, errors and floors alike
+    expected = 1e3 * (np.sin(2 * np.pi * TIME) + 0.1)
+    assert np.abs(decoded(shown, 0, "position_m", 0) - expected).max() <= 2e3 / 65534
+    assert shown.head()["tests"][1]["rms"][0]["position_m"] == pytest.approx(200.0)
+    assert shown.head()["floors"]["position_m"] == pytest.approx(10.0)
+    assert [one["unit"] for one in shown.head()["channels"]] == ["mm", "N"]
 
 
 def test_long_tests_are_averaged_and_gaps_stay_gaps() -> None:
@@ -154,7 +156,7 @@ def test_a_drag_zooms_every_plot_and_a_deep_link_leads_back(page: Any) -> None:
     assert "from" not in address(page)
 
 
-def test_small_errors_of_si_units_have_a_prefix(page: Any) -> None:
+def test_errors_have_the_unit_of_their_channel(page: Any) -> None:
     shown = Exploration(1, ["far", "near", "angle"])
     models = {"far": {"a_m": TIME + 0.2, "b_deg": TIME}, "near": {"a_m": TIME + 1.234e-7}, "angle": {"b_deg": TIME + 2e-4}}
     shown.add("a", "a", TIME, {"a_m": TIME, "b_deg": TIME}, models, {"angle": {"b_deg": 2e-4, "a_m": float("nan")}})
@@ -162,7 +164,7 @@ def test_small_errors_of_si_units_have_a_prefix(page: Any) -> None:
     file.write_text(discrepancy_page("Small", "", [explorer_html(shown)]), encoding="utf-8")
     page.goto(file.as_uri())
     page.wait_for_selector("#explorer[data-ready]", timeout=20_000)
-    assert page.locator("tbody td").all_inner_texts() == ["a", "200 mm", "123 nm", ""]
+    assert page.locator("tbody td").all_inner_texts() == ["a", "200 mm", "1.23e-4 mm", ""]
     page.select_option("select", "b_deg")
     assert page.locator("tbody td").all_inner_texts() == ["a", "0 deg", "", "2.00e-4 deg"]
 

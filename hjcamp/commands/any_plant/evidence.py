@@ -47,7 +47,7 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     )
     if analysis.search.steps:
         first = analysis.search.steps[0]
-        found["gains"] = draw_gains(first.chance, first.gain, "residuals moved in time", OWN)
+        found["gains"] = draw_gains(first.chance, first.gain, "circularly shifted residuals", OWN)
     return found | draw_correlations(_correlations(words, errors))
 
 

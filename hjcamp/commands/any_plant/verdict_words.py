@@ -38,6 +38,7 @@ from hjcamp.commands.any_plant.words import (
     table,
 )
 from hjcamp.prediction.levels import LEVEL
+from hjcamp.report.chance_words import chance_words
 from hjcamp.report.floor_words import worst_words
 from hjcamp.report.units import plain, told, told_estimate, told_interval
 
@@ -79,8 +80,17 @@ class Words:
         if self.verdict.word == "nothing_missing" and (far := self.far_off):
             return f"NOTHING NAMED  {self._still_errs(*far)}"
         if self.verdict.word == "nothing_missing" and self.verdict.p_value <= LEVEL:
-            return f"NOTHING NAMED  what is left is more than chance (p = {plain(self.verdict.p_value, 2)})"
+            return f"NOTHING NAMED  what is left is more than chance ({self.chance})"
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
+
+    @property
+    def chance(self) -> str:
+        """The verdict's p-value, with the gain against those by chance where it is that of the first look."""
+        steps = self.analysis.search.steps
+        if not steps or self.verdict.p_value != steps[0].told:
+            return f"p = {plain(self.verdict.p_value, 2)}"
+        orders = min(steps[0].orders, len(steps[0].chance))
+        return chance_words(self.verdict.p_value, steps[0].gain, steps[0].chance[:orders])
 
     @property
     def far_off(self) -> tuple[str, Mapping[str, Any]] | None:
@@ -178,7 +188,7 @@ class Words:
             found.append(
                 "No effect and no unknown is shown to take a share of the error that matters (10 %) on chapters left out."
                 if verdict.p_value <= LEVEL
-                else f"No effect and no unknown promises more than chance does (p = {plain(verdict.p_value, 2)})."
+                else f"No effect and no unknown promises more than chance does ({self.chance})."
             )
             if verdict.p_value <= LEVEL:
                 found += self._seldom()
@@ -197,20 +207,19 @@ class Words:
             found += self._most_is_left() or self._over_noise()
         if verdict.word != "cannot_tell":
             found.append(
-                f"Error on chapters left out, over the floor: {error['baseline']:.2f} calibrated"
+                f"Normalised error on chapters left out: {error['baseline']:.2f} calibrated"
                 + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects else ".")
             )
             if verdict.word == "nothing_missing" and (far := self.far_off):
                 found.append(self._remains(*far))
             elif verdict.word == "nothing_missing" and verdict.p_value <= LEVEL:
                 found.append(
-                    f"What is left is more than chance (p = {plain(verdict.p_value, 2)}): something may be there that is small, or "
+                    f"What is left is more than chance ({self.chance}): something may be there that is small, or "
                     "that the library does not describe."
                 )
                 found += self._over_noise()
             elif not verdict.swing and (verdict.p_value <= LEVEL or verdict.effects):
-                few = "" if verdict.p_value <= LEVEL else ", the least that so few windows can show"
-                found.append(f"Chance: p = {plain(verdict.p_value, 2)}{few} (residuals moved in time, whole library).")
+                found.append(f"Chance: {self.chance} (circularly shifted residuals, whole library).")
             if verdict.word != "nothing_missing" and not verdict.swing:
                 found += _false_claims(self.content["false_claims"])
         rows, period = self.content["calibration"], self.analysis.measured.period
@@ -352,7 +361,8 @@ class Words:
 def _false_claims(shares: Mapping[str, float]) -> list[str]:
     """Say how often as much is promised where nothing is, of logs without repetitions."""
     kinds = {
-        "twins": "residuals drawn at random", "shifted": "residuals moved in time", "decoys": "effects each moved in time by itself",
+        "twins": "residuals drawn at random", "shifted": "circularly shifted residuals",
+        "decoys": "effects each moved in time by itself",
     }  # fmt: skip
     said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
     rests = "; by itself it tells nothing here:" if max(shares.values(), default=0.0) > LEVEL else ";"

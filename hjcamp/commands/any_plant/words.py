@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from hjcamp.prediction.comparison import Comparison
     from hjcamp.prediction.selection.analysis import Analysis
 
+#: Of all channels and shapes together: no quotient of the errors printed beside it, so it is named for what it is.
+NORMALISED = "normalised error"
 FLOORS = {
     "repetitions": "floor: what repetitions do not share",
     "near_replicates": "floor: by which alike moments differ (Gamma test; no test was repeated); beside a better model it may be lower",
@@ -225,7 +227,7 @@ def further_off(found: Comparison) -> list[str]:
     said = worse_calibrated(last.name, last.score, here.score, why)
     beside = [(here, "what is calibrated here"), *((one, one.name) for one in found.models)]
     better = [
-        f"{one.name} errs less in {sensor.quantity.replace('_', ' ')} than {label}, though it is farther over the floor: that counts "
+        f"{one.name} errs less in {sensor.quantity.replace('_', ' ')} than {label}, though its normalised error is larger: that counts "
         "all shapes of the error in all channels alike, each by its noise; an rms is mostly its largest shape, of which a fit gives up "
         "some for the others where something is missing."
         for other, label in beside
@@ -256,7 +258,7 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
         "model",
         *(channel_label(one.field) for one in sensors),
         *(f"{channel_label(one.field)} explained" for one in sensors),
-        "over the floor",
+        NORMALISED,
     )
     rows = [
         [one.name, *(_error(one.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
@@ -306,7 +308,7 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
     table(console, ("effect", "parameter", "value", "95 %"), rows)
     whole, error = content["whole_tests"], content["error"]
     table(console, CHANNELS, channel_table(content["channels"], whole))
-    said = f"Error on chapters left out, over the floor: {error['before']:.2f} -> {error['after']:.2f}."
+    said = f"Normalised error on chapters left out: {error['before']:.2f} -> {error['after']:.2f}."
     slow = [WHOLE_NOTE] if whole else []
     print_wrapped(console, [said, *helped(found, content), *run_away_words(content), *slow, *end_words(content["ends"])], 8)
     console.print(f"model   {path}", markup=False)

@@ -19,7 +19,10 @@ GRID = "#d0d4d9"
 BLUE = "#0072b2"
 RED = "#d55e00"
 GREEN = "#009e73"
-COLOURS = (BLUE, RED, GREEN, "#cc79a7", "#e69f00", "#56b4e9")
+PURPLE, ORANGE, TEAL = "#cc79a7", "#e69f00", "#56b4e9"
+COLOURS = (BLUE, RED, GREEN, PURPLE, ORANGE, TEAL)
+#: Of models, in their order on a page: those of the explorer (explorer.js).
+MODELS = (RED, BLUE, GREEN, PURPLE, ORANGE, TEAL)
 PAPER = "#fffffe"  # white that nothing else is: the page puts its own in its place
 WIDTH, HEIGHT = 7.4, 6.6
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.1, 0.98, 0.965, 0.065, 0.045

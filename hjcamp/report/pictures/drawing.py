@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from typing import Any
 
-from hjcamp.report.pictures.conditions import GREEN, GRID, INK, RED, SETTINGS
+from hjcamp.report.pictures.conditions import GRID, INK, MODELS, PURPLE, SETTINGS
 
 # Who wants figures instead of their SVG: the class of the figure, and where it goes.
 _ASKED: ContextVar[tuple[type[Any], list[Any]] | None] = ContextVar("asked", default=None)
@@ -43,14 +43,17 @@ def draw(size: tuple[float, float], name: str, paint: Callable[[Any], None]) -> 
     return buffer.getvalue()
 
 
-def draw_errors(rows: Sequence[tuple[str, float]], over: str, floor: bool = True) -> str:
-    """Return bars of named errors, ``over`` what; with a ``floor`` the last of them is that, with a line at 1."""
+def draw_errors(rows: Sequence[tuple[str, float]], over: str, floor: bool = True, before: int = 0) -> str:
+    """Return bars of named errors, ``over`` what; with a ``floor`` the last of them is that, with a line at 1.
+
+    The colours are those of models on a page, from the first one behind so many that stand ``before`` these and have one of their own.
+    """
 
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         shown = list(rows)[::-1]
-        last = [INK, GREEN] if floor else [GREEN]
-        colours = (last + [RED] * len(shown))[: len(shown)]
+        models = [PURPLE] * before + [MODELS[k % len(MODELS)] for k in range(len(shown) - before - floor)] + [INK] * floor
+        colours = models[::-1]
         bars = axis.barh(range(len(shown)), [value for _, value in shown], color=colours, height=0.55)
         axis.bar_label(bars, [f"{value:.2f}" for _, value in shown], padding=3, fontsize=8, color=INK)
         axis.set_yticks(range(len(shown)), [name for name, _ in shown], fontsize=8)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.report.correlations import Correlation
-from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, RED
+from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, MODELS, PURPLE, RED
 from hjcamp.report.pictures.drawing import draw, dress
 from hjcamp.report.pictures.prediction import readable
 
@@ -21,7 +21,7 @@ STRIP = (4.8, 1.9)
 BOTH, FORWARD, BACKWARD = "both ways", "forwards", "backwards"
 COLOURS = {BOTH: GREEN, FORWARD: BLUE, BACKWARD: RED}
 # Of curves that are no ways of moving, such as those of conditions, in order.
-OTHERS = (BLUE, RED, GREEN, INK, "#cc79a7")
+OTHERS = (BLUE, RED, GREEN, INK, PURPLE)
 LINES = {BOTH: "-", FORWARD: "--", BACKWARD: ":"}
 # So few values are bins, and get a dot each.
 FEW = 24
@@ -145,12 +145,12 @@ def draw_worst_test(
 ) -> str:
     """Return the worst test: measured (n,) and each model's prediction above, their residuals below; SI or field units."""
     label, scaled = readable(quantity, unit, measured, *(values for _, values in models))
-    residual, left = readable("residual", unit, *(measured - values for _, values in models))
+    residual, [_, *left] = readable("residual", unit, measured, *(measured - values for _, values in models))
 
     def paint(figure: Any) -> None:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1))
         above.plot(time, scaled[0], color=INK, linewidth=1.6, alpha=0.5, label=observed)
-        for (name, _), values, error, colour in zip(models, scaled[1:], left, (RED, BLUE), strict=False):
+        for (name, _), values, error, colour in zip(models, scaled[1:], left, MODELS, strict=False):
             above.plot(time, values, color=colour, linewidth=0.9, label=name)
             below.plot(time, error, color=colour, linewidth=0.9)
         below.axhline(0.0, color=INK, linewidth=0.6)
@@ -198,7 +198,7 @@ def _correlation(models: Sequence[tuple[str, Correlation]]) -> str:
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         axis.fill_between(first.lags, -first.band, first.band, color=GRID, alpha=0.8, linewidth=0, label="chance")
-        for (name, one), colour in zip(models, (RED, BLUE), strict=False):
+        for (name, one), colour in zip(models, MODELS, strict=False):
             axis.plot(one.lags, one.values, color=colour, linewidth=1.1, label=name)
         axis.axhline(0.0, color=INK, linewidth=0.6)
         dress(axis, "correlation")

@@ -9,26 +9,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.pictures.conditions import BLUE, GREEN, INK, RED
+from hjcamp.report.pictures.conditions import INK, MODELS
 from hjcamp.report.pictures.drawing import draw, dress
-from hjcamp.report.units import shown
+from hjcamp.report.units import unit_for
 
 Array = NDArray[np.float64]
 FARTHEST = 3.0
-SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def readable(name: str, unit: str, *values: Array) -> tuple[str, list[Array]]:
-    """Return a label with its unit, and the values in it: as people read it, in thousandths where all are below one."""
-    factor, called = shown(1.0, unit) if unit != "kg" else (1.0, unit)
-    top = max((float(np.abs(one[np.isfinite(one)]).max(initial=0.0)) for one in map(np.asarray, values)), default=0.0) * factor
-    power = 0
-    while 0.0 < top < 1.0 and power < 12:
-        power, top = power + 3, top * 1e3
-    tens = f"10⁻{str(power).translate(SUPERSCRIPT)} " if power else ""
-    inside = f"{tens}{called}".strip()
-    scale = factor * 10.0**power
-    return f"{name} ({inside})" if inside else name, [np.asarray(one) * scale for one in values]
+    """Return a label with its unit, and the values in it: that of tables, in which the largest of them is read."""
+    seen = [np.abs(one[np.isfinite(one)]) for one in map(np.asarray, values)]
+    called, factor = unit_for(max((float(one.max(initial=0.0)) for one in seen), default=0.0), unit)
+    return f"{name} ({called})" if called else name, [np.asarray(one) * factor for one in values]
 
 
 def draw_windows(
@@ -36,12 +29,12 @@ def draw_windows(
     *, observed: str = "measured",
 ) -> str:
     """Return a stretch of one channel: measured and predicted above, residuals below; gaps at the windows' ``edges``."""
-    colours = itertools.cycle(itertools.product(("-", "--", ":"), (RED, GREEN, BLUE)))
+    colours = itertools.cycle(itertools.product(("-", "--", ":"), MODELS))
     # of a model that runs away no more is drawn than shows what was measured
     most = FARTHEST * float(np.ptp(measured)) or np.inf
     left_over = [np.clip(measured - values, -most, most) for _, values in models]
     label, scaled = readable(name, unit, measured, *(measured - one for one in left_over))
-    residual, left = readable("residual", unit, *left_over)
+    residual, [_, *left] = readable("residual", unit, measured, *left_over)
 
     def paint(figure: Any) -> None:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
@@ -61,13 +54,14 @@ def draw_windows(
 
 
 def draw_model_bars(quantity: str, unit: str, rows: Sequence[tuple[str, float]], floor: float) -> str:
-    """Return the error of each model in a channel as bars, and its floor as a line."""
+    """Return the error of each model in a channel as bars in the models' colours, and its floor as a line."""
     label, [bars, line] = readable(quantity, unit, np.array([value for _, value in rows]), np.array([floor]))
 
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         names = [name for name, _ in rows][::-1]
-        drawn = axis.barh(names, np.where(np.isfinite(bars), bars, 0.0)[::-1], color=BLUE, height=0.6)
+        colours = list(itertools.islice(itertools.cycle(MODELS), len(rows)))
+        drawn = axis.barh(names, np.where(np.isfinite(bars), bars, 0.0)[::-1], color=colours[::-1], height=0.6)
         axis.bar_label(drawn, ["" if np.isfinite(one) else "runs away" for one in bars[::-1]], padding=6, fontsize=8, color=INK)
         axis.axvline(line[0], color=INK, linewidth=0.9, linestyle="--")
         axis.text(line[0], len(rows) - 0.45, " floor", fontsize=8, color=INK)

@@ -22,14 +22,13 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
     from hjcamp.commands._corner import how_well_known
     from hjcamp.commands._effect_links import write_effect_pages
     from hjcamp.plants.pump_joint.answers.corner import fitted_parameters
-    from hjcamp.plants.pump_joint.answers.error_words import over
     from hjcamp.plants.pump_joint.answers.evidence import evidence_pictures
     from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
     from hjcamp.report.pictures.drawing import draw_errors
     from hjcamp.storage import whole_file
 
     pictures = evidence_pictures(told.found, told.shown)
-    pictures["errors"] = draw_errors(told.scores(), over(told.judging.scale), told.judging.scale.repeated)
+    pictures["errors"] = draw_errors(*told.bars())
     if (curve := told.unexplained) is not None:
         horizontal = f"{curve.driver.replace('_', ' ').capitalize()} ({curve.driver_unit})".replace(" ()", "")
         vertical = f"Unexplained {curve.quantity} ({curve.unit})"

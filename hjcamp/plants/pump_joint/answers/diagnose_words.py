@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.plants.pump_joint.analyses.diagnosing import Diagnosed, looks_at_final
+from hjcamp.plants.pump_joint.answers.error_words import over
 from hjcamp.plants.pump_joint.answers.where_words import where_sentences
 from hjcamp.plants.pump_joint.diagnosis.levels import CERTAIN, LEVEL, best_gains
+from hjcamp.report.chance_words import p_words
 from hjcamp.report.floor_words import worse_calibrated, worst_words
-from hjcamp.report.units import label, told, told_estimate, told_interval, told_like
+from hjcamp.report.units import label, plain, told, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.scale import Judged
@@ -68,24 +70,27 @@ class Told(Diagnosed):
         return [whole_sentence(found.reason)]
 
     def chance(self) -> str:
-        """Return how many of the twins, and of rigs with other contacts, in which nothing is missing gained as much."""
+        """Return the gain against those of simulations, and of rigs with other contacts, in which nothing is missing."""
         if not self.found.steps:
             return "No effect gained anything."
         step, p_value = self.found.steps[0], self.content["p_value"]
-        twins = len(step.null_gains)
+        twins, rigs = len(step.null_gains), len(best_gains())
         number = round(step.p_value * (twins + 1)) - 1
-        if number <= 0:
-            said = f"No twin of {twins}, simulated with nothing missing, gained as much as {step.best} does here"
-        else:
-            said = f"{number} of {twins} twins, simulated with nothing missing, gained as much as {step.best} does here"
-        rigs = len(best_gains())
-        number = round(self.found.rig_chance * (rigs + 1)) - 1
-        asked = self.content["verdict"] == "nothing_missing" and p_value < CERTAIN
-        more = f" A name is given where no more than {rigs * LEVEL:.0f} of these rigs do." if asked else ""
-        return (
-            f"{said}, and {number or 'none'} of {rigs} simulated rigs with another contact gained as much for their effect "
-            f"(p = {p_value:.2g}).{more}"
+        said = f"Adding {step.best} raises the log-likelihood by {plain(step.gain)}"
+        most = plain(float(max(step.null_gains)), 2) if twins else "0"
+        said += (
+            f"; the most in {twins} simulations with nothing missing is {most} ({p_words(step.p_value, twins)}, the least that "
+            f"{twins} can show)."
+            if number <= 0
+            else f", and {number} of {twins} simulations with nothing missing by as much ({p_words(step.p_value, twins)})."
         )
+        number = round(self.found.rig_chance * (rigs + 1)) - 1
+        said += (
+            f" {number or 'None'} of {rigs} simulated rigs with another contact gained as much for their effect "
+            f"({p_words(self.found.rig_chance, rigs)})."
+        )
+        asked = self.content["verdict"] == "nothing_missing" and p_value < CERTAIN
+        return said + (f" A name is given where no more than {rigs * LEVEL:.0f} of these rigs do." if asked else "")
 
     def detectable(self) -> list[str]:
         """Return the smallest amplitude of every effect that would have been seen."""
@@ -128,6 +133,12 @@ class Told(Diagnosed):
         """Return the errors in one number each, and the floor last where there is one."""
         rows = [(name, one.score) for name, one in self.errors() if math.isfinite(one.score)]
         return [*rows, ("floor", 1.0)] if self.judging.scale.repeated else rows
+
+    def bars(self) -> tuple[list[tuple[str, float]], str, bool, int]:
+        """Return what draws these errors: rows, what they are over, whether there is a floor, how many are before the calibrated."""
+        scale, rows = self.judging.scale, self.scores()
+        names = [name for name, _ in rows]
+        return rows, over(scale), scale.repeated, names.index("calibrated") if "calibrated" in names else 0
 
     def calibration(self, every: bool = False) -> list[list[str]]:
         """Return the rows of the calibrated base parameters, those that moved or ``every`` one."""

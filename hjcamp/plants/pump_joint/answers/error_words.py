@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 CHANNELS = {
     "arm_deg": (1.0, "deg"),
-    "pressure1_mpa": (1e3, "kPa"),
-    "pressure2_mpa": (1e3, "kPa"),
+    "pressure1_mpa": (1.0, "MPa"),
+    "pressure2_mpa": (1.0, "MPa"),
     "pump_deg": (1.0, "deg"),
     "first_reading": (1.0, "deg"),
 }

@@ -117,7 +117,7 @@ def evidence_pictures(found: Diagnosis, shown: Shown) -> dict[str, str]:
     step = found.steps[0] if found.steps else None
     chance = step.null_gains if step else found.null.gains
     if len(chance):
-        pictures["gains"] = draw_gains(chance, step.gain if step else None, "twins with nothing missing")
+        pictures["gains"] = draw_gains(chance, step.gain if step else None, "simulations with nothing missing")
     return pictures | draw_correlations(_correlations(found, shown))
 
 

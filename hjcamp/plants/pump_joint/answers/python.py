@@ -63,11 +63,10 @@ def diagnosis_sentences(words: Any) -> list[str]:
 
 def diagnosis_drawn(words: Any) -> tuple[Any, ...]:
     """Return what draws the errors before and after, and what it draws."""
-    from hjcamp.plants.pump_joint.answers.error_words import over
     from hjcamp.report.pictures.drawing import draw_errors
 
     scale = words.judging.scale
-    return draw_errors, words.scores(), over(scale), scale.repeated
+    return draw_errors, *words.bars()
 
 
 def diagnosis_page(words: Any, folder: Path) -> Path:

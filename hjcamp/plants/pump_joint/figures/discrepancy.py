@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.report.names import readable
-from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, RED
+from hjcamp.report.pictures.conditions import BLUE, GRID, INK, MODELS
 from hjcamp.report.pictures.drawing import draw, dress
 
 Array = NDArray[np.float64]
-COLOURS = (RED, BLUE, GREEN)
 LABELS = ("Arm angle (deg)", "Pressure 1 (MPa)", "Pressure 2 (MPa)")
 CELLS = 14
 FEWEST = 4
@@ -53,7 +52,7 @@ def draw_overlay(one: Overlay) -> str:
                 time = one.time[inside]
                 axis.plot(time, one.measured[inside, column], color=INK, linewidth=1.6, alpha=0.55, label=one.observed)
                 for number, (name, values) in enumerate(one.models.items()):
-                    colour = COLOURS[number % len(COLOURS)]
+                    colour = MODELS[number % len(MODELS)]
                     axis.plot(time, values[inside, column], color=colour, linewidth=1.0, label=name)
                 dress(axis, label if axis is row[0] else "")
             row[0].axvspan(one.time[part][0], one.time[part][-1], color=GRID, alpha=0.6, linewidth=0.0)
@@ -135,7 +134,7 @@ def draw_horizon(curves: Sequence[HorizonCurve], floor: Array | None) -> str:
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         for number, one in enumerate(curves):
-            colour = COLOURS[number % len(COLOURS)]
+            colour = MODELS[number % len(MODELS)]
             axis.plot(one.time * 1e3, np.degrees(one.rms), color=colour, linewidth=1.4, label=one.name)
         if floor is not None:
             style = (0, (4, 2.5))

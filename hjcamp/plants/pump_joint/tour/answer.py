@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.errors import counted
 from hjcamp.plants.pump_joint.tour.samples import sealed_answer
 from hjcamp.report.units import estimate_texts, number_like, told_interval
 
@@ -35,8 +36,9 @@ def print_answer(console: Console, diagnosis: dict[str, Any] | None) -> None:
     for cells in rows(hidden, diagnosis or {}):
         table.add_row(*cells)
     console.print(table)
-    for line in textwrap.wrap(hidden["note"], min(console.width, 100)):
-        console.print(line, markup=False)
+    for text in (hidden["note"], compared(hidden, diagnosis or {})):
+        for line in textwrap.wrap(text, min(console.width, 100)):
+            console.print(line, markup=False)
     console.print(f"made by     {hidden['made_by']}", markup=False)
 
 
@@ -59,17 +61,36 @@ def judged(hidden: dict[str, Any], diagnosis: dict[str, Any]) -> str:
 
 def rows(hidden: dict[str, Any], diagnosis: dict[str, Any]) -> list[tuple[str, ...]]:
     """Return the cells of the table: name, published, hidden, found, interval, unit."""
-    found = []
+    return [
+        _cells(name, "none" if row is None or row.get("published") is None else number_like(row["published"], row), value, row)
+        for name, value, row in _pairs(hidden, diagnosis)
+    ]
+
+
+def compared(hidden: dict[str, Any], diagnosis: dict[str, Any]) -> str:
+    """Return in words how what was found compares with what was hidden: inside the intervals, and by how much where outside."""
+    pairs = [(name, value, row) for name, value, row in _pairs(hidden, diagnosis) if row is not None]
+    outside = [
+        f"{name.replace('_', ' ')} (found {abs(row['value'] / value - 1.0) * 100:.0f} % "
+        f"{'higher' if row['value'] > value else 'lower'})"
+        for name, value, row in pairs
+        if not row["ci95"][0] <= value <= row["ci95"][1]
+    ]
+    if not pairs:
+        return ""
+    inside = f"{len(pairs) - len(outside)} of {counted(len(pairs), 'hidden value')} lie within the 95 % interval of what was found"
+    return f"{inside}; outside: {', '.join(outside)}." if outside else f"{inside}."
+
+
+def _pairs(hidden: dict[str, Any], diagnosis: dict[str, Any]) -> list[tuple[str, float, dict[str, Any] | None]]:
+    """Return name, hidden value and what was found of it (None: nothing) of every parameter."""
     candidates = {row["effect"]: row["parameters"] for row in diagnosis.get("candidates") or []}
-    for effect, parameters in hidden["parameters"].items():
-        for name, value in parameters.items():
-            row = candidates.get(effect, {}).get(name)
-            found.append(_cells(f"{effect}.{name}", "none", value, row))
     calibration = diagnosis.get("calibration") or {}
-    for name, value in hidden["base"].items():
-        row = calibration.get(name)
-        found.append(_cells(name, "" if row is None else number_like(row["published"], row), value, row))
-    return found
+    return [
+        (f"{effect}.{name}", value, candidates.get(effect, {}).get(name))
+        for effect, parameters in hidden["parameters"].items()
+        for name, value in parameters.items()
+    ] + [(name, value, calibration.get(name)) for name, value in hidden["base"].items()]
 
 
 def _cells(name: str, published: str, value: float, row: dict[str, Any] | None) -> tuple[str, ...]:
