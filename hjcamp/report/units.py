@@ -137,7 +137,7 @@ def rounded(number: float, places: int) -> str:
     if not near and number:
         return plain(number, 2)
     size = abs(near)
-    if near and not 1e-4 <= size < 1e7:
+    if size >= 1e7 or (near and size < 1e-4 and places > 6):
         return f"{near:.{max(math.floor(math.log10(size)) + places, 0)}e}"
     return f"{near:.{max(places, 0)}f}"
 
