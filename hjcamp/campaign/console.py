@@ -10,11 +10,11 @@ if TYPE_CHECKING:
 WIDTH_OF_FILES = 160
 
 
-def make_console() -> Console:
-    """Return a console: as wide as the terminal, or wide enough for any table where the output goes to a file."""
+def make_console(quiet: bool = False) -> Console:
+    """Return a console: as wide as the terminal, or wide enough for any table where the output goes to a file; ``quiet``: mute."""
     from rich.console import Console
 
-    console = Console(highlight=False, soft_wrap=True)
+    console = Console(highlight=False, soft_wrap=True, quiet=quiet)
     if not console.is_terminal:
         console.width = max(console.width, WIDTH_OF_FILES)
     return console

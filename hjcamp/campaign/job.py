@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
+import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -29,15 +31,24 @@ class JobEnd:
 
 
 class SweepFolder(Callback):
-    """Remember where Hydra puts the jobs of a sweep, and which way its sweeper looks."""
+    """Remember where Hydra puts the jobs of a sweep, which way its sweeper looks, and what it varies."""
 
     path: Path | None = None
     directions: tuple[str, ...] = ()
+    fixed: tuple[str, ...] = ()
+
+    def __init__(self) -> None:
+        self.task: tuple[str, ...] = ()
 
     def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
         """Note the folder before anything is written."""
         SweepFolder.path = Path(str(config.hydra.sweep.dir))
         SweepFolder.directions = directions_of(config.hydra.sweeper)
+        self.task = tuple(str(line) for line in config.hydra.overrides.task)
+
+    def on_job_start(self, config: DictConfig, **kwargs: Any) -> None:
+        """Note what was asked of the whole sweep; Hydra hands this object to the process of the job."""
+        SweepFolder.fixed = self.task
 
 
 def directions_of(sweeper: Any) -> tuple[str, ...]:
@@ -94,11 +105,21 @@ def run_campaign(config: DictConfig, sweep: bool) -> float | tuple[float, ...] |
     if sweep and plain["backend"].get("name") != "simulation" and hydra.launcher._target_ != BASIC_LAUNCHER:
         raise UsageError("a rig runs one test at a time: leave hydra/launcher out, its default is the basic launcher")
     plan = make_plan(plain, hydra.runtime.choices.get("campaign"), lines, composer)
-    console = make_console()
-    made = make_run(plan, plain, lines, console, Path(os.path.relpath(hydra.runtime.output_dir)) if sweep else None)
+    folder = Path(os.path.relpath(hydra.runtime.output_dir)) if sweep else None
+    # One line for a job of many; what a rig will do is always said before it moves.
+    brief = sweep and bool(objectives) and plain["backend"].get("name") == "simulation"
+    console, begun = make_console(), time.monotonic()
+    varied = " ".join(line for line in lines if line not in SweepFolder.fixed)
+    with console.status(f"job {hydra.job.num}  {varied}") if brief else nullcontext():
+        made = make_run(plan, plain, lines, make_console(quiet=True) if brief else console, folder)
     if not objectives or made.report is None:
         return str(made.path)
     values = tuple(one.of(made.report.indicators) for one in objectives)
-    for one, value in zip(objectives, values, strict=True):
-        console.print(f"  objective  {one.text} = {value:.6g}", markup=False)
+    said = [f"{one.text} = {value:.6g}" for one, value in zip(objectives, values, strict=True)]
+    if brief:
+        said = [
+            "   ".join([f"job {hydra.job.num}", *said, varied, f"{time.monotonic() - begun:.1f} s", str(made.path)])
+        ]
+    for line in said:
+        console.print(line if brief else f"  objective  {line}", markup=False)
     return values if len(values) > 1 else values[0]

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.campaign.objective import Objective, read_objectives
 from hjcamp.campaign.planning import check_call
 from hjcamp.campaign.values import look_up
-from hjcamp.configuration.composer import key_of
+from hjcamp.configuration import optuna_sweeper
+from hjcamp.configuration.search_space import asked_of, ends_of, space_of
 from hjcamp.errors import UsageError, unknown
 
 if TYPE_CHECKING:
@@ -51,18 +52,19 @@ def read_sweep(lines: Sequence[Override], composer: Composer) -> Sweep:
             check_call(job, composer)
         return Sweep(sweeper, jobs, len(jobs), {}, objectives_of(jobs[0], composer))
     settings = composer.sweeper([str(line.input_line) for line in lines])
-    # The line of a call wins over the same key in the sweeper's own settings.
-    asked = {key_of(line): line for line in (*_of_settings(settings), *own)}
+    asked = asked_of(own, settings)
     space = {key: str(line.get_value_string()) for key, line in asked.items() if line.is_sweep_override()}
     if not space:
         raise UsageError(
             f"hydra/sweeper={sweeper} has nothing to vary; give a range, such as controller.positive.kp='interval(0.5,1.5)'"
         )
-    jobs = [[_end(line, place) for line in asked.values()] for place in (0, -1)]
+    jobs = [list(job) for job in zip(*map(ends_of, asked.values()), strict=True)]
     for job in jobs:
         check_call(job, composer)
     objectives = objectives_of(jobs[0], composer)
     _check_directions(sweeper, objectives, settings)
+    if settings.get("_target_") == optuna_sweeper.TARGET:
+        optuna_sweeper.check_settings(settings, len(objectives))
     count = next((int(found) for key in COUNTS if (found := look_up(settings, key)) is not None), None)
     return Sweep(sweeper, jobs, count, space, objectives)
 
@@ -81,26 +83,9 @@ def _product(lines: Sequence[Override]) -> list[list[str]]:
                 f"'{line.input_line}': a range is for a sweeper that looks for values (hydra/sweeper=optuna); "
                 "list them with commas"
             )
+        space_of(line)  # refuses an empty range
     batches = BasicSweeper.split_arguments(list(lines), None)
     return [list(job) for batch in batches for job in batch]
-
-
-def _of_settings(settings: Mapping[str, Any]) -> list[Override]:
-    from hjcamp.configuration.overrides import parse_overrides
-
-    return parse_overrides([f"{key}={value}" for key, value in (settings.get("params") or {}).items()])
-
-
-def _end(line: Override, place: int) -> str:
-    """Return an override with its first (0) or last (-1) value."""
-    from hydra.core.override_parser.types import IntervalSweep
-
-    if not line.is_sweep_override():
-        return f"{line.get_key_element()}={line.get_value_element_as_str()}"
-    value = line.value()
-    if isinstance(value, IntervalSweep):
-        return f"{line.get_key_element()}={(value.start, value.end)[place]}"
-    return f"{line.get_key_element()}={list(line.sweep_string_iterator())[place]}"
 
 
 def _check_directions(sweeper: str, objectives: Sequence[Objective], settings: Mapping[str, Any]) -> None:

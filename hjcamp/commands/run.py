@@ -6,6 +6,7 @@ hjcamp run campaign=NAME [GROUP=CHOICE ...] [PARAMETER=VALUE ...] [-m] [--cfg jo
 
 from __future__ import annotations
 
+import logging
 import os
 import shlex
 import sys
@@ -82,6 +83,9 @@ def call_hydra(arguments: list[str]) -> None:
         else:
             # Hydra reads the same files: what it would stumble over is said here.
             Composer(folder=folder).compose([str(line.input_line) for line in own])
+    # They would say each job's overrides in a line with the time; `job` says what it found.
+    for name in ("hydra", "hydra_plugins"):
+        logging.getLogger(name).setLevel(logging.WARNING)
     jobs.JobEnd.error = None
     jobs.SweepFolder.path = None
     before = sys.argv

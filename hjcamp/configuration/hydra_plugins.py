@@ -21,6 +21,7 @@ from hydra.plugins.config_source import ConfigLoadError, ConfigResult, ConfigSou
 from hydra.plugins.search_path_plugin import SearchPathPlugin
 from omegaconf import OmegaConf
 
+from hjcamp.configuration import optuna_sweeper
 from hjcamp.configuration.search_path import campaign_folders, configuration_folders, packaged_root
 from hjcamp.configuration.trust import check_file, check_group, with_our_hydra
 from hjcamp.errors import UsageError
@@ -229,6 +230,7 @@ def register() -> None:
     plugins.register(CampaignSource)
     plugins.register(PlantSource)
     plugins.register(UserFoldersFirst)
+    optuna_sweeper.register()
     OmegaConf.register_new_resolver("milli", milli, replace=True)
     OmegaConf.register_new_resolver("first", first, replace=True)
 
