@@ -62,10 +62,14 @@ def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:
 def _report(folder: RunFolder, console: Console) -> Report:
     from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.report.build import build_report, verdict
-    from hjcamp.report.terminal import refitted_table, summary_table
+    from hjcamp.report.factors import MOST_ROWS, effects_sheet
+    from hjcamp.report.terminal import FittedSheet, refitted_table, summary_table
 
     report = build_report(folder.path, against="published", further=further_pictures)
     console.print(summary_table(report.indicators))
+    if (sheet := effects_sheet(report.effects, MOST_ROWS)) is not None:
+        console.print(f"\n[bold]{sheet.title}[/bold]")
+        console.print(FittedSheet(sheet))
     sentence = verdict(report.comparison, report.differs)
     if sentence:
         console.print(f"  {sentence}", markup=False)

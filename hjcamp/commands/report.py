@@ -48,6 +48,7 @@ def report(
     from hjcamp.report.check import check as check_cells
     from hjcamp.report.check import read_tolerances
     from hjcamp.report.ci import junit_xml, summary_markdown
+    from hjcamp.report.factors import MOST_ROWS, effects_sheet
     from hjcamp.report.store import replace_file
     from hjcamp.report.terminal import FittedSheet
     from hjcamp.storage import check_place, own_folder
@@ -70,6 +71,9 @@ def report(
     for sheet in made.sheets:
         console.print(f"\n[bold]{sheet.title}[/bold]")
         console.print(FittedSheet(sheet))
+    if (found := effects_sheet(made.effects, MOST_ROWS)) is not None:
+        console.print(f"\n[bold]{found.title}[/bold]")
+        console.print(FittedSheet(found))
     if made.verdict:
         console.print(f"  {made.verdict}", markup=False)
     console.print(f"  report  {made.page}", markup=False, soft_wrap=True)

@@ -23,6 +23,7 @@ def report_answer(made: Report, against: str | None, violations: Sequence[Violat
         "comparison": made.comparison.to_dicts(),
         "configuration": _listed("difference", made.baseline.changes if made.baseline else {}),
         "not_compared": _listed("reason", made.differs),
+        "effects": made.effects.to_dicts(),
         "verdict": made.verdict,
         "violations": None
         if violations is None

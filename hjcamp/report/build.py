@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,12 +18,14 @@ from hjcamp.report.ci import metrics_json, params_yaml
 from hjcamp.report.declared import TableDefinition, declared_tables
 from hjcamp.report.exploration import REFERENCE, Exploration, names_of
 from hjcamp.report.explorer import explorer_html
+from hjcamp.report.factors import Factor, effects_of, effects_sheet, factors_of, samples_of
 from hjcamp.report.formats import to_latex, to_markdown
 from hjcamp.report.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, configuration, row_of, varied_columns
 from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
 from hjcamp.report.page import Picture, build_page
 from hjcamp.report.pictures.conditions import draw_condition
 from hjcamp.report.pictures.dot_plot import Dots, dots_of, draw_dots
+from hjcamp.report.pictures.main_effects import CAPTION, draw_main_effects
 from hjcamp.report.published import beside_refit
 from hjcamp.report.sheet import Sheet, arrange, arrange_conditions, arrange_lines
 from hjcamp.report.spread import Condition, Gathering
@@ -56,6 +58,7 @@ class Report:
     verdict: str
     baseline: RunComparison | None = None
     refitted: Sheet | None = None
+    effects: pl.DataFrame = field(default_factory=pl.DataFrame)
 
     @property
     def title(self) -> str:
@@ -116,6 +119,10 @@ def build_report(
     compared = beside if isinstance(beside, RunComparison) else None
     comparison = compared.cells if compared else against_published(indicators, definitions)
     conditions = by_condition(indicators, beside)
+    factors = factors_of(origin)
+    effects = effects_of(factors, indicators)
+    if effects.height:
+        write_frame(target / "tables", "effects", effects)
     differs = differences(conditions.iter_rows(named=True))
     write_frame(
         target / "tables", "indicators", indicators.select(*COLUMNS, *IDENTITY, *FURTHER, *varied_columns(indicators))
@@ -128,8 +135,10 @@ def build_report(
     if origin.plan:
         replace_file(target / "params.yaml", params_yaml(origin.plan))
     by_name = arrange_conditions(conditions, compared.notes if compared else ())
-    all_sheets = [*sheets, by_name, *arrange_lines(lines_by_condition(indicators))]
-    more = further(found) if further else {}
+    found_effects = effects_sheet(effects)
+    lines = arrange_lines(lines_by_condition(indicators))
+    all_sheets = [*([found_effects] if found_effects else []), *sheets, by_name, *lines]
+    more = {**_main_effects(factors, indicators, effects), **(further(found) if further else {})}
     said = compared.verdict if compared else verdict(comparison, differs) if against else ""
     dots = _dots(conditions, found)
     refitted = beside_refit(conditions) if against in AGAINST and _as_printed(found) else None
@@ -148,7 +157,19 @@ def build_report(
         said,
         compared,
         refitted,
+        effects,
     )
+
+
+def _main_effects(
+    factors: Sequence[Factor], indicators: pl.DataFrame, effects: pl.DataFrame
+) -> dict[str, tuple[str, str]]:
+    """Return the picture of what varies, nothing where no effect has an interval."""
+    names = [name for name in INDICATORS if (effects["indicator"] == name).any()]
+    shown = [one for one in factors if (effects["axis"] == one.name).any()]
+    if not shown:
+        return {}
+    return {"Main effects": (draw_main_effects(shown, {name: samples_of(indicators, name) for name in names}), CAPTION)}
 
 
 def _as_printed(logs: Sequence[TestLog]) -> bool:

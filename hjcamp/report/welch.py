@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 #: From below which corrected p on a difference is told as one.
 SIGNIFICANT = 0.05
 FEWEST = 2  # tests that have a deviation
+WITHIN = 0.975  # from below which share of t on a 95 % interval ends
 # Differences this small beside the means are rounding of the sums, not physics.
 ROUNDING = 1e-12
 
@@ -33,20 +34,33 @@ def welch(one: Sample, other: Sample) -> float | None:
     Independent, nearly normal samples; deviations may be unequal. Without any scatter every difference is certain.
     Source: B. L. Welch, Biometrika 34 (1947) 28.
     """
-    from scipy.special import stdtr
+    return contrast([one], [other])[2]
 
-    difference = one.mean - other.mean
-    if abs(difference) <= ROUNDING * max(abs(one.mean), abs(other.mean)):
-        return 1.0
-    if one.std is None or other.std is None or min(one.n, other.n) < FEWEST:
-        return None
-    parts = [sample.std**2 / sample.n for sample in (one, other) if sample.std is not None]
+
+def contrast(ours: Sequence[Sample], theirs: Sequence[Sample]) -> tuple[float, float | None, float | None]:
+    r"""Return the mean difference of k pairs of samples, half its 95 % interval, and its two-sided p.
+
+    .. math:: d = \frac{1}{k}\sum_i (m_i - m'_i), \quad v_j = \frac{s_j^2}{k^2 n_j}, \quad
+        \nu = \frac{(\sum_j v_j)^2}{\sum_j v_j^2/(n_j-1)}, \quad d \pm t_{0.975,\nu} \sqrt{\textstyle\sum_j v_j}
+
+    With one pair this is Welch's test. Interval and p are None where a sample has no deviation (p is 1 where d is 0).
+    Source: F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110.
+    """
+    from scipy.special import stdtr, stdtrit
+
+    pairs, samples = list(zip(ours, theirs, strict=True)), [*ours, *theirs]
+    difference = sum(one.mean - other.mean for one, other in pairs) / len(pairs)
+    same = abs(difference) <= ROUNDING * max(abs(one.mean) for one in samples)
+    if any(one.std is None or one.n < FEWEST for one in samples):
+        return difference, None, 1.0 if same else None
+    parts = [((one.std or 0.0) / len(pairs)) ** 2 / one.n for one in samples]
     variance = sum(parts)
     # The same test again and again has the deviation of its rounding.
-    if variance <= (ROUNDING * difference) ** 2:
-        return 0.0
-    freedom = variance**2 / sum(part**2 / (n - 1) for part, n in zip(parts, (one.n, other.n), strict=True))
-    return float(min(1.0, 2.0 * stdtr(freedom, -abs(difference) / variance**0.5)))
+    if same or variance <= (ROUNDING * difference) ** 2:
+        return difference, variance**0.5, 1.0 if same else 0.0
+    freedom = variance**2 / sum(part**2 / (one.n - 1) for part, one in zip(parts, samples, strict=True))
+    p = float(min(1.0, 2.0 * stdtr(freedom, -abs(difference) / variance**0.5)))
+    return difference, float(stdtrit(freedom, WITHIN)) * variance**0.5, p
 
 
 def holm(p_values: Sequence[float | None]) -> list[float | None]:

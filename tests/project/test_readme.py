@@ -30,7 +30,7 @@ def test_the_first_campaign_has_its_conditions(empty_folder: Path) -> None:
     asked = composer.compose(["campaign=mine"])
     plan = make_plan(asked.config, "mine", ["campaign=mine"], composer)
     assert [one.name for one in plan.conditions] == [
-        f"{trajectory}__kp={gain}" for trajectory in ("ramp_pos", "cycloid_pos") for gain in ("0.7", "1.05")
+        f"{trajectory}__kp={gain}" for trajectory in ("ramp_pos", "cycloid_pos") for gain in ("1.05", "0.7")
     ]
     assert len(plan.tests) == 12
 
