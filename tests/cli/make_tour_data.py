@@ -12,6 +12,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from truth.case import write_case
 
 from hjcamp.plants.pump_joint.tour.samples import SAMPLES, SEALED, pack, seal
+from hjcamp.plants.pump_joint.tour.spindle import SPINDLE
 from hjcamp.records.find import read_logs
 
 EFFECT, STRENGTH, SEED = "leakage", "medium", 3
@@ -38,6 +39,21 @@ def sealed(answer: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def sealed_spindle() -> dict[str, Any]:
+    """Return what brakes the spindle of `hjcamp tour --plant`, as docs/gallery/make_logs.py has it."""
+    sys.path.insert(0, str(Path(__file__).parents[2] / "docs" / "gallery"))
+    import make_logs
+
+    return {
+        "verdict": "effect",
+        "effects": ["quadratic_drag"],
+        "parameters": {"quadratic_drag": {"drag": -make_logs.drag(1.0)}},
+        "base": make_logs.SPINDLE,
+        "note": "",
+        "made_by": "python docs/gallery/make_logs.py",
+    }
+
+
 def main(samples: Path = SAMPLES, answer: Path = SEALED) -> None:
     """Hide the effect, run the tests, pack the logs and seal the answer."""
     with tempfile.TemporaryDirectory() as folder:
@@ -45,6 +61,7 @@ def main(samples: Path = SAMPLES, answer: Path = SEALED) -> None:
         logs = {log.path.stem: log for log in read_logs([Path(folder) / "logs"]) if log.path}
         pack(logs, samples)
         seal(sealed(json.loads(file.read_text(encoding="utf-8"))), answer)
+    seal(sealed_spindle(), SPINDLE.sealed)
     print(f"{samples.name}: {len(logs)} tests, {samples.stat().st_size / 1e6:.2f} MB")
 
 

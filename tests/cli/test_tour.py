@@ -13,8 +13,16 @@ import pytest
 
 import hjcamp.commands
 import hjcamp.effects
+from hjcamp.known_plants import find_plant
+from hjcamp.model.plant_checks import check_plant
 from hjcamp.plants.pump_joint.tour import samples as samples
+<<<<<<< HEAD
 from hjcamp.plants.pump_joint.tour.answer import compared, judged
+=======
+from hjcamp.plants.pump_joint.tour.answer import judged
+from hjcamp.plants.pump_joint.tour.kinds import Tour, last_sentence
+from hjcamp.plants.pump_joint.tour.spindle import FILES, SPINDLE, lay_out
+>>>>>>> db4bafc (Take the tour of a spindle with --plant, end each step with what it came to, and draw how the error fell)
 from hjcamp.records.find import group_by_condition, read_logs
 
 if TYPE_CHECKING:
@@ -40,7 +48,7 @@ class Played:
         @click.command(context_settings={"ignore_unknown_options": True})
         @click.argument("words", nargs=-1)
         def command(words: tuple[str, ...]) -> None:
-            self.calls.append([path.stem, *words])
+            self.calls.append([path.stem.rstrip("_"), *words])
             answer: dict[str, Any] = self.diagnosis if path.stem == "diagnose" else {}
             if path.stem == "add":
                 name = words[words.index("--as") + 1]
@@ -99,6 +107,17 @@ def test_what_is_packed_is_unpacked(tmp_path: Path) -> None:
 
 
 @pytest.mark.study
+def test_the_tour_of_another_machine_finds_what_its_program_hides(call: Call) -> None:
+    answer = call("tour", "--plant", "--yes")
+    assert answer.code == 0, answer.err
+    assert "diagnosed   quadratic_drag   right" in answer.out
+    before, after, floor = SPINDLE.fall(Tour(Path("tour_plant"), SPINDLE))
+    assert after[1] < 1.5 * floor[1] < 10.0 < before[1]
+    for page in ("compare", "diagnose", "compare_held_out"):
+        assert (Path("tour_plant") / page / "index.html").is_file()
+
+
+@pytest.mark.study
 def test_it_finds_the_effect_and_shows_the_error_fall(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     half = dict(list(samples.sample_logs().items())[:12])
     monkeypatch.setattr(samples, "sample_logs", lambda: half)
@@ -147,6 +166,75 @@ def test_the_steps_in_order_then_on_from_where_it_stopped(call: Call, played: Pl
     assert not played.calls
 
 
+def test_the_tour_of_another_machine_goes_the_same_way(call: Call, played: Played) -> None:
+    played.diagnosis = DIAGNOSIS | {"effects": ["quadratic_drag"]}
+    assert call("tour", "--plant", "--step", "1").code == 0
+    assert Path("plants/spindle.py").read_text() == (FILES / "plant.txt").read_text()
+    answer = call("tour", "--plant")
+    assert answer.code == 0, answer.err
+    assert "goes on with step 2" in answer.out and "diagnosed   quadratic_drag   right" in answer.out
+    logs = ["tour_plant/logs/train_1.mcap", "tour_plant/logs/train_2.mcap"]
+    assert [words[0] for words in played.calls] == ["import", "compare", "diagnose", "add", "compare"]
+    assert played.calls[2] == ["diagnose", *logs, "--effort", "quick", "--json", "tour_plant/step_3.json"]
+    assert played.calls[3][:6] == ["add", "quadratic_drag", *logs, "--as", "spindle_model"]
+    assert played.calls[4][1] == "tour_plant/logs/held_out.mcap"
+    assert not any("held_out" in word for words in played.calls[1:4] for word in words), "it is in no fit"
+    assert "rm -r tour_plant conf/model/spindle_model.yaml plants/spindle.py" in answer.out
+
+
+def test_a_plant_of_the_users_own_is_not_overwritten(call: Call) -> None:
+    Path("plants").mkdir()
+    Path("plants/spindle.py").write_text("mine")
+    answer = call("tour", "--plant")
+    assert answer.code == 2 and "another plant" in answer.err and Path("plants/spindle.py").read_text() == "mine"
+
+
+def test_the_spindle_is_accepted_and_its_recordings_are_those_of_their_program(
+    empty_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "docs" / "gallery"))
+    import make_logs
+
+    monkeypatch.setattr(make_logs, "TOUR", empty_folder / "tour")
+    monkeypatch.setattr(make_logs, "HERE", empty_folder / "gallery")
+    make_logs.main()
+    committed = Path(__file__).parents[2] / "docs" / "gallery"
+    for made, kept in ((empty_folder / "tour", FILES), (empty_folder / "gallery", committed)):
+        assert {path.name for path in made.glob("*.csv")} == {path.name for path in kept.glob("*.csv")}
+        for path in made.glob("*.csv"):
+            assert path.read_bytes() == (kept / path.name).read_bytes(), path.name
+    lay_out(Path("tour_plant"))
+    check_plant(find_plant("spindle"))
+    hidden = samples.sealed_answer(SPINDLE.sealed)
+    assert hidden["effects"] == ["quadratic_drag"] and hidden["base"] == make_logs.SPINDLE
+    assert "drag" not in SPINDLE.sealed.read_text() + (FILES / "plant.txt").read_text()
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ({"logs": [{"duration_s": 15.0}, {"duration_s": 14.6}]}, "2 logs, 30 s of motion"),
+        ({"verdict": "effect", "effects": ["a"], "error": {"baseline": 13.02, "augmented": 0.97}}, "by 13.02 times"),
+        ({"helps": False, "effects": ["a", "b"], "error": {"before": 2.0, "after": 2.1}}, "a and b does not help: 2.00 times"),
+        ({"models": [{"name": "published", "score": 6.14}], "calibrated": {"name": "c", "score": 2.13}}, "published 6.14, c 2.13."),
+        ({}, ""),
+    ],
+)
+def test_the_last_sentence_of_a_step_is_computed(answer: dict[str, Any], said: str) -> None:
+    assert said in last_sentence(answer)
+
+
+def test_the_picture_at_the_end_is_of_what_was_held_out(call: Call, played: Played) -> None:
+    assert call("tour").code == 0
+    Path("tour/step_3.json").write_text(
+        json.dumps({"model": "m", "file": "m.yaml", "error": {"start": 6.06, "before": 2.04, "after": 1.05, "floor": 1.0}})
+    )
+    answer = call("tour", "--open")
+    assert answer.code == 0, answer.err
+    assert "published 6.06, constants estimated 2.04, m 1.05, repeatability 1.00." in " ".join(answer.out.split())
+    assert "6.06" in Path("tour/error_falls.svg").read_text(encoding="utf-8")
+
+
 def test_a_second_tour_takes_another_name(call: Call, played: Played) -> None:
     assert call("tour", "--yes").code == 0
     assert call("tour", "--yes", "--into", "again").code == 0
@@ -190,7 +278,7 @@ def test_the_answer_can_be_opened_at_any_time(call: Call) -> None:
         (["--step", "6"], "1 to 5"),
         (["--effort", "quik"], "did you mean 'quick'"),
         (["--open", "--step", "2"], "one of them"),
-        (["--into", "mine"], "other things than a tour"),
+        (["--into", "mine"], "other things than this tour"),
         (["--into", "mine/thesis.txt"], "this is a file"),
         (["--step", "4"], "first do step 3"),
     ],

@@ -1,4 +1,4 @@
-"""Ten minutes with sample logs: find the effect that hides in them, add it, see the error fall, open the answer."""
+"""A few minutes with sample logs: find the effect that hides in them, add it, see the error fall, open the answer."""
 
 from __future__ import annotations
 
@@ -14,52 +14,53 @@ from hjcamp.errors import UsageError, unknown
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.plants.pump_joint.tour.steps import Tour
+    from hjcamp.plants.pump_joint.tour.kinds import Tour
 
 EFFORTS = ("quick", "standard", "thorough")
-DIAGNOSING, ADDING = 2, 3
-INTRODUCTION = (
-    "A rig was tested: {count} logs, 8 conditions with 3 repetitions each, are in {logs}. Something hides in that rig "
-    "that the published model does not know. Five steps find it. Each shows the command that it runs, so that you can "
-    "repeat it. Where kernels are not compiled yet, the first two steps take one or two minutes longer."
-)
-
-
+PICTURE = "error_falls.svg"
 def register(app: typer.Typer) -> None:
     """Add the command."""
     app.command("tour")(tour)
 
 
 def tour(
-    into: Annotated[Path, typer.Option(help="The folder of the tour.")] = Path("tour"),
-    step: Annotated[int | None, typer.Option(help="Do this step alone, 1 to 5.")] = None,
+    plant: Annotated[bool, typer.Option("--plant", help="Of a machine that is not the joint: a spindle.")] = False,
+    into: Annotated[
+        Path | None, typer.Option(help="The folder of the tour; tour, with --plant tour_plant.", show_default=False)
+    ] = None,
+    step: Annotated[int | None, typer.Option(help="Do this step alone, from 1 on.")] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not wait between the steps.")] = False,
     open_: Annotated[bool, typer.Option("--open", help="Open the sealed answer.")] = False,
     effort: Annotated[str, typer.Option(help="Of the diagnosis: quick, standard or thorough.")] = "quick",
 ) -> None:
-    """Ten minutes with sample logs: find the effect that hides in them, add it, see the error fall, open the answer."""
+    """A few minutes with sample logs: find the effect that hides in them, add it, see the error fall, open the answer."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.plants.pump_joint.tour.samples import lay_out
-    from hjcamp.plants.pump_joint.tour.steps import STEPS, Tour
+    from hjcamp.commands._warm import wait
+    from hjcamp.plants.pump_joint.tour.kinds import Tour
+    from hjcamp.plants.pump_joint.tour.spindle import SPINDLE
+    from hjcamp.plants.pump_joint.tour.steps import JOINT
 
+    kind = SPINDLE if plant else JOINT
     if effort not in EFFORTS:
         raise unknown("effort", effort, EFFORTS)
-    if step is not None and not 1 <= step <= len(STEPS):
-        raise UsageError(f"--step {step}: the steps are 1 to {len(STEPS)}")
+    if step is not None and not 1 <= step <= len(kind.steps):
+        raise UsageError(f"--step {step}: the steps are 1 to {len(kind.steps)}")
     if open_ and step is not None:
         raise UsageError("--open and --step: give one of them")
-    console, here = make_console(), Tour(into, effort)
+    console, here = make_console(), Tour(into or kind.folder, kind, effort)
     if open_:
         open_answer(console, here)
         return
     if step is not None:
-        STEPS[step - 1].words(here)  # says what has to be done before, and nothing is written
-    count = lay_out(into)
-    first, last = (step, step) if step else (here.next_step(), len(STEPS))
+        kind.steps[step - 1].words(here)  # says what has to be done before, and nothing is written
+    count = kind.lay_out(here.folder)
+    first, last = (step, step) if step else (here.next_step(), len(kind.steps))
     if first == 1:
-        say(console, INTRODUCTION.format(count=count, logs=into / "logs"))
+        say(console, kind.introduction.format(count=count, folder=here.folder))
     elif step is None:
-        say(console, f"The tour in {into} goes on with step {first}; --step 1 begins anew.")
+        say(console, f"The tour in {here.folder} goes on with step {first}; --step 1 begins again.")
+    if not plant:
+        wait(console)
     for number in range(first, last + 1):
         if not (number == first or yes) and not goes_on(console, number):
             return
@@ -69,42 +70,65 @@ def tour(
 def do_step(console: Console, tour: Tour, number: int) -> None:
     """Say what to look at, show the command, run it, and say where the pictures are."""
     from hjcamp.commands import command_files, load
-    from hjcamp.plants.pump_joint.tour.steps import STEPS, effects_to_add
+    from hjcamp.plants.pump_joint.tour.kinds import effects_to_add, last_sentence
 
-    step = STEPS[number - 1]
+    kind = tour.kind
+    step = kind.steps[number - 1]
     words = step.words(tour)
     console.print()
-    console.print(f"Step {number} of {len(STEPS)}: {step.title}", style="bold cyan")
+    console.print(f"Step {number} of {len(kind.steps)}: {step.title}", style="bold cyan")
     say(console, step.look)
-    if number == ADDING and (verdict := tour.answer(DIAGNOSING)["verdict"]) != "effect":
-        chosen = ", ".join(effects_to_add(tour.answer(DIAGNOSING)))
+    if number == kind.adding and (verdict := tour.answer(kind.diagnosing)["verdict"]) != "effect":
+        chosen = ", ".join(effects_to_add(tour.answer(kind.diagnosing)))
         say(console, f"The diagnosis did not settle on an effect ({verdict}); its best candidate is added: {chosen}.")
     console.print(f"\n$ hjcamp {shlex.join(words)}", style="bold", markup=False)
     if words[0] == "tour":
         open_answer(console, tour)
         return
     load(command_files()[words[0]]).main(args=words[1:], prog_name=f"hjcamp {words[0]}", standalone_mode=False)
+    console.print()
     if step.page:
         page = (tour.folder / step.page / "index.html").resolve()
-        console.print(f"\nlook at {page.as_uri()}", style="cyan", markup=False)
-    if number == ADDING:
-        console.print(f"\nread    {tour.answer(ADDING)['file']}", style="cyan", markup=False)
+        console.print(f"look at {page.as_uri()}", style="cyan", markup=False)
+    if number == kind.adding:
+        console.print(f"read    {tour.answer(number)['file']}", style="cyan", markup=False)
+    say(console, last_sentence(tour.answer(number)))
 
 
 def open_answer(console: Console, tour: Tour) -> None:
-    """Print what hides in the sample logs beside what was found, and what to do next."""
+    """Print what hides in the recordings and what was found, draw how the error fell, and say what to do next."""
     from hjcamp.plants.pump_joint.tour.answer import print_answer
 
-    done = {number: tour.answer(number) for number in (DIAGNOSING, ADDING) if tour.answer_file(number).is_file()}
+    kind = tour.kind
+    done = {number: tour.answer(number) for number in (kind.diagnosing, kind.adding) if tour.answer_file(number).is_file()}
     try:
-        print_answer(console, done.get(DIAGNOSING))
+        print_answer(console, done.get(kind.diagnosing), kind.sealed)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise tour.again(DIAGNOSING) from error
-    if ADDING in done:
-        model, file = done[ADDING]["model"], done[ADDING]["file"]
-        console.print(f"next        hjcamp run campaign=controllers controller.model={model}", markup=False)
-        console.print("            hjcamp diagnose YOUR_LOGS", markup=False)
-        console.print(f"clear away  rm -r {shlex.quote(str(tour.folder))} {shlex.quote(file)}", markup=False)
+        raise tour.again(kind.diagnosing) from error
+    if kind.adding not in done:
+        return
+    tell_of_fall(console, tour)
+    for number, command in enumerate(kind.after):
+        line = command.format(model=done[kind.adding]["model"])
+        console.print(f"{'' if number else 'next':<12}{line}", markup=False)
+    console.print("            hjcamp diagnose YOUR_LOGS", markup=False)
+    written = [str(tour.folder), str(done[kind.adding]["file"]), *kind.written]
+    console.print(f"clear away  rm -r {shlex.join(written)}", markup=False)
+
+
+def tell_of_fall(console: Console, tour: Tour) -> None:
+    """Say by how much the error fell on what was not used for the fit, and draw it."""
+    from hjcamp.report.pictures.drawing import draw_errors
+    from hjcamp.storage import write_whole
+
+    try:
+        rows = [(name, float(value)) for name, value in tour.kind.fall(tour)]
+    except (KeyError, TypeError, ValueError, UsageError):
+        return  # the steps with these numbers were not done
+    write_whole(tour.folder / PICTURE, draw_errors(rows, tour.kind.held_out))
+    fall = ", ".join(f"{name} {value:.2f}" for name, value in rows)
+    say(console, f"{tour.kind.held_out[0].upper()}{tour.kind.held_out[1:]}: {fall}.")
+    console.print(f"picture     {tour.folder / PICTURE}", style="cyan", markup=False)
 
 
 def say(console: Console, text: str) -> None:

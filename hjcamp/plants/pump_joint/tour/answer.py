@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import textwrap
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.errors import counted
-from hjcamp.plants.pump_joint.tour.samples import sealed_answer
+from hjcamp.plants.pump_joint.tour.samples import SEALED, sealed_answer
 from hjcamp.report.units import estimate_texts, number_like, told_interval
 
 if TYPE_CHECKING:
@@ -20,11 +21,11 @@ VERDICTS = {
 }
 
 
-def print_answer(console: Console, diagnosis: dict[str, Any] | None) -> None:
-    """Print the sealed answer; ``diagnosis`` is the answer of step 2, None where it has not been done."""
+def print_answer(console: Console, diagnosis: dict[str, Any] | None, sealed: Path = SEALED) -> None:
+    """Print the sealed answer; ``diagnosis`` is the answer of the step that diagnoses, None where it has not been done."""
     from rich.table import Table
 
-    hidden = sealed_answer()
+    hidden = sealed_answer(sealed)
     console.print(f"hidden      {', '.join(hidden['effects'])}", style="bold", markup=False)
     if diagnosis is None:
         console.print("diagnosed   nothing yet: hjcamp tour", markup=False)
@@ -85,7 +86,7 @@ def compared(hidden: dict[str, Any], diagnosis: dict[str, Any]) -> str:
 def _pairs(hidden: dict[str, Any], diagnosis: dict[str, Any]) -> list[tuple[str, float, dict[str, Any] | None]]:
     """Return name, hidden value and what was found of it (None: nothing) of every parameter."""
     candidates = {row["effect"]: row["parameters"] for row in diagnosis.get("candidates") or []}
-    calibration = diagnosis.get("calibration") or {}
+    calibration = diagnosis.get("calibration_with_effects") or diagnosis.get("calibration") or {}
     return [
         (f"{effect}.{name}", value, candidates.get(effect, {}).get(name))
         for effect, parameters in hidden["parameters"].items()

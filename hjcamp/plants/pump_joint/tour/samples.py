@@ -74,17 +74,11 @@ def lay_out(folder: Path) -> int:
 
     Raises UsageError where ``folder`` holds other things than a tour.
     """
-    mark = folder / MARK
+    check_ours(folder, ABOUT)
     try:
-        if folder.exists() and not folder.is_dir():
-            raise UsageError(f"{folder}: this is a file; choose another folder with --into")
-        if folder.is_dir() and any(folder.iterdir()) and not _is_ours(mark):
-            raise UsageError(f"{folder}: holds other things than a tour; choose another folder with --into")
         logs = sample_logs()
     except OSError as error:
         raise HjcampError(f"{error.filename or folder}: cannot be read: {error.strerror or error}") from error
-    with whole_file(mark) as stream:
-        stream.write(ABOUT.encode())
     for name, log in logs.items():
         path = folder / "logs" / f"{name}.mcap"
         if not path.exists():
@@ -92,5 +86,16 @@ def lay_out(folder: Path) -> int:
     return len(logs)
 
 
-def _is_ours(mark: Path) -> bool:
-    return mark.is_file() and mark.read_bytes().startswith(ABOUT.encode()[:30])
+def check_ours(folder: Path, about: str) -> None:
+    """Refuse a folder that holds other things than this tour; mark a new one with what it is ``about``."""
+    mark = folder / MARK
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise UsageError(f"{folder}: this is a file; choose another folder with --into")
+        ours = mark.is_file() and mark.read_bytes().startswith(about.encode()[:30])
+        if folder.is_dir() and any(folder.iterdir()) and not ours:
+            raise UsageError(f"{folder}: holds other things than this tour; choose another folder with --into")
+    except OSError as error:
+        raise HjcampError(f"{error.filename or folder}: cannot be read: {error.strerror or error}") from error
+    with whole_file(mark) as stream:
+        stream.write(about.encode())

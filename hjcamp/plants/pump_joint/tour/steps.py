@@ -1,66 +1,14 @@
-"""The steps of the tour: what to look at, the command, where its answer and its pictures are."""
+"""The steps of the joint's tour: what to look at, the command, where its answer and its pictures are."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from hjcamp.errors import HjcampError, UsageError
-from hjcamp.json_text import read_json
+from hjcamp.plants.pump_joint.tour.kinds import Kind, Step, Tour, effects_to_add
+from hjcamp.plants.pump_joint.tour.samples import SEALED, lay_out
 
 MODEL = "tour_model"
 BOTH = "compare_both"
-NEEDED = {2: ("verdict", "effects", "candidates"), 3: ("model", "file")}
-
-
-@dataclass(frozen=True)
-class Tour:
-    """A tour in ``folder``: its answers for programs are what has been done so far."""
-
-    folder: Path
-    effort: str = "quick"
-
-    def answer_file(self, number: int) -> Path:
-        """Return where the answer of a step is kept."""
-        return self.folder / f"step_{number}.json"
-
-    def answer(self, number: int) -> dict[str, Any]:
-        """Return the answer of a step; raises UsageError where that step has not been done."""
-        path = self.answer_file(number)
-        if not path.is_file():
-            raise UsageError(f"{path} is not there: first do step {number} of the tour, --step {number}")
-        try:
-            content = read_json(path)
-            if not isinstance(content, dict):
-                raise ValueError("no object")
-        except ValueError as error:
-            raise self.again(number) from error
-        for key in NEEDED.get(number, ()):
-            if key not in content:
-                raise self.again(number)
-        return content
-
-    def again(self, number: int) -> HjcampError:
-        """Return the refusal of an answer that was damaged."""
-        return HjcampError(
-            f"{self.answer_file(number)}: cannot be read as an answer of step {number}; do it again: --step {number}"
-        )
-
-    def next_step(self) -> int:
-        """Return the first step that has not been done."""
-        return next(number for number in range(1, len(STEPS) + 1) if not self.answer_file(number).is_file())
-
-
-@dataclass(frozen=True)
-class Step:
-    """One step: its title, what to look at, the words of its command after ``hjcamp``, the folder of its page."""
-
-    title: str
-    look: str
-    words: Callable[[Tour], list[str]]
-    page: str = ""
 
 
 def _compare(tour: Tour) -> list[str]:
@@ -85,19 +33,10 @@ def _compare_both(tour: Tour) -> list[str]:
     return ["compare", str(tour.folder), *models, "--into", str(tour.folder / BOTH), "--json", str(tour.answer_file(4))]
 
 
-def _open(tour: Tour) -> list[str]:
-    return ["tour", "--open", *([] if tour.folder == Path("tour") else ["--into", str(tour.folder)])]
-
-
-def effects_to_add(diagnosis: dict[str, Any]) -> list[str]:
-    """Return the effects that a diagnosis names, else the candidate that it ranks first."""
-    named = diagnosis.get("effects") or []
-    ranked = [row["effect"] for row in diagnosis.get("candidates") or []]
-    if diagnosis.get("verdict") == "effect" and named:
-        return list(named)
-    if not ranked:
-        raise HjcampError("the diagnosis names no effect, so there is nothing to add; try --step 2 --effort standard")
-    return ranked[:1]
+def _fall(tour: Tour) -> list[tuple[str, float]]:
+    error = tour.answer(3)["error"]
+    found = [("published", error["start"]), ("constants estimated", error["before"]), (tour.answer(3)["model"], error["after"])]
+    return [*found, ("repeatability", 1.0)]
 
 
 STEPS = (
@@ -140,6 +79,21 @@ STEPS = (
         "Open the sealed answer",
         "What really hides in the rig, beside what step 2 found. The rig is another program with other equations, so "
         "the numbers need not agree to the last digit; 95 % is what the diagnosis thinks of its own.",
-        _open,
+        Tour.open_words,
     ),
+)
+
+JOINT = Kind(
+    folder=Path("tour"),
+    steps=STEPS,
+    diagnosing=2,
+    adding=3,
+    lay_out=lay_out,
+    sealed=SEALED,
+    introduction="A rig was tested: {count} logs, 8 conditions with 3 repetitions each, are in {folder}/logs. Something hides in "
+    "that rig that the published model does not know. Five steps find it. Each shows the command that it runs, so that you can "
+    "repeat it. Where kernels are not compiled yet, the first two steps take one or two minutes longer.",
+    fall=_fall,
+    held_out="error / repeatability, on the tests that were not used for the fit",
+    after=("hjcamp run campaign=controllers controller.model={model}", "hjcamp tour --plant"),
 )
