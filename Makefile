@@ -14,7 +14,7 @@ DOCUMENTED := $(VENV)/.documented
 unexport PYTHONDONTWRITEBYTECODE
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines unmoved unmoved-long next_value thesis_gap tour_data pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
+.PHONY: help setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines unmoved unmoved-long next_value thesis_gap tour_data gallery pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
@@ -34,6 +34,7 @@ help:
 	@echo "make next_value  how many tests 'hjcamp next' saves against random choice; docs/next_value.md"
 	@echo "make thesis_gap  what the printed tables of 5.4 say is missing; docs/thesis_gap.md, model=refit"
 	@echo "make tour_data  the sample logs of the tour and its page"
+	@echo "make gallery   one worked case of each answer (some minutes); docs/gallery.md and README's sample"
 	@echo "make recovery  calibrate 20 simulated rigs drawn at random; the result is docs/identification_recovery.md"
 	@echo "make convergence  the published campaigns at smaller tolerances of a step; the result is docs/convergence.md"
 	@echo "make pump_cost  every campaign of chapters 4 and 5 with the weaker pump; docs/pump_cost.md"
@@ -134,6 +135,10 @@ thesis_gap: $(WARM)
 tour_data: $(WARM)
 	$(BIN)/python tests/cli/make_tour_data.py
 	$(BIN)/python tests/cli/write_tour_page.py
+
+gallery: $(INSTALLED)
+	$(BIN)/python docs/gallery/make_logs.py
+	$(BIN)/python docs/gallery/build_gallery.py
 
 convergence: $(INSTALLED)
 	$(BIN)/python benchmarks/published/convergence.py

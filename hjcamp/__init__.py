@@ -1,4 +1,4 @@
-"""Test campaigns for a water-hydraulic servo joint, and the search for what its model misses.
+"""Find what the model of a machine leaves out, from a file of its equations and two recordings of it.
 
 In Python and in notebooks: ``load``, ``simulate``, ``compare``, ``diagnose``, ``add``, ``calibrate``, ``effects``, ``plants``
 and the others of ``dir(hjcamp)``; each does what the command of that name does, and is imported when it is first used.

@@ -35,8 +35,8 @@ def show_version(asked: bool) -> None:
 app = typer.Typer(
     **PLAIN,
     cls=Commands,
-    help="Test campaigns for a water-hydraulic servo joint, and the search for what its model misses.",
-    epilog="\b\nFirst  hjcamp plan campaign=robustness_vertical\nthen   hjcamp run campaign=robustness_vertical",
+    help="Find what the model of a machine leaves out, from a file of its equations and two recordings of it.",
+    epilog="\b\nFirst  hjcamp tour --plant\nthen   hjcamp plan campaign=robustness_vertical",
 )
 
 
@@ -46,7 +46,7 @@ def root(
         bool, typer.Option("--version", callback=show_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
-    """Test campaigns for a water-hydraulic servo joint, and the search for what its model misses."""
+    """Find what the model of a machine leaves out, from a file of its equations and two recordings of it."""
 
 
 def main() -> None:

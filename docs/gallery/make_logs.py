@@ -44,23 +44,28 @@ def steps(seed: int, rows: int) -> list[float]:
     return volts[:rows]
 
 
+def pull(speed: float) -> float:
+    """A belt pulls one way, N m."""
+    return 0.002
+
+
 def turned_round(rows: int) -> list[float]:
     """Five long runs, four turns of direction."""
     return [(8.0, -6.0, 5.0, -8.0, 7.0)[5 * row // rows] for row in range(rows)]
 
 
 def record(
-    path: Path, volts: Sequence[float], seed: int, law: Law = nothing, *, noise: float = 0.3, offset: float = 0.0,
+    path: Path, volts: Sequence[float], seed: int, law: Law = nothing, *, noise: float = 0.3,
     inertia: float, coulomb: float, viscous: float,
 ) -> None:  # fmt: skip
-    """Write one recording: time (ms), speed (rpm) with noise and an offset (rpm), voltage (V)."""
+    """Write one recording: time (ms), speed (rpm) with noise (rpm), voltage (V)."""
     drawn, speed, h = random.Random(1000 + seed), 0.0, PERIOD / SMALL
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(["t_ms", "n_rpm", "u_V"])
         for row, voltage in enumerate(volts):
-            writer.writerow([round(1e3 * PERIOD * row), f"{speed * RPM + offset + drawn.gauss(0.0, noise):.1f}", f"{voltage:.2f}"])
+            writer.writerow([round(1e3 * PERIOD * row), f"{speed * RPM + drawn.gauss(0.0, noise):.1f}", f"{voltage:.2f}"])
             torque = GAIN * float(f"{voltage:.2f}")
             for _ in range(SMALL):
                 push = torque + law(speed) - viscous * speed
@@ -82,7 +87,7 @@ def main() -> None:
         for number, seed in enumerate(seeds, start=1):
             record(HERE / f"{name}_{number}.csv", steps(seed, 1500), seed, law, **spindle)
     record(HERE / "short.csv", steps(9, 300), 9, drag, **SPINDLE)
-    record(HERE / "turns.csv", turned_round(1500), 10, noise=6.0, offset=15.0, **SPINDLE)
+    record(HERE / "turns.csv", turned_round(1500), 10, pull, noise=3.0, **SPINDLE)
 
 
 if __name__ == "__main__":

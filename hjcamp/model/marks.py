@@ -60,7 +60,8 @@ def contact(
     the other contacts hold or rub.
     A pair is the value of the positive and of the negative direction; without ``static`` the static friction is the
     Coulomb friction. ``travel`` and ``load`` are what effects may let friction depend on, ``mass`` is what it brakes: where
-    it is not given, the parameter over which the rate of the velocity is.
+    it is not given, the parameter over which the rate of the velocity is. What brakes a body is a contact also where no friction
+    is known, ``contact(velocity)``: effects of friction are looked for in contacts alone.
     """
     return math.copysign(1.0, velocity) * (coulomb[0] if isinstance(coulomb, tuple) else coulomb)
 
@@ -72,7 +73,8 @@ def body(
     """Return the rate of a velocity: the whole ``force`` over the ``mass``; effects add to the slot ``load`` and to the mass.
 
     Without a ``load`` it has one of its own, where no contact is given its push (which would have to have that in it);
-    ``load=0.0``: nothing pushes it from outside.
+    ``load=0.0``: nothing pushes it from outside. ``position`` is where it stands, the state whose rate is its velocity alone: give it
+    though nothing measures it, since springs, weights and an unbalance are looked for over it.
     """
     return force / mass
 
@@ -93,7 +95,11 @@ def path(
     flow: float, upstream: float | None = None, downstream: float | None = None,
     name: str = "", group: str = "", subsystem: str = "",
 ) -> float:  # fmt: skip
-    """Return a flow from one place to another, which effects may change."""
+    """Return a flow from one place to another, which effects may change.
+
+    What resists or loses is one, the drop over a winding's resistance among it: its gain may then be found to change with time or with
+    a state. In a line without a mark only a base parameter may be found to vary.
+    """
     return flow
 
 

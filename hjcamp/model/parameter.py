@@ -84,7 +84,8 @@ class State:
     """A quantity that the model integrates.
 
     ``resolution`` is the local error that one sample may make (a millionth of ``typical`` unless given), ``typical`` the
-    size at which the model is linearised. ``low`` is what it cannot fall below (a level, an absolute pressure).
+    size at which the model is linearised. ``low`` is what it cannot fall below (a level, an absolute pressure). A state that
+    nothing measures begins about 0, or about its ``typical`` value where it has a ``low``: ``State("K", typical=350.0, low=200.0)``.
     ``start`` may be "unknown": each test then has a value of its own; ``scatter`` is its standard deviation from test to test.
     An effect's state that is ``known`` at rest starts anew where the observed states are set to measurements at rest.
     """
@@ -126,8 +127,8 @@ class Input:
     """A quantity that is given for each sample: a command, a flow, a measured motion.
 
     ``field`` is what the logs call it (by default its name and SI unit, such as ``voltage_v``), ``plausible`` what a sound
-    log stays within; between samples it holds its "previous" value or runs "linear"-ly to the next. A log may lack one
-    that is not ``required``: it then has its default.
+    log stays within; between samples it holds its "previous" value or runs "linear"-ly to the next. An input whose size is far
+    from 1 says so by ``typical``. A log may lack one that is not ``required``: it then has its default.
     """
 
     unit: str

@@ -81,6 +81,15 @@ WORDS: Mapping[str, str] = {
     "place": "An element of a plant's equations on which effects act: a contact, body, store, path, sensor, actuator or transmission.",
     "slot": "A quantity of the equations that an effect may add to or change.",
     "horizon": "The time since a model was last set to the measured state; an error that grows with it comes from the rates.",
+    "samples looked at": "Of long logs 32 000 samples, in runs of windows that are spread evenly (--effort quick: 12 000, "
+    "thorough: all); fewer than 384 samples (24 windows of 16) give no answer, and a test that is given twice is looked at once.",
+    "differs by condition": "Base parameters that differ between conditions, and by how much: said where a base for each condition "
+    "explains more than all that was found (by_condition).",
+    "given constant": "A constant of the plant's file that, estimated with the base, explains as much as what was found: a mass "
+    "that was weighed without its bolts looks like a sensor's wrong gain (constants).",
+    "parameter that varies": "A base parameter that depends on a state, an input or time, such as the friction of oil that thins as it "
+    "warms; tried where no effect and no free law explains what exceeds the noise; an effect of your own may act on one by a "
+    "method of the parameter's name.",
     "missing quantity": "The force, flow, command or reading that would have to be added to the calibrated model, instant by "
     "instant, for it to agree with the measurement.",
 }  # fmt: skip
@@ -100,13 +109,18 @@ ALSO: Mapping[str, str] = {
     "confounded": "cosine", "calibration": "calibrated", "calibrated first": "calibrated", "base parameters": "base parameter",
     "repetitions": "repetition", "conditions": "condition", "residuals": "residual", "candidates": "candidate",
     "confidence_set": "confidence set", "null": "chance", "gamma test": "near-replicates", "free laws": "free law",
-    "ends": "end of a sensor",
+    "ends": "end of a sensor", "by_condition": "differs by condition", "by condition": "differs by condition",
+    "constants": "given constant", "specimen": "differs by condition", "samples": "samples looked at", "long logs": "samples looked at",
 }  # fmt: skip
 # On a page these are everyday words more often than terms.
 EVERYDAY = frozenset(
     {
         "effect",
         "ends",
+        "constants",
+        "samples",
+        "by condition",
+        "specimen",
         "left",
         "t",
         "p",

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 
+import pytest
+
+import hjcamp
+from hjcamp import cli
 from hjcamp.campaign.planning import make_plan
 from hjcamp.commands import command_files
 from hjcamp.configuration.composer import Composer
@@ -43,9 +48,22 @@ def test_the_first_effect_is_accepted(empty_folder: Path) -> None:
     assert effect.load_force(2.0, 0.5) == -1.0  # type: ignore[attr-defined]
 
 
-def test_every_command_it_names_is_there() -> None:
-    named = set(re.findall(r"^hjcamp ([a-z]+)|`hjcamp ([a-z]+)", README, re.MULTILINE))
-    assert {first or second for first, second in named} <= set(command_files())
+def test_one_sentence_says_what_it_is_wherever_one_meets_it_first() -> None:
+    sentence = README.split("\n\n")[1]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert sentence.endswith(".") and "\n" not in sentence and "joint" not in sentence
+    assert project["description"] == cli.app.info.help == cli.root.__doc__ == sentence
+    assert hjcamp.__doc__ is not None and hjcamp.__doc__.partition("\n")[0] == sentence
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/commands.md"])
+def test_every_command_it_names_is_there(page: str) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    named = set(re.findall(r"^(?:\.venv/bin/)?hjcamp ([a-z]+)|`hjcamp ([a-z]+)", text, re.MULTILINE))
+    there = {first or second for first, second in named}
+    assert there <= set(command_files())
+    if page == "docs/commands.md":
+        assert there == set(command_files())
 
 
 def test_every_file_it_links_is_there_and_small() -> None:

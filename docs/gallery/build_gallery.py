@@ -1,0 +1,214 @@
+"""Build docs/gallery.md, its pictures and README's sample from the commands: python docs/gallery/build_gallery.py [--only CASE ...]
+
+Each case is a command on committed recordings of one spindle; what is printed and drawn is what the command gave. `--work FOLDER`
+keeps what was run there, and runs only what is missing in it. Some minutes on two cores.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+TOUR = ROOT / "hjcamp" / "plants" / "pump_joint" / "tour" / "spindle"
+IMAGES = ROOT / "docs" / "images"
+BEGIN, END = "<!-- sample: written by `make gallery` -->", "<!-- end of sample -->"
+#: The sentences below the verdict that every case would repeat.
+LEFT_OUT = ("No test was repeated", "floor unknown", "Whole tests:", "Nothing that depends on where the body")
+
+
+@dataclass(frozen=True)
+class Case:
+    """One case: its name, heading, what the recordings hold, what the answer means, what to do next, its logs and picture."""
+
+    name: str
+    title: str
+    holds: str
+    means: str
+    then: str
+    logs: tuple[str, ...]
+    picture: str
+    caption: str
+    map: str = "map.yaml"
+
+
+CASES = (
+    Case(
+        "effect",
+        "An effect is missing",
+        "Air brakes the spindle with the square of its speed; the file of its equations knows dry and viscous friction only.",
+        "One effect predicts windows that it was not fitted to better than all others, and no more is left than the sensor's noise. "
+        "The friction of the bearing, which had taken the place of the drag, gets its true values.",
+        "`hjcamp add quadratic_drag LOGS --as NAME` writes a model with it; compare that on a recording that was kept out.",
+        ("train_1", "train_2"),
+        "missing_before.svg",
+        "The torque that is missing over the speed (points, from no form at all) and the law of the effect through it.",
+    ),
+    Case(
+        "one_of",
+        "One of several effects",
+        "A belt pulls the spindle one way. It turns round four times and never rests.",
+        "A torque that pushes one way and a friction that is larger one way are the same law while the spindle moves: only at rest do "
+        "they differ. The answer names the effects that explain the recording equally well.",
+        "`hjcamp next LOGS` proposes tests that separate them; here a rest does.",
+        ("turns",),
+        "worst_test.svg",
+        "The recording, the model's errors before, and with what was found.",
+    ),
+    Case(
+        "outside",
+        "Something outside the library, with its driver",
+        "A seal rubs most at one speed, about 220 rad/s, and less at lower and higher ones. No effect of the library has that form.",
+        "A function of one quantity, fitted without any form, predicts better than every named effect. The answer names the "
+        "quantity and draws the function.",
+        "`hjcamp effects new seal --from diagnose` writes an effect with this curve as a table; put a formula in its place.",
+        ("seal_1", "seal_2"),
+        "missing_before.svg",
+        "Friction over speed that the model lacks, with its 95 % band.",
+    ),
+    Case(
+        "nothing",
+        "Nothing is missing",
+        "The spindle is what the file says, but for the values of its constants.",
+        "No effect and no free function takes a tenth of the error on folds that were left out. That is a finding: it is said what "
+        "would have been seen.",
+        "Use the constants that were estimated: `hjcamp calibrate LOGS --as NAME`.",
+        ("plain_1", "plain_2"),
+        "worst_test.svg",
+        "The worst recording: the error is the sensor's noise.",
+    ),
+    Case(
+        "cannot_tell",
+        "These recordings cannot tell",
+        "The first 3 s of a recording like those of the first case: the same air drag.",
+        "Too few windows to leave any out. A fit would name something; it is not asked.",
+        "Record for longer; the answer says how much is needed.",
+        ("short",),
+        "worst_test.svg",
+        "The recording, and the error of the model with its constants estimated.",
+    ),
+    Case(
+        "specimen",
+        "Another specimen",
+        "Two spindles of one kind: the second has a heavier rotor and a stiffer bearing. Nothing else is missing in either.",
+        "Constants that differ between the recordings are no missing effect. The answer says which differ, and by how much.",
+        "Diagnose each specimen by itself, or give the constants that differ in the metadata of the logs (`Parameter(given=)`).",
+        ("plain_1", "other_1"),
+        "worst_test.svg",
+        "The worst recording, with one set of constants for both.",
+    ),
+    Case(
+        "wrong_log",
+        "A log is wrong",
+        "The spindle of *nothing is missing*, imported with the sign of the voltage turned round (`docs/gallery/wrong_sign.yaml`).",
+        "The constants run to their bounds, far from what is declared, and the answer says which. Whatever it names besides is not to "
+        "be believed until the log is right.",
+        "Look at the sign and the unit of what the answer points to, mend the map and import again.",
+        ("plain_1",),
+        "worst_test.svg",
+        "Measured, and what the model makes of a voltage of the wrong sign.",
+        "wrong_sign.yaml",
+    ),
+)
+HEAD = """\
+# Gallery: one worked case of each answer
+
+Written by `make gallery`: every box is what the command printed (sentences that all cases share are left out), every picture is from
+its page. One machine, a spindle: a motor, a body, a bearing with friction
+([its equations](../hjcamp/plants/pump_joint/tour/spindle/plant.txt)). The recordings are made by [make_logs.py](gallery/make_logs.py),
+which shares no code with `hjcamp`; each holds something else. `hjcamp tour --plant` walks through the first case.
+"""
+
+
+def command(case: Case) -> list[str]:
+    """Return the words of the command of a case after ``hjcamp``."""
+    return ["diagnose", *(f"logs/{name}.mcap" for name in case.logs), "--effort", "quick"]
+
+
+def hjcamp(words: Sequence[str], folder: Path) -> str:
+    """Run a command in ``folder`` and return what it printed."""
+    program = f"import sys; sys.path.insert(0, {str(ROOT)!r}); from hjcamp.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", program, *words], cwd=folder, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"hjcamp {' '.join(words)}: {done.stderr}")
+    return done.stdout
+
+
+def run(case: Case, folder: Path) -> None:
+    """Import the recordings of a case and diagnose them in ``folder``; the answer is ``out.txt``, the page in ``diagnose``."""
+    shutil.rmtree(folder, ignore_errors=True)
+    (folder / "plants").mkdir(parents=True)
+    shutil.copyfile(TOUR / "plant.txt", folder / "plants" / "spindle.py")
+    files = [next(place / f"{name}.csv" for place in (HERE, TOUR) if (place / f"{name}.csv").is_file()) for name in case.logs]
+    rules = HERE / case.map if (HERE / case.map).is_file() else TOUR / case.map
+    hjcamp(["import", *map(str, files), "--map", str(rules), "--into", "logs"], folder)
+    text = hjcamp(command(case), folder)
+    (folder / "out.txt").write_text(text, encoding="utf-8")
+
+
+def shown(text: str) -> str:
+    """Return what a command printed without its progress, its page, and the sentences that all cases share."""
+    kept, skipping = [], False
+    for line in text.splitlines():
+        begins = line.startswith("        ") and not line.startswith("          ")
+        skipping = (skipping and not begins and line.startswith("          ")) or (
+            begins and line.strip().startswith(LEFT_OUT)
+        )
+        if not skipping and not re.match(r" +\d+:\d\d  |page    ", line):
+            kept.append(line.rstrip())
+    return "\n".join(kept).strip("\n")
+
+
+def part_of(case: Case, folder: Path) -> str:
+    """Return the part of the page for a case, and copy its picture."""
+    picture = f"gallery_{case.name}.svg"
+    shutil.copyfile(folder / "diagnose" / case.picture, IMAGES / picture)
+    data = ", ".join(f"`{name}.csv`" for name in case.logs)
+    box = f"$ hjcamp {' '.join(command(case))}\n{shown((folder / 'out.txt').read_text(encoding='utf-8'))}"
+    return (
+        f"\n## {case.title}\n\n**In the recordings** ({data}): {case.holds}\n\n```\n{box}\n```\n\n{case.means}\n\n"
+        f"![{case.caption}](images/{picture})\n\n*{case.caption}*\n\n**Next.** {case.then}\n"
+    )
+
+
+def sample(folder: Path) -> str:
+    """Return README's sample: the verdict and the errors of the first case, and its picture."""
+    lines = shown((folder / "out.txt").read_text(encoding="utf-8")).splitlines()
+    first = next(number for number, line in enumerate(lines) if line.startswith("EFFECT"))
+    error = next(number for number, line in enumerate(lines) if line.startswith("error"))
+    kept = [*lines[first:error][:7], *lines[error : error + 4]]
+    box = "\n".join([f"$ hjcamp {' '.join(command(CASES[0]))}", *kept])
+    return f"{BEGIN}\n```\n{box}\n```\n\n![{CASES[0].caption}](docs/images/gallery_effect.svg)\n\n*{CASES[0].caption}*\n\n{END}"
+
+
+def main() -> None:
+    """Run the cases, then write the page, its pictures and README's sample."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--work", type=Path, help="keep what is run in this folder")
+    parser.add_argument("--only", nargs="*", default=[case.name for case in CASES], help="run these alone and write nothing")
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        work = (asked.work or Path(name)).resolve()
+        for case in CASES:
+            if case.name in asked.only and not (work / case.name / "out.txt").is_file():
+                run(case, work / case.name)
+        if set(asked.only) != {case.name for case in CASES}:
+            return
+        page = HEAD + "".join(part_of(case, work / case.name) for case in CASES)
+        (ROOT / "docs" / "gallery.md").write_text(page, encoding="utf-8")
+        readme = ROOT / "README.md"
+        text = readme.read_text(encoding="utf-8")
+        before, after = text.partition(BEGIN)[0], text.partition(END)[2]
+        readme.write_text(before + sample(work / "effect") + after, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,45 @@
+"""The gallery: each answer has a case, each case is what the command gives, and its pictures are there."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "docs" / "gallery"))
+from build_gallery import CASES, Case, command, run, shown
+
+PAGE = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+#: The cases that take least.
+CHEAPEST = ("cannot_tell", "one_of")
+
+
+def headings(text: str) -> list[str]:
+    """Return the lines in capitals: the verdicts."""
+    return re.findall(r"^[A-Z]{3}[A-Z ]*(?:   .*)?$", text, re.MULTILINE)
+
+
+def test_each_answer_has_a_case_with_its_command_and_picture() -> None:
+    assert len(headings(PAGE)) == len(CASES) == PAGE.count("\n## ") == PAGE.count("**Next.**")
+    for case in CASES:
+        assert f"$ hjcamp {' '.join(command(case))}\n" in PAGE and f"## {case.title}\n" in PAGE
+        assert (ROOT / "docs" / "images" / f"gallery_{case.name}.svg").stat().st_size < 200_000
+
+
+@pytest.mark.parametrize("case", [one for one in CASES if one.name in CHEAPEST], ids=lambda case: case.name)
+def test_a_case_is_what_the_command_gives(case: Case, tmp_path: Path) -> None:
+    run(case, tmp_path / "case")
+    given = headings(shown((tmp_path / "case" / "out.txt").read_text(encoding="utf-8")))
+    assert given and given[0] in PAGE
+    assert (tmp_path / "case" / "diagnose" / case.picture).is_file()
+
+
+def test_what_all_cases_share_is_left_out_once() -> None:
+    text = (
+        "  0:47  calibrating (10%)\nEFFECT  a\n        No test was repeated. This\n          goes on\n        Chance: p = 0.1\n"
+        "error   over\n  speed  1\npage    x\nnext    y\n"
+    )
+    assert shown(text) == "EFFECT  a\n        Chance: p = 0.1\nerror   over\n  speed  1\nnext    y"
