@@ -16,13 +16,9 @@ import hjcamp.effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.plant_checks import check_plant
 from hjcamp.plants.pump_joint.tour import samples as samples
-<<<<<<< HEAD
 from hjcamp.plants.pump_joint.tour.answer import compared, judged
-=======
-from hjcamp.plants.pump_joint.tour.answer import judged
 from hjcamp.plants.pump_joint.tour.kinds import Tour, last_sentence
 from hjcamp.plants.pump_joint.tour.spindle import FILES, SPINDLE, lay_out
->>>>>>> db4bafc (Take the tour of a spindle with --plant, end each step with what it came to, and draw how the error fell)
 from hjcamp.records.find import group_by_condition, read_logs
 
 if TYPE_CHECKING:

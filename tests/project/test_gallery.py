@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "docs" / "gallery"))
-from build_gallery import CASES, Case, command, run, shown
+from build_gallery import CASES, Case, command, run, shown  # noqa: E402
 
 PAGE = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
 #: The cases that take least.
