@@ -14,7 +14,7 @@ DOCUMENTED := $(VENV)/.documented
 unexport PYTHONDONTWRITEBYTECODE
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines unmoved unmoved-long next_value thesis_gap tour_data gallery pump_cost convergence fidelity validation faults kills damage recovery bad_calls clean
+.PHONY: help setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines unmoved unmoved-long next_value thesis_gap tour_data gallery pump_cost convergence fidelity validation faults kills damage recovery bad_calls dist clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
@@ -43,6 +43,7 @@ help:
 	@echo "make faults    every fault of the rig at the start, middle and end of a test; docs/rig_faults.md"
 	@echo "make kills     200 kills at random moments, then resume;   make damage  10 000 damaged log files"
 	@echo "make bad_calls  a thousand bad calls over every option and file; docs/bad_calls.md"
+	@echo "make dist    wheel and sdist in dist/, opened and checked as a stranger would (docs/release.md); five minutes"
 	@echo "make clean   remove .venv and caches; runs/ stays"
 
 setup: $(WARM)
@@ -167,6 +168,11 @@ bad_calls: $(WARM)
 recovery: $(WARM)
 	$(BIN)/python tests/calibrate/recovery_study.py > docs/identification_recovery.md.part
 	mv docs/identification_recovery.md.part docs/identification_recovery.md
+
+# TAG=v0.1.0 also checks that the tag is the version
+dist: $(TESTABLE)
+	$(PIP) --editable '.[dist]'
+	$(BIN)/python .ci/check_dist.py $(TAG)
 
 clean:
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache build dist
