@@ -15,6 +15,7 @@ from typing import Annotated, Any
 
 import typer
 
+from hjcamp.children import keep_children_safe
 from hjcamp.commands import COMPLETING, PLAIN, Commands
 from hjcamp.commands._session import free_standard_output
 from hjcamp.errors import HjcampError
@@ -52,6 +53,7 @@ def root(
 def main() -> None:
     """Run the command line and exit with its code."""
     signal.signal(signal.SIGTERM, _terminated)
+    keep_children_safe()
     code = answer_bash() if os.environ.get(COMPLETING) == "complete_bash" else run()
     try:
         sys.stdout.flush()

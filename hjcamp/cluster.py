@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
+from hjcamp.children import safe_children
 from hjcamp.errors import HjcampError, UsageError
 
 Item = TypeVar("Item")
@@ -37,7 +38,8 @@ def connected(address: str, named: str = "--cluster ") -> Any:
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         if address == "local":
-            return Client(processes=True, threads_per_worker=1, dashboard_address=None)
+            with safe_children():
+                return Client(processes=True, threads_per_worker=1, dashboard_address=None)
         return Client(address, timeout="10s")
     except (OSError, ValueError) as error:
         raise UsageError(

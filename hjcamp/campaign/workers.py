@@ -10,6 +10,7 @@ from typing import Any
 
 from hjcamp.campaign.execution import Job, execute, execute_in_worker, ignore_interrupts
 from hjcamp.campaign.outcome import Outcome
+from hjcamp.children import safe_children
 from hjcamp.errors import HjcampError
 
 PARALLEL_BACKENDS = ("simulation", "replay")
@@ -72,7 +73,7 @@ def _on_workers(jobs: Sequence[Job], workers: int, stop: Callable[[], bool]) -> 
             yield delayed(execute_in_worker)(job)
 
     try:
-        with warnings.catch_warnings(), parallel_config(**LOKY):
+        with warnings.catch_warnings(), safe_children(), parallel_config(**LOKY):
             warnings.simplefilter("ignore")
             yield from Parallel(n_jobs=workers, return_as="generator_unordered", batch_size=1)(waiting())
     except TerminatedWorkerError as error:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import IO, Any
 
+from hjcamp.children import safe_children
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.live.feed import GONE_S, Feed, feeding
 
@@ -65,9 +66,10 @@ def _started(port: int) -> tuple[subprocess.Popen[bytes], str]:
     if os.name == "nt":
         own = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined, unused-ignore]
     command = [sys.executable, "-m", "hjcamp.live.server", str(port), "hjcamp run"]
-    process = subprocess.Popen(
-        command, bufsize=0, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, **own
-    )
+    with safe_children():
+        process = subprocess.Popen(
+            command, bufsize=0, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, **own
+        )
     assert process.stdout is not None
     line = _first_line(process.stdout)
     if line.startswith("http://"):

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from hjcamp.children import safe_children
 from hjcamp.model import kernel_cache
 from hjcamp.model.kernel import shared_source
 
@@ -60,7 +61,10 @@ def _started() -> subprocess.Popen[bytes]:
     if os.name == "nt":
         own = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined, unused-ignore]
     command = [sys.executable, "-m", "hjcamp.model.compiled_ahead"]
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **own)
+    with safe_children():
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **own
+        )
     atexit.register(process.kill)
     return process
 

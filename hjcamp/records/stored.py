@@ -37,7 +37,7 @@ class Shelf:
         data = load(path)
         found = Scan()
         try:
-            for opcode, start, end in walk(data, len(MCAP0_MAGIC), len(data) - len(MCAP0_MAGIC)):
+            for opcode, start, end in walk(data, len(MCAP0_MAGIC), len(data) - len(MCAP0_MAGIC), found):
                 if opcode == Opcode.DATA_END:
                     break
                 if opcode in (Opcode.METADATA, Opcode.ATTACHMENT):

@@ -16,6 +16,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
+from hjcamp.children import safe_children
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 # One at work, two that wait for it.
@@ -32,8 +34,8 @@ class Helpers:
         self._folder = TemporaryDirectory(prefix="hjcamp_diagnose_")
         self._calls, self._count = 0, count
         spawn = multiprocessing.get_context("spawn")
-        self._pool: ProcessPoolExecutor | None = ProcessPoolExecutor(count, spawn, _begin, (self._folder.name, ready))
-        with _interrupts_held():
+        with _interrupts_held(), safe_children():
+            self._pool: ProcessPoolExecutor | None = ProcessPoolExecutor(count, spawn, _begin, (self._folder.name, ready))
             self._pool.submit(os.getpid)
 
     def each(self, task: Callable[[Any, Item], Result], context: Any, items: Iterable[Item]) -> Iterator[Result]:
@@ -91,7 +93,8 @@ class Helpers:
         while path and self._pool is not None and busy < self._count * min(AHEAD, len(waiting) - 1):
             place = waiting.popleft()
             try:
-                given[place] = self._pool.submit(_call, task, path, items[place])
+                with safe_children():
+                    given[place] = self._pool.submit(_call, task, path, items[place])
                 busy += 1
             except BrokenExecutor:
                 waiting.appendleft(place)

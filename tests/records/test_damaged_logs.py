@@ -165,3 +165,39 @@ def test_a_file_that_is_too_large(tmp_path: Path) -> None:
         stream.truncate(300 * 2**20)
     with pytest.raises(UsageError, match="300 MiB is too large for a test log"):
         read_log(tmp_path / "large.mcap")
+
+
+def many_records(record: bytes, compressed: bool = True, chunks: int = 2) -> bytes:
+    """Return a small file whose chunks declare many records, each ``record``."""
+    content = record * (60 * 2**20 // len(record))
+    data = zstandard.ZstdCompressor(level=3).compress(content) if compressed else content
+    name = b"zstd" if compressed else b""
+    chunk = struct.pack("<QQQII", 0, 1, len(content), 0, len(name)) + name + struct.pack("<Q", len(data)) + data
+    body = b"".join(struct.pack("<BQ", 6, len(chunk)) + chunk for _ in range(chunks))
+    header = struct.pack("<BQ", 1, 8) + bytes(8)
+    footer = struct.pack("<BQ", 15, 4) + bytes(4) + struct.pack("<BQ", 2, 20) + bytes(20)
+    return MCAP0_MAGIC + header + body + footer + MCAP0_MAGIC
+
+
+@pytest.mark.parametrize(
+    ("record", "said"),
+    [
+        (bytes(9), "begins no record"),
+        (struct.pack("<BQ", 0x80, 0), "or 500000 other records"),
+        (struct.pack("<BQ", 7, 0), "or 500000 other records"),
+        (struct.pack("<BQHIQQ", 5, 22, 1, 0, 0, 0), "belongs to no channel"),
+    ],
+    ids=["zeros", "private", "indexes", "messages"],
+)
+def test_records_without_end_are_refused(tmp_path: Path, record: bytes, said: str) -> None:
+    path = tmp_path / "many.mcap"
+    path.write_bytes(many_records(record))
+    assert path.stat().st_size < 200_000
+    began = time.process_time()
+    with pytest.raises(UsageError, match=said):
+        read_log(path)
+    found = verify_log(path)
+    assert not found.whole and said in found.problems[0]
+    with pytest.raises(UsageError, match="nothing can be recovered"):
+        recover_log(path, tmp_path / "saved.mcap")
+    assert time.process_time() - began < LONGEST_SECONDS

@@ -59,7 +59,7 @@ def read_messages(source: Path, names: list[str], topic: str, where: str) -> tup
 def _channel(found: Scan, topic: str, source: Path, where: str) -> Channel:
     """Return the channel of the topic, also where the file describes it in a chunk."""
     for stretch in found.stretches:
-        for opcode, content, end in walk(stretch, 0, len(stretch)):
+        for opcode, content, end in walk(stretch, 0, len(stretch), found):
             if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 take(found, opcode, stretch[content:end], content)
     topics = [channel.topic for channel in found.channels.values()]

@@ -13,11 +13,12 @@ from mcap.writer import MCAP0_MAGIC
 from hjcamp.errors import UsageError
 from hjcamp.records.mcap.chunks import MOST_CHUNK_BYTES, Damaged, decompress, expand
 from hjcamp.records.mcap.samples import SampleDecoder, TooManySamples
-from hjcamp.records.mcap.scan import MOST_RECORDS, RECORD_PREFIX, Scan, parse, take, walk
+from hjcamp.records.mcap.scan import MOST_RECORDS, RECORD_PREFIX, Scan, TooManyRecords, parse, take, walk
 
 NAME_OFFSET = RECORD_PREFIX + 28  # of the compression's name within a chunk record
 CHUNK_HEADER_BYTES = 40  # without the name
 MOST_FAULTS = 100
+HALVINGS = 3  # how often each record may be looked at until the one that is at fault is alone
 MOST_CANDIDATES = 1_000_000
 COMPRESSION_NAMES = (b"\x04\x00\x00\x00zstd", b"\x03\x00\x00\x00lz4")
 
@@ -131,6 +132,7 @@ def _note_lost_span(data: bytes, content: int, result: Salvage) -> None:
 def decode_salvage(result: Salvage, where: str) -> SampleDecoder:
     """Return a decoder with every message that is a sample; adds the faults of the others to the problems."""
     decoder = SampleDecoder(result.found, where)
+    result.found.records_left = HALVINGS * MOST_RECORDS
     waiting = result.found.stretches[::-1]
     while waiting:
         if len(result.problems) >= MOST_FAULTS:
@@ -139,21 +141,21 @@ def decode_salvage(result: Salvage, where: str) -> SampleDecoder:
         stretch = waiting.pop()
         try:
             decoder.add(stretch)
-        except TooManySamples as fault:
+        except (TooManySamples, TooManyRecords) as fault:
             result.problems.append(str(fault).removeprefix(f"{where}: "))
             break
         except (Damaged, UsageError) as fault:
-            halves = _halves(stretch)
+            halves = _halves(stretch, result.found)
             waiting += halves[::-1]  # until only the message that is at fault is left out
             if not halves:
                 result.problems.append(str(fault).removeprefix(f"{where}: "))
     return decoder
 
 
-def _halves(stretch: bytes) -> list[bytes]:
+def _halves(stretch: bytes, found: Scan) -> list[bytes]:
     """Split message records in two; nothing is left to split in a single one, or where a record is not whole."""
     try:
-        ends = [end for _, _, end in walk(stretch, 0, len(stretch))]
+        ends = [end for _, _, end in walk(stretch, 0, len(stretch), found)]
     except Damaged:
         return []
     if len(ends) < 2:

@@ -56,7 +56,7 @@ class SampleDecoder:
     def add(self, stretch: bytes) -> None:
         """Decode message records; raises Damaged where they are none, UsageError where they are no samples."""
         start = 0
-        for opcode, content, end in walk(stretch, 0, len(stretch)):
+        for opcode, content, end in walk(stretch, 0, len(stretch), self._found):
             if opcode == Opcode.MESSAGE:
                 break
             self._register(opcode, stretch[content:end], content)
@@ -92,7 +92,7 @@ class SampleDecoder:
         messages: list[bytes] = []
         times: list[int] = []
         sample_channel = None
-        for opcode, content, end in walk(stretch, start, len(stretch)):
+        for opcode, content, end in walk(stretch, start, len(stretch), self._found):
             if opcode != Opcode.MESSAGE:
                 self._register(opcode, stretch[content:end], content)
                 continue

@@ -28,6 +28,7 @@ MOST_FILE_BYTES = 256 * 2**20
 MOST_UNCOMPRESSED_BYTES = 256 * 2**20
 MOST_DESCRIBING_BYTES = 16 * 2**20  # of schemas, channels and metadata together
 MOST_RECORDS = 4_000_000
+OTHER_COUNTS = 8  # messages: chunks, their indexes and the like are few
 LOOSE_MESSAGES = 4096  # outside chunks, taken together
 FOOTER_BYTES = 29
 RECORD_PREFIX = 9
@@ -46,6 +47,7 @@ class Scan:
     uncompressed_bytes: int = 0
     describing_bytes: int = 0
     loose: list[bytes] = field(default_factory=list)
+    records_left: int = MOST_RECORDS
 
     def add_loose(self, message: bytes) -> None:
         """Add a message record that is in no chunk; ``gather_loose`` makes stretches of them."""
@@ -86,19 +88,30 @@ def load(path: Path) -> bytes:
     return data
 
 
-def walk(data: bytes, start: int, end: int) -> Iterator[tuple[int, int, int]]:
-    """Yield opcode, first byte and end of the content of each record between ``start`` and ``end``."""
-    position = start
-    for _ in range(MOST_RECORDS):
-        if position >= end:
-            return
+class TooManyRecords(Damaged):
+    """The file holds more records than a test can have."""
+
+
+def walk(data: bytes, start: int, end: int, found: Scan | None = None) -> Iterator[tuple[int, int, int]]:
+    """Yield opcode, first byte and end of the content of each record between ``start`` and ``end``.
+
+    Raises `Damaged` for what is no record, and `TooManyRecords` where ``found`` has had too many in its whole file.
+    """
+    position, found = start, found or Scan()
+    while position < end:
+        found.records_left -= 1 if data[position] == Opcode.MESSAGE else OTHER_COUNTS
+        if found.records_left < 0:
+            raise TooManyRecords(
+                f"more than {MOST_RECORDS} messages, or {MOST_RECORDS // OTHER_COUNTS} other records, too many for a test log"
+            )
+        if not data[position]:
+            raise Damaged(f"byte {position} begins no record")
         content = position + RECORD_PREFIX
         length = int.from_bytes(data[position + 1 : content], "little")
         if content + length > end:
             raise Damaged(f"the record at byte {position} is longer than what holds it")
         yield data[position], content, content + length
         position = content + length
-    raise Damaged(f"more than {MOST_RECORDS} records, too many for a test log")
 
 
 def parse(kind: Callable[[ReadDataStream], T], content: bytes) -> T:
@@ -115,7 +128,7 @@ def scan(data: bytes, validate_crcs: bool = True) -> Scan:
         raise Damaged("the file is truncated or was never finished")
     found = Scan()
     data_end = None
-    for opcode, start, end in walk(data, len(MCAP0_MAGIC), len(data) - len(MCAP0_MAGIC)):
+    for opcode, start, end in walk(data, len(MCAP0_MAGIC), len(data) - len(MCAP0_MAGIC), found):
         if opcode == Opcode.DATA_END:
             data_end = start
         elif opcode == Opcode.MESSAGE:

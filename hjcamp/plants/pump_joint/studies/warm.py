@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from hjcamp.children import safe_children
 from hjcamp.configuration.composer import Composer
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
@@ -52,9 +53,10 @@ def side_by_side(work: Sequence[Task], workers: int = 0) -> Iterator[tuple[str, 
     # Every kernel holds what this one does: it is compiled here, not once in each process.
     shared = load_kernel(shared_source())
     shared.propagators(PERIOD, LEVELS, 4, np.zeros((SPACE, 16)), np.zeros((LEVELS + 1, 48)), 0)
-    yield from Parallel(min(workers or cpu_count(), len(work)), return_as="generator_unordered", batch_size=1)(
-        delayed(timed)(*task) for task in work
-    )
+    with safe_children():
+        yield from Parallel(min(workers or cpu_count(), len(work)), return_as="generator_unordered", batch_size=1)(
+            delayed(timed)(*task) for task in work
+        )
 
 
 def tasks() -> list[Task]:
