@@ -23,6 +23,10 @@ HYDRA_MAY = (
     "hydra/launcher", "hydra/sweeper", "hydra.launcher", "hydra.sweeper", "hydra.sweep", "hydra.run.dir",
     "hydra.searchpath", "hydra.verbose", "hydra.mode",
 )  # fmt: skip
+#: What a reference in a file may call: an environment variable of whoever reads it is not among it.
+RESOLVERS = ("milli", "first", "oc.select")
+REFERENCES = f"a reference is ${{KEY}}, or one of {', '.join(f'${{{name}:...}}' for name in RESOLVERS)}; on the command line any"
+_REFERENCE = re.compile(r"\$\{\s*(?:(?P<call>[\w.]+)\s*:|[\w.@/\[\]-]+\s*(?P<end>\}))?")
 _PARTS = re.compile(r"[\s./@:+~]+")
 
 
@@ -31,6 +35,12 @@ def check_file(path: Path, config: Any, package: str | None) -> None:
     if package and _PARTS.split(package)[0] == "hydra":
         raise _refused(path, "@package", f"'@package {package}' reaches into 'hydra'")
     content = OmegaConf.to_container(config, resolve=False)
+    for text in _texts(content):
+        for found in _REFERENCE.finditer(text):
+            if found["call"] is not None and found["call"] not in RESOLVERS:
+                raise _refused(path, found[0], f"'{found[0]}' asks for what is not in the configuration", REFERENCES)
+            if found["call"] is None and found["end"] is None:
+                raise _refused(path, found[0], f"'{text[found.start() :][:40]}' is no plain reference", REFERENCES)
     for key in _keys(content):
         for call in CALLS:
             if call in _PARTS.split(key):
@@ -112,8 +122,16 @@ def _keys(content: Any) -> Iterator[str]:
             yield from _keys(value)
 
 
-def _refused(path: Path, word: str, reason: str) -> UsageError:
+def _texts(content: Any) -> Iterator[str]:
+    if isinstance(content, str):
+        yield content
+    elif isinstance(content, Mapping | list | tuple):
+        for value in content.values() if isinstance(content, Mapping) else content:
+            yield from _texts(value)
+
+
+def _refused(path: Path, word: str, reason: str, allowed: str = "a configuration file holds values only: take it out") -> UsageError:
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
     line = next((number for number, text in enumerate(lines, 1) if word in text), None)
     where = f"{path}: line {line}" if line else str(path)
-    return UsageError(f"{where}: {reason}; a configuration file holds values only: take it out")
+    return UsageError(f"{where}: {reason}; {allowed}")

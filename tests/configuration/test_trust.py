@@ -9,12 +9,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from omegaconf import OmegaConf
 
 import hjcamp
 from hjcamp import cli
 from hjcamp.campaign.campaign_file import read_campaign
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.search_path import packaged_root
+from hjcamp.configuration.trust import check_file
 from hjcamp.errors import UsageError
 
 # Hydra itself does not block this one.
@@ -173,3 +175,52 @@ def test_a_sweep_over_a_users_models_on_workers(empty_folder: Path) -> None:
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 2 and "bad.yaml: line 3" in done.stderr, done.stderr
     assert not (empty_folder / "marker").exists()
+
+
+SECRET = "hunter2hunter2"
+ASKS = (
+    "${oc.env:SECRET_TOKEN}", "x ${oc.env:SECRET_TOKEN} y", "${ oc.env : SECRET_TOKEN}", "${first:null,${oc.env:SECRET_TOKEN}}",
+    "${oc.decode:${oc.env:SECRET_TOKEN}}", "${oc.create:${oc.env:SECRET_TOKEN}}", "${oc.${name}:SECRET_TOKEN}",
+    "${${name}:SECRET_TOKEN}", "${oc.env:SECRET_TOKEN,none}", "${hydra:runtime.cwd}", "${oc.deprecated:name}", "${now:%Y}",
+)  # fmt: skip
+PLACES = {
+    "campaigns/friend.yaml": "name: friend\ndescription: {asks}\nvary: {{controller: [pid]}}\n",
+    "conf/payload/friend.yaml": "name: {asks}\nmass_g: 1.0\n",
+    "conf/rig/friend.yaml": "defaults: [virtual]\nname: friend\ncalibration: {asks}\n",
+    "conf/model/friend.yaml": MODEL.replace("{}", "{{}}") + "provenance: {{made: [{asks}]}}\n",
+    "conf/controller/friend.yaml": "defaults: [pid]\nnote: {{deep: [{{in: {asks}}}]}}\n",
+    "conf/config.yaml": "name: {asks}\n",
+}
+
+
+@pytest.mark.parametrize("asks", ASKS)
+def test_no_reference_leads_out_of_the_configuration(asks: str, tmp_path: Path) -> None:
+    file = tmp_path / "friend.yaml"
+    for content in ({"a": asks}, {"a": {"b": [1, {"c": f"x {asks}"}]}}, {"defaults": [{"payload": asks}]}):
+        file.write_text(OmegaConf.to_yaml(OmegaConf.create(content)))
+        with pytest.raises(UsageError, match=r"friend.yaml.*a reference is \$\{KEY\}"):
+            check_file(file, OmegaConf.load(file), None)
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_no_file_takes_what_is_secret(
+    place: str, empty_folder: Path, call: Callable[..., tuple[int, str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SECRET_TOKEN", SECRET)
+    write(empty_folder / place, PLACES[place].format(asks=f"'{ASKS[0]}'"))
+    *_, group, _ = ("campaign", *place.split("/"))
+    choice = {"config.yaml": []}.get(place.split("/")[-1], [f"{group.removesuffix('s')}=friend"])
+    code, said = call("run", "repetitions=1", *choice)
+    assert code == 2 and place in said and "reference is ${KEY}" in said, said
+    assert SECRET not in said and len(said.strip().splitlines()) == 1
+    assert not (empty_folder / "runs").exists()
+
+
+def test_a_reference_to_a_key_and_one_on_the_command_line_are_read(
+    empty_folder: Path, call: Callable[..., tuple[int, str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SECRET_TOKEN", "7.5")
+    write(empty_folder / "conf/payload/friend.yaml", "name: friend\nmass_g: ${oc.select:pump.nothing,8.5}\nradius_mm: ${.mass_g}\n")
+    config = Composer().compose(["payload=friend", "pump.bore_mm=${oc.env:SECRET_TOKEN}"]).config
+    assert config["payload"]["mass_g"] == config["payload"]["radius_mm"] == 8.5
+    assert float(config["pump"]["bore_mm"]) == 7.5
