@@ -18,7 +18,8 @@ import typer
 from hjcamp.children import keep_children_safe
 from hjcamp.commands import COMPLETING, PLAIN, Commands
 from hjcamp.commands._session import free_standard_output
-from hjcamp.errors import HjcampError
+from hjcamp.commands._streams import begin_in_utf8, take_streams
+from hjcamp.errors import HjcampError, text_of, visible
 from hjcamp.storage import shown_path
 
 INTERRUPTED = 130
@@ -52,6 +53,8 @@ def root(
 
 def main() -> None:
     """Run the command line and exit with its code."""
+    begin_in_utf8()
+    take_streams()
     signal.signal(signal.SIGTERM, _terminated)
     keep_children_safe()
     code = answer_bash() if os.environ.get(COMPLETING) == "complete_bash" else run()
@@ -97,14 +100,14 @@ def run(arguments: list[str] | None = None) -> int:
         if type(error).__module__.startswith(("click", "typer._click")) and hasattr(error, "format_message"):
             command = getattr(getattr(error, "ctx", None), "command_path", "hjcamp")
             return _say(f"{error.format_message()}  (see {command} --help)", 2)
-        return _say(f"internal error: {type(error).__name__}: {error}{_keep_traceback()}", 1)
+        return _say(f"internal error: {type(error).__name__}: {text_of(error)}{_keep_traceback()}", 1)
     finally:
         free_standard_output()
 
 
 def _say(text: str, code: int) -> int:
     with contextlib.suppress(OSError):
-        print(f"hjcamp: {text}", file=sys.stderr)
+        print(f"hjcamp: {visible(text)}", file=sys.stderr)
     return code
 
 

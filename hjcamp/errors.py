@@ -5,10 +5,12 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import unicodedata
 from collections.abc import Iterable
 
 LONGEST_SHOWN = 80
 MOST_NAMED = 200
+_DRAWN = re.compile(r"(\x1b\[[0-9;?]*[A-Za-z])")
 NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -69,6 +71,32 @@ def shown(value: object) -> str:
 def without_numbers(text: str) -> str:
     """Return a message with ``#`` for each number, so that two that differ in their values alone are equal."""
     return NUMBER.sub("#", text)
+
+
+def visible(text: str, colours: bool = False) -> str:
+    """Return a text without what a terminal would obey: other characters than printed ones stand as escapes.
+
+    With ``colours`` the sequences stay by which a terminal draws: colours, and where the next letter goes.
+    """
+    if text.isprintable():
+        return text
+    parts = _DRAWN.split(text) if colours else [text]
+    return "".join(part if place % 2 else _escaped(part) for place, part in enumerate(parts))
+
+
+def _escaped(text: str) -> str:
+    kept = ("\n", "\t", "\r")
+    return "".join(
+        one if one in kept or unicodedata.category(one)[0] != "C" else one.encode("unicode_escape").decode() for one in text
+    )
+
+
+def text_of(problem: BaseException) -> str:
+    """Return what an exception says, also where it cannot say it."""
+    try:
+        return str(problem)
+    except Exception:
+        return "its own text fails"
 
 
 def counted(number: int, one: str, many: str = "") -> str:

@@ -12,6 +12,7 @@ from typing import Any
 
 from hjcamp.campaign.objective import Objective, read_objectives
 from hjcamp.errors import HjcampError
+from hjcamp.report.formats import escape_csv
 from hjcamp.storage import write_whole
 from hjcamp.yaml_file import read_yaml
 
@@ -64,7 +65,9 @@ class SweepResult:
         """Write the table as ``sweep.csv`` into the folder of the sweep."""
         stream = io.StringIO()
         head, rows = self.table()
-        csv.writer(stream, lineterminator="\n").writerows([head, *rows])
+        csv.writer(stream, lineterminator="\n").writerows(
+            [escape_csv(cell) if isinstance(cell, str) else cell for cell in row] for row in (head, *rows)
+        )
         write_whole(self.folder / "sweep.csv", stream.getvalue())
         return self.folder / "sweep.csv"
 

@@ -9,7 +9,7 @@ import typer
 
 from hjcamp.commands import PLAIN
 from hjcamp.commands._session import AnswerFile
-from hjcamp.errors import HjcampError, counted
+from hjcamp.errors import HjcampError, counted, visible
 
 EXPORT, VIEW = Path("export"), Path("view")
 Paths = Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")]
@@ -46,12 +46,12 @@ def info(paths: Paths, json: AnswerFile = None) -> None:
         rows.append(found)
         print(f"{path}: {counted(found.samples, 'sample')}, {found.duration:.3f} s, {'whole' if found.whole else 'NOT WHOLE'}")
         for problem in () if found.whole else found.problems[:1]:
-            print(f"  problem      {problem}")
+            print(visible(f"  problem      {problem}"))
         print(f"  of           plant {found.plant}, one sample each {span(found.period)}")
-        print(f"  fields       {' '.join(found.fields)}")
-        print(f"  attachments  {' '.join(found.attachments) or 'none'}")
+        print(visible(f"  fields       {' '.join(found.fields)}"))
+        print(visible(f"  attachments  {' '.join(found.attachments) or 'none'}"))
         for name, value in found.metadata.items():
-            print(f"  {name:<12} {value}")
+            print(visible(f"  {name:<12} {value}"))
     write_answer(json, {"schema": "hjcamp.logs/1", "logs": log_rows(rows)})
 
 
@@ -80,7 +80,7 @@ def verify(paths: Paths, json: AnswerFile = None) -> None:
         implausible += found.refused
         doubtful += bool(found.findings) and not found.refused
         for problem in [*found.problems, *(one.line for one in found.findings)]:
-            print(f"{path}: {problem}")
+            print(visible(f"{path}: {problem}"))
     for (plant, period, fields), number in kinds.items():
         print(f"{counted(number, 'log')} of plant {plant}, one sample each {span(period)}: {' '.join(fields)}")
     whole = f"{counted(len(logs), 'log')}, {len(logs) - damaged} whole, {damaged} not"
@@ -112,7 +112,7 @@ def recover(
     stem = path.name.removesuffix(".part").removesuffix(".mcap")
     result = recover_log(path, output or path.with_name(f"{stem}.recovered.mcap"))
     for problem in result.problems:
-        print(f"  {problem}")
+        print(visible(f"  {problem}"))
     print(f"{result.path}: {result.words}")
     answer = {"schema": "hjcamp.recovery/1", "log": str(result.path), "kept": result.kept, "lost": result.lost}
     write_answer(json, {**answer, "lost_is_exact": result.lost_is_exact, "problems": list(result.problems)})

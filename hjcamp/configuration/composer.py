@@ -41,6 +41,8 @@ from hjcamp.known_plants import OWN_PLANTS
 from hjcamp.model.field_unit import FIELD_UNITS
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
+#: Groups whose choices make other parts of the configuration.
+WITHOUT_KEY = ("campaign", "plant")
 COMPOSE_ERRORS = (
     HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError, RecursionError
 )  # fmt: skip
@@ -163,6 +165,8 @@ class Composer:
         for group, choice in choices.items():
             if choice is not None and any(part[:1] in ("", ".", "_") for part in str(choice).split("/")):
                 raise unknown(group, str(choice), self.options(group))
+            if choice is not None and group not in config and "/" not in group and group not in WITHOUT_KEY:
+                raise UsageError(f"{group}={choice}: this choice gives no '{group}' (an '@package' at its top puts it elsewhere?)")
             if choice is not None and isinstance(config.get(group), dict) and group != "campaign":
                 config[group].setdefault("name", choice)
         return Composition(config, choices)

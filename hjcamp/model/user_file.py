@@ -13,7 +13,7 @@ import traceback
 import types
 from pathlib import Path
 
-from hjcamp.errors import HjcampError, UsageError, unknown
+from hjcamp.errors import HjcampError, UsageError, text_of, unknown
 from hjcamp.model.time_limit import time_limit
 from hjcamp.storage import check_is_file
 
@@ -98,10 +98,10 @@ def _what_is_wrong(path: Path, problem: BaseException) -> str:
             declared = _declared_in(path, said)
             return said if said.startswith(str(path)) else f"{path}: line {declared}: {said}" if declared else f"{where}: {said}"
     if isinstance(problem, SystemExit):
-        return f"{where}: this file ends the program ({type(problem).__name__}: {problem}); it may only define things"
+        return f"{where}: this file ends the program ({type(problem).__name__}: {text_of(problem)}); it may only define things"
     if said := _unknown_argument(problem) or _unknown_import(problem):
         return f"{where}: {said}"
-    return f"{where}: cannot be loaded: {type(problem).__name__}: {problem}"
+    return f"{where}: cannot be loaded: {type(problem).__name__}: {text_of(problem)}"
 
 
 def _declared_in(path: Path, said: str) -> int | None:
@@ -114,7 +114,7 @@ def _declared_in(path: Path, said: str) -> int | None:
 
 def _unknown_argument(problem: BaseException) -> str:
     """Return what is wrong where a declaration (``State(...)``) is given an argument that it has not, else nothing."""
-    found = re.match(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", str(problem))
+    found = re.match(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", text_of(problem))
     frames = list(traceback.walk_tb(problem.__traceback__))
     kind = frames[-1][0].f_globals.get(found[1]) if found and frames else None
     if found is None or not dataclasses.is_dataclass(kind):
@@ -126,7 +126,7 @@ def _unknown_argument(problem: BaseException) -> str:
 
 def _unknown_import(problem: BaseException) -> str:
     """Return what is wrong where a name is imported from a module of this program that it has not, else nothing."""
-    found = re.match(r"cannot import name '(\w+)' from '(hjcamp[\w.]*)'", str(problem))
+    found = re.match(r"cannot import name '(\w+)' from '(hjcamp[\w.]*)'", text_of(problem))
     if found is None or not isinstance(problem, ImportError):
         return ""
     offered = getattr(sys.modules[found[2]], "__all__", None) or [one for one in vars(sys.modules[found[2]]) if one[0] != "_"]

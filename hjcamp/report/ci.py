@@ -12,7 +12,7 @@ import polars as pl
 
 from hjcamp.errors import counted
 from hjcamp.report.check import Violation, means_of, tables_of
-from hjcamp.report.formats import to_markdown
+from hjcamp.report.formats import escape_markdown, to_markdown
 from hjcamp.report.indicators import INDICATORS
 from hjcamp.report.sheet import Cell, Sheet
 
@@ -23,7 +23,7 @@ NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
 def summary_markdown(title: str, verdict: str, sheets: Sequence[Sheet], violations: Sequence[Violation] | None) -> str:
     """Return the page of a job: what was checked, what is outside (at most ``SHOWN``), and the tables."""
-    parts = [f"# {title}\n"]
+    parts = [f"# {escape_markdown(title)}\n"]
     if violations is not None:
         parts.append(
             f"**{counted(len(violations), 'mean is', 'means are')} outside the tolerances.**\n"
@@ -33,7 +33,7 @@ def summary_markdown(title: str, verdict: str, sheets: Sequence[Sheet], violatio
         if violations:
             parts.append("\n" + to_markdown(_outside(violations)))
     if verdict:
-        parts.append(f"\n{verdict}\n")
+        parts.append(f"\n{escape_markdown(verdict)}\n")
     return "\n".join(["".join(parts), *map(to_markdown, sheets)])
 
 

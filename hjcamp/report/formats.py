@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
+from hjcamp.errors import visible
 from hjcamp.report.sheet import Cell, Sheet
 
+FORMULAS = tuple("=+-@\t\r")
+NUMBER = re.compile(r"[+-]?[\d.]+(?:[eE][+-]?\d+)?")
+IN_MARKDOWN = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "|": "\\|", "`": "\\`", "[": "\\[", "]": "\\]", "\\": "\\\\"}
 IN_LATEX = {
     "\\": r"\textbackslash{}",
     "&": r"\&",
@@ -30,17 +35,17 @@ IN_LATEX = {
 def to_markdown(sheet: Sheet) -> str:
     """Return the sheet as a Markdown table with its title, source and notes."""
 
-    def line(texts: Sequence[str]) -> str:
-        return "| " + " | ".join(text.replace("|", "\\|").replace("\n", " ") for text in texts) + " |"
+    def line(texts: Sequence[str], mark: str = "") -> str:
+        return "| " + " | ".join(f"{mark}{escape_markdown(text)}{mark}" if text else "" for text in texts) + " |"
 
-    lines = [f"## {sheet.title}", ""]
+    lines = [f"## {escape_markdown(sheet.title)}", ""]
     lines += [line(sheet.headers), "|" + "|".join("---" for _ in sheet.headers) + "|"]
     for row in sheet.rows:
         texts = [_marked(cell) for cell in row]
         if row[0].kind == "block":
-            texts = [f"**{row[0].text}**", *[""] * (len(sheet.headers) - 1)]
-        lines.append(line(texts))
-    lines += ["", *[f"* {note}" for note in _notes(sheet)]]
+            texts = [row[0].text, *[""] * (len(sheet.headers) - 1)]
+        lines.append(line(texts, "**" if row[0].kind == "block" else ""))
+    lines += ["", *[f"* {escape_markdown(note)}" for note in _notes(sheet)]]
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -69,8 +74,19 @@ def to_latex(sheet: Sheet) -> str:
 
 
 def escape_latex(text: str) -> str:
-    """Return ``text`` with every character that LaTeX would read as a command replaced."""
-    return "".join(IN_LATEX.get(character, character) for character in text)
+    """Return ``text`` with every character that LaTeX would read as a command replaced, on one line."""
+    return "".join(IN_LATEX.get(character, character) for character in visible(" ".join(text.split())))
+
+
+def escape_markdown(text: str) -> str:
+    """Return ``text`` for a line or a cell of Markdown: no HTML, no link, picture or code of its own."""
+    plain = visible(text.replace("\n", " ").replace("\r", " "))
+    return "".join(IN_MARKDOWN.get(character, character) for character in plain)
+
+
+def escape_csv(text: str) -> str:
+    """Return ``text`` for a cell of CSV, which no spreadsheet takes for a formula: a quote stands before what looks like one."""
+    return f"'{text}" if text[:1] in FORMULAS and not NUMBER.fullmatch(text) else text
 
 
 def _marked(cell: Cell) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import polars as pl
 
+from hjcamp.report.formats import escape_csv
 from hjcamp.storage import whole_file
 
 
@@ -20,7 +21,9 @@ def replace_file(path: Path, content: bytes | str | Iterator[str]) -> None:
 
 def write_frame(folder: Path, name: str, frame: pl.DataFrame) -> None:
     """Write ``name``.csv and ``name``.parquet into ``folder``."""
-    replace_file(folder / f"{name}.csv", frame.write_csv())
+    texts = pl.col(pl.String)
+    escaped = frame.with_columns(texts.map_elements(escape_csv, return_dtype=pl.String)).rename(escape_csv)
+    replace_file(folder / f"{name}.csv", escaped.write_csv())
     buffer = io.BytesIO()
     frame.write_parquet(buffer)
     replace_file(folder / f"{name}.parquet", buffer.getvalue())

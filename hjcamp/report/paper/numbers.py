@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from hjcamp.report.formats import escape_latex
 from hjcamp.report.units import decimals_of, shown
 
 #: Half a 95 % interval in standard uncertainties of a normal distribution.
@@ -61,7 +63,9 @@ def unit_latex(unit: str) -> str:
     for base in ("mm", "s", "m"):
         for power in ("2", "3"):
             text = text.replace(f"{base}{power}", f"{base}^{power}")
-    return text
+    # TeX reads ^^5c as a backslash: a power alone stays as it is
+    parts = re.split(r"((?<!\^)\^-?\d)", text)
+    return "".join(part if place % 2 else escape_latex(part) for place, part in enumerate(parts))
 
 
 def macros(quantities: Mapping[str, Quantity]) -> str:
