@@ -46,6 +46,10 @@ def read_sweep(lines: Sequence[Override], composer: Composer) -> Sweep:
         more = f"; {sweeper} comes with: {INSTALL[sweeper]}" if sweeper in INSTALL else ""
         raise UsageError(f"{unknown('hydra/sweeper', sweeper, known)}{more}")
     own = [line for line in lines if not line.is_hydra_override()]
+    composer.tell_choices(own)
+    for line in lines:
+        if sweeper == BASIC and line.key_or_group.startswith("hydra.sweeper.params"):
+            raise UsageError(f"'{line.input_line}': without hydra/sweeper=NAME give what varies by itself, such as seed=1,2")
     if sweeper == BASIC:
         jobs = _product(own)
         for job in jobs[:CHECKED_JOBS]:

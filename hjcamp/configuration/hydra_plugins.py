@@ -209,15 +209,8 @@ def _installed_only() -> Iterator[None]:
         sys.path[:] = before
 
 
-_composed_mode = Hydra.get_mode
-
-
-def _mode(self: Hydra, config_name: str | None, overrides: list[str]) -> Any:
-    """Return the mode that Hydra would find by composing everything once more: none where no override names ``hydra.mode``.
-
-    Files cannot name it (`hjcamp.configuration.trust`).
-    """
-    return _composed_mode(self, config_name, overrides) if any("hydra.mode" in one for one in overrides) else None
+def _mode(self: Hydra, config_name: str | None, overrides: list[str]) -> None:
+    """Give no mode, which Hydra would find by composing everything once more: nothing can name one (`hjcamp.configuration.trust`)."""
 
 
 def register() -> None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 CALLS = ("_target_", "_args_", "_partial_")
 HYDRA_MAY = (
     "hydra/launcher", "hydra/sweeper", "hydra.launcher", "hydra.sweeper", "hydra.sweep", "hydra.run.dir",
-    "hydra.searchpath", "hydra.verbose", "hydra.mode",
+    "hydra.searchpath", "hydra.verbose",
 )  # fmt: skip
 #: What a reference in a file may call: an environment variable of whoever reads it is not among it.
 RESOLVERS = ("milli", "first", "oc.select")
@@ -93,6 +93,8 @@ def _check_override(item: Override) -> None:
         for call in CALLS:
             if call in _PARTS.split(text):
                 raise UsageError(f"'{line}': '{call}' names code to run; overrides set values")
+    if key == "hydra.mode":
+        raise UsageError(f"'{line}': say -m for a sweep, and nothing for one run")
     if "hydra" in (_PARTS.split(key)[0], _PARTS.split(item.package or "")[0]) and not _allowed(key):
         raise UsageError(f"'{line}': this part of 'hydra' belongs to the program. Allowed: {', '.join(HYDRA_MAY)}")
     if key == "hydra.searchpath" and isinstance(value, list):

@@ -55,16 +55,7 @@ def test_bad_input_is_one_message_and_nothing_is_written(
     assert written(tmp_path) == []
 
 
-@pytest.mark.parametrize(
-    ("overrides", "modes"),
-    [
-        (["repetitions=0"], ["RUN"]),
-        (["repetitions=0", "hydra.mode=RUN"], ["MULTIRUN", "RUN"]),
-    ],
-)
-def test_hydra_composes_to_find_the_mode_only_where_one_is_given(
-    call: Call, monkeypatch: pytest.MonkeyPatch, overrides: list[str], modes: list[str]
-) -> None:
+def test_hydra_does_not_compose_to_find_the_mode(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
     compose = Hydra.compose_config
 
@@ -73,9 +64,49 @@ def test_hydra_composes_to_find_the_mode_only_where_one_is_given(
         return compose(self, *given, **named)
 
     monkeypatch.setattr(Hydra, "compose_config", counted)
-    code, _, err = call("run", *overrides)
+    code, _, err = call("run", "repetitions=0")
     assert code == 2 and "repetitions is 0" in err
-    assert asked == modes
+    assert asked == ["RUN"]
+
+
+@pytest.mark.parametrize("command", ["run", "plan"])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["hydra.mode=MULTIRUN"], "say -m for a sweep"),
+        (["-m", "hydra.mode=RUN", "seed=1,2"], "say -m for a sweep"),
+        (["-m", "hydra.sweeper.params.seed=1,2"], "give what varies by itself, such as seed=1,2"),
+        (["-m", "+hydra.sweeper.params.seed=5"], "give what varies by itself"),
+        (["-m", "payload=glob(nothing*)"], "nothing matches; allowed: brass_8p5g, none"),
+        (["-m", "payload=glob(*,exclude=*)"], "nothing matches"),
+        (["-m", "seed=glob(*)"], "'seed' is no group of choices"),
+    ],
+)
+def test_a_sweep_that_plan_and_run_would_read_differently_is_refused(
+    call: Call, command: str, words: list[str], said: str, tmp_path: Path
+) -> None:
+    code, out, err = call(command, *words, "campaign=controllers")
+    assert (code, out, written(tmp_path)) == (2, "", [])
+    assert said in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("asked", "chosen"),
+    [
+        ("glob(*)", ["brass_8p5g", "none"]),
+        ("glob(brass*)", ["brass_8p5g"]),
+        ("glob(*,exclude=none)", ["brass_8p5g"]),
+        ("glob([none,br*])", ["brass_8p5g", "none"]),
+    ],
+)
+def test_a_glob_is_a_job_for_each_choice_that_matches(call: Call, asked: str, chosen: list[str]) -> None:
+    code, out, err = call("plan", "-m", "campaign=controllers", f"payload={asked}")
+    assert (code, err) == (0, "")
+    assert [word for word in out.split() if word.startswith("payload=") and word != f"payload={asked}"][: len(chosen)] == [
+        f"payload={one}" for one in chosen
+    ]
+
+
 
 
 @pytest.mark.parametrize(
