@@ -24,8 +24,11 @@ class Picture(Figure):
     """A figure of matplotlib that a notebook shows without pyplot."""
 
     def _repr_png_(self) -> bytes:
+        from hjcamp.report.pictures.conditions import own_settings
+
         buffer = io.BytesIO()
-        self.savefig(buffer, format="png", dpi=110)
+        with own_settings():
+            self.savefig(buffer, format="png", dpi=110)
         return buffer.getvalue()
 
 

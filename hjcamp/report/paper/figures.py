@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from hjcamp.errors import UsageError, unknown
 from hjcamp.report.followed import ERROR, FOLLOWED, UNIT, WANTED
 from hjcamp.report.names import readable
-from hjcamp.report.pictures.conditions import BLUE, GRID, INK, RED
+from hjcamp.report.pictures.conditions import BLUE, GRID, INK, RED, own_settings
 from hjcamp.report.pictures.dot_plot import Dots
 from hjcamp.report.spread import Condition
 from hjcamp.report.units import label
@@ -76,7 +76,6 @@ def write_figure(
     folder: Path, name: str, formats: Sequence[str], style: Style, height: float, paint: Callable[[Any], None]
 ) -> list[Path]:
     """Write one figure in each format, ``height`` as a share of its width; equal content gives equal files."""
-    import matplotlib
     from matplotlib.figure import Figure
 
     settings: dict[str, Any] = {
@@ -89,7 +88,7 @@ def write_figure(
     # A pgf has no metadata, and takes no word about them.
     undated: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
     files = []
-    with matplotlib.rc_context(settings):  # type: ignore[arg-type]
+    with own_settings(settings):
         figure = Figure(figsize=(style.width_mm * MM, style.width_mm * MM * height), layout="constrained")
         paint(figure)
         for kind in formats:

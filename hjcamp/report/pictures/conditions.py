@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -74,12 +75,22 @@ SETTINGS: dict[str, Any] = {
 }  # fmt: skip
 
 
+@contextmanager
+def own_settings(settings: Mapping[str, Any] = SETTINGS) -> Iterator[None]:
+    """Draw by ``settings`` over matplotlib's own defaults, whatever a matplotlibrc of the user or a notebook asks for."""
+    import matplotlib
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(settings)  # type: ignore[arg-type]
+        yield
+
+
 def draw_condition(condition: Condition) -> str:
     """Return the picture of one condition as SVG text: mean as a line, range of the repetitions as a band."""
-    import matplotlib
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
-    with matplotlib.rc_context(SETTINGS | {"svg.hashsalt": condition.name}):  # type: ignore[arg-type]
+    with own_settings(SETTINGS | {"svg.hashsalt": condition.name}):
         figure = _frame(tuple(condition.signals), condition.banded, condition.observed)
         figure.show(condition)
         buffer = io.StringIO()

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from typing import Any
 
-from hjcamp.report.pictures.conditions import GRID, INK, MODELS, PURPLE, SETTINGS
+from hjcamp.report.pictures.conditions import GRID, INK, MODELS, PURPLE, SETTINGS, own_settings
 
 # Who wants figures instead of their SVG: the class of the figure, and where it goes.
 _ASKED: ContextVar[tuple[type[Any], list[Any]] | None] = ContextVar("asked", default=None)
@@ -26,11 +26,10 @@ def kept_figure(function: Callable[..., str], *given: Any, kind: type[Any]) -> A
 
 def draw(size: tuple[float, float], name: str, paint: Callable[[Any], None]) -> str:
     """Return the SVG text of a figure that ``paint`` fills; equal content gives equal text."""
-    import matplotlib
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    with matplotlib.rc_context(SETTINGS | {"svg.hashsalt": name}):  # type: ignore[arg-type]
+    with own_settings(SETTINGS | {"svg.hashsalt": name}):
         asked = _ASKED.get()
         figure = (asked[0] if asked else Figure)(figsize=size, layout="constrained")
         paint(figure)

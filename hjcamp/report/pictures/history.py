@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from hjcamp.report.pictures.conditions import BLUE, INK, RED, SETTINGS
+from hjcamp.report.pictures.conditions import BLUE, INK, RED, own_settings
 from hjcamp.report.pictures.dot_plot import TITLES
 from hjcamp.report.pictures.drawing import dress
 from hjcamp.storage import whole_file
@@ -19,11 +19,10 @@ def draw_history(
     path: Path, title: str, indicator: str, rows: Sequence[Mapping[str, Any]], labels: Sequence[str]
 ) -> None:
     """Write the picture of the ``rows`` of a history; a red mark is a row in which conditions changed."""
-    import matplotlib
     from matplotlib.figure import Figure
 
     places = list(range(len(rows)))
-    with matplotlib.rc_context(SETTINGS):  # type: ignore[arg-type]
+    with own_settings():
         figure = Figure(figsize=(8.4, 3.6), layout="constrained")
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
         axes = figure.subplots()

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.pictures.conditions import BLUE, GREEN, INK, RED, SETTINGS
+from hjcamp.report.pictures.conditions import BLUE, GREEN, INK, RED, own_settings
 from hjcamp.report.pictures.drawing import dress
 
 Array = NDArray[np.float64]
@@ -60,11 +60,10 @@ def predictions_figure(
     tests: Sequence[Prediction], bars: Sequence[Bar], labels: Labels, kind: Callable[..., Any]
 ) -> Any:
     """Return the picture as a figure of matplotlib, made by ``kind``."""
-    import matplotlib
 
     shown = list(tests)[:COLUMNS]
     below = 1.0 + 0.24 * len(bars)
-    with matplotlib.rc_context(SETTINGS):  # type: ignore[arg-type]
+    with own_settings():
         figure = kind(figsize=(1.4 + 4.0 * max(len(shown), 2), HEIGHT + below), layout="constrained")
         top, bottom = np.ravel(np.asarray(figure.subfigures(2, 1, height_ratios=[HEIGHT, below])))
         axes = top.subplots(len(labels.rows) + 1, len(shown), squeeze=False, sharex="col")

@@ -123,13 +123,14 @@ def draw_plant(path: Path, plant: type[Plant]) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    from hjcamp.report.pictures.conditions import own_settings
     from hjcamp.storage import whole_file
 
-    figure = Figure()
-    FigureCanvasAgg(figure)
-    paint_plant(figure, plant)
     form = path.suffix.lstrip(".")
-    with whole_file(path) as stream:
+    with own_settings({}), whole_file(path) as stream:
+        figure = Figure()
+        FigureCanvasAgg(figure)
+        paint_plant(figure, plant)
         figure.savefig(stream, format=form, dpi=150)
 
 

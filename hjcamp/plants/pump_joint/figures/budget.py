@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.pictures.conditions import BLUE, INK, RED, SETTINGS
+from hjcamp.report.pictures.conditions import BLUE, INK, RED, own_settings
 from hjcamp.report.pictures.drawing import dress
 from hjcamp.storage import whole_file
 
@@ -18,13 +18,12 @@ def draw_budget(path: Path, title: str, rows: Sequence[tuple[str, NDArray[np.flo
 
     Dark: as it is; blue: an error that is not larger; red: a larger one. ``rows`` are names and errors in deg, (repetitions, 2).
     """
-    import matplotlib
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
 
     names = [name for name, _ in rows]
     places = np.arange(len(rows))[::-1]
-    with matplotlib.rc_context(SETTINGS):  # type: ignore[arg-type]
+    with own_settings():
         figure = Figure(figsize=(8.4, 1.4 + 0.32 * len(rows)), layout="constrained")
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
         for column, (axes, label) in enumerate(

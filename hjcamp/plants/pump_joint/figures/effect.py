@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.pictures.conditions import BLUE, GRID, INK, RED
+from hjcamp.report.pictures.conditions import BLUE, GRID, INK, RED, own_settings
 from hjcamp.storage import whole_file
 
 Columns = Mapping[str, NDArray[np.float64]]
@@ -26,9 +26,9 @@ def draw_effect(path: Path, title: str, without: Columns, with_effect: Columns) 
     """Write the picture of one test, by log columns without and with the effect; the format follows the suffix."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=SIZE, layout="constrained")
-    paint_effect(figure, title, without, with_effect)
-    with whole_file(path) as stream:
+    with own_settings({}), whole_file(path) as stream:
+        figure = Figure(figsize=SIZE, layout="constrained")
+        paint_effect(figure, title, without, with_effect)
         figure.savefig(stream, dpi=150, format=path.suffix[1:].lower())
 
 

@@ -8,7 +8,7 @@ from html import escape
 from typing import Any, Protocol
 
 from hjcamp.report.page import SHADES, STYLE
-from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, RED, SETTINGS, tidy
+from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, RED, SETTINGS, own_settings, tidy
 
 COLOURS = (BLUE, RED, GREEN, INK)
 SIZE = (7.4, 3.4)
@@ -47,11 +47,10 @@ class ChartLike(Protocol):
 
 def draw_chart(chart: ChartLike) -> str:
     """Return a chart as SVG text."""
-    import matplotlib
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    with matplotlib.rc_context(SETTINGS | {"svg.hashsalt": chart.name}):  # type: ignore[arg-type]
+    with own_settings(SETTINGS | {"svg.hashsalt": chart.name}):
         figure = Figure(figsize=SIZE, layout="tight")
         figure.patch.set_visible(False)
         axes = figure.add_subplot()

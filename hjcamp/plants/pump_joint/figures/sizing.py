@@ -14,7 +14,7 @@ from hjcamp.plants.pump_joint.sizing import actuators, pulley, tubing
 from hjcamp.plants.pump_joint.sizing.compliance import pressure_against_volume
 from hjcamp.plants.pump_joint.sizing.linkage import SixBar
 from hjcamp.plants.pump_joint.sizing.muscle import muscle_with_crossing
-from hjcamp.report.pictures.conditions import BLUE, GREEN, INK, RED, SETTINGS
+from hjcamp.report.pictures.conditions import BLUE, GREEN, INK, RED, own_settings
 from hjcamp.report.pictures.drawing import dress
 from hjcamp.storage import whole_file
 
@@ -172,13 +172,12 @@ FIGURES: Figures = {
 
 def draw_figures(folder: Path, suffix: str = ".png", figures: Figures = FIGURES) -> list[Path]:
     """Write every figure into ``folder``, each whole or not at all; returns their paths."""
-    import matplotlib
     from matplotlib.figure import Figure
 
     found = []
     for name, (size, paint) in figures.items():
         path = folder / f"{name}{suffix}"
-        with matplotlib.rc_context(SETTINGS):  # type: ignore[arg-type]
+        with own_settings():
             figure = Figure(figsize=size, layout="constrained")
             paint(figure)
             for axes in figure.axes:

@@ -171,27 +171,28 @@ def draw(found: Mapping[str, Any], path: Path) -> None:
     """Write the picture: simulated over measured of every RMSE and largest error, fitted and held out; none without such."""
     from matplotlib.figure import Figure
 
+    from hjcamp.report.pictures.conditions import own_settings
     from hjcamp.storage import whole_file
 
     if not (groups := _drawn(found)):
         return
-    figure = Figure(figsize=(9.0, 3.4), layout="constrained")
-    axes = figure.subplots(1, len(groups), sharey=True, squeeze=False)[0]
-    for axis, (title, rows) in zip(axes, groups, strict=True):
-        names = list(next(iter(rows.values()))["simulated"])
-        for name, colour, size in zip(names, ("#b03030", "#909090", "#2060a0"), (12, 10, 16), strict=False):
-            ratio = [max(row["simulated"][name], 1e-3) / row["measured"] for row in rows.values()]
-            axis.scatter(list(rows), ratio, s=size, color=colour, label=name, linewidths=0)
-        axis.axhspan(math.exp(-GOAL), math.exp(GOAL), color="#000000", alpha=0.07, linewidth=0)
-        axis.axhline(1.0, color="black", linewidth=0.8)
-        axis.set_yscale("log")
-        axis.set_yticks([0.25, 0.5, 1, 2, 4, 8, 16, 32], labels=["1/4", "1/2", "1", "2", "4", "8", "16", "32"])
-        axis.minorticks_off()
-        axis.set_title(f"{title}: {', '.join(dict.fromkeys(row['table'] for row in rows.values()))}", fontsize=9)
-        axis.xaxis.get_major_locator().set_params(integer=True)
-        axis.set_xlabel(f"line of its table of cells; grey: log ratio within {GOAL:g}", fontsize=8)
-        axis.tick_params(labelsize=8)
-    axes[0].set_ylabel("simulated / measured", fontsize=8)
-    axes[0].legend(fontsize=8, frameon=False)
-    with whole_file(path) as stream:
+    with own_settings({}), whole_file(path) as stream:
+        figure = Figure(figsize=(9.0, 3.4), layout="constrained")
+        axes = figure.subplots(1, len(groups), sharey=True, squeeze=False)[0]
+        for axis, (title, rows) in zip(axes, groups, strict=True):
+            names = list(next(iter(rows.values()))["simulated"])
+            for name, colour, size in zip(names, ("#b03030", "#909090", "#2060a0"), (12, 10, 16), strict=False):
+                ratio = [max(row["simulated"][name], 1e-3) / row["measured"] for row in rows.values()]
+                axis.scatter(list(rows), ratio, s=size, color=colour, label=name, linewidths=0)
+            axis.axhspan(math.exp(-GOAL), math.exp(GOAL), color="#000000", alpha=0.07, linewidth=0)
+            axis.axhline(1.0, color="black", linewidth=0.8)
+            axis.set_yscale("log")
+            axis.set_yticks([0.25, 0.5, 1, 2, 4, 8, 16, 32], labels=["1/4", "1/2", "1", "2", "4", "8", "16", "32"])
+            axis.minorticks_off()
+            axis.set_title(f"{title}: {', '.join(dict.fromkeys(row['table'] for row in rows.values()))}", fontsize=9)
+            axis.xaxis.get_major_locator().set_params(integer=True)
+            axis.set_xlabel(f"line of its table of cells; grey: log ratio within {GOAL:g}", fontsize=8)
+            axis.tick_params(labelsize=8)
+        axes[0].set_ylabel("simulated / measured", fontsize=8)
+        axes[0].legend(fontsize=8, frameon=False)
         figure.savefig(stream, format=path.suffix[1:], dpi=120)
