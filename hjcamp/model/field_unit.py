@@ -81,12 +81,27 @@ FIELD_UNITS: dict[str, FieldUnit] = {
     )
 }
 
+# Ends of names by which people mean a unit that is written otherwise here.
+MEANT = {
+    "mps": "m_per_s", "ms2": "m_per_s2", "mps2": "m_per_s2", "mmps": "mm_per_s", "kph": "km_per_h", "kmh": "km_per_h",
+    "kmph": "km_per_h",
+    "dps": "deg_per_s", "degps": "deg_per_s", "radps": "rad_per_s", "rads": "rad_per_s",
+    "lpm": "l_per_min", "lps": "l_per_s", "lph": "l_per_h", "hz": "per_s", "sec": "s", "secs": "s", "seconds": "s",
+    "msec": "ms", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "rev": "turn", "revs": "turn", "turns": "turn",
+    "meter": "m", "meters": "m", "metre": "m", "metres": "m", "volt": "v", "volts": "v", "amp": "a", "amps": "a", "newton": "n",
+    "newtons": "n", "watt": "w", "watts": "w", "pascal": "pa", "liter": "l", "litre": "l", "liters": "l", "litres": "l",
+    "pct": "percent",
+    "perc": "percent", "kelvin": "k", "gpl": "g_per_l", "kgps": "kg_per_s", "joule": "j", "joules": "j",
+}  # fmt: skip
 # Ends of names that people give to temperatures.
 CELSIUS = ("c", "degc", "celsius")
 
 
-def unit_of_field(name: str, where: str) -> FieldUnit:
-    """Return the unit that a field's name ends with; the longest that fits. Raises ``UsageError`` where there is none."""
+def unit_of_field(name: str, where: str, si: str = "") -> FieldUnit:
+    """Return the unit that a field's name ends with; the longest that fits.
+
+    Raises ``UsageError`` where there is none; it offers units of the SI unit ``si`` alone, where that is known.
+    """
     parts = name.split("_")
     for first in range(1, len(parts)):
         if (suffix := "_".join(parts[first:])) in FIELD_UNITS:
@@ -100,7 +115,12 @@ def unit_of_field(name: str, where: str) -> FieldUnit:
     if len(parts) > 1 and parts[-1] in CELSIUS:
         meant = "_".join([*parts[:-1], "k"])
         raise UsageError(f"{where}: '{name}': a log holds kelvins; write '{meant}', and 'unit: degC' in the map of an import")
-    raise unknown("unit at the end of the field", name, [f"{parts[0]}_{suffix}" for suffix in FIELD_UNITS], where)
+    if len(parts) > 1 and (unit := FIELD_UNITS.get(MEANT.get(parts[-1].casefold(), ""))):
+        meant = "_".join([*parts[:-1], unit.suffix])
+        raise UsageError(f"{where}: '{name}' ends with no unit; did you mean '{meant}', in {unit.shown}?")
+    ends = FIELD_UNITS if not si else [suffix for suffix, unit in FIELD_UNITS.items() if unit.si == si] or FIELD_UNITS
+    before = "_".join(parts[:-1] or parts)
+    raise unknown("unit at the end of the field", name, [f"{before}_{suffix}" for suffix in ends], where)
 
 
 def field_of(name: str, si: str, where: str) -> str:

@@ -81,7 +81,7 @@ def check_measured(plant: type[Plant]) -> str:
         if item.of and item.of not in plant.states:
             hint = f"{where}, {name}: leave of= out where the sensor shows no state"
             raise unknown("state", item.of, plant.states, hint)
-        field = unit_of_field(name, f"{where}, Measured")
+        field = unit_of_field(name, f"{where}, Measured", plant.states[item.of].unit if item.of else "")
         dims = units.value(item.sensor, where).dims
         if dimension(field.si) != dims:
             ends = [f"_{suffix}" for suffix, unit in FIELD_UNITS.items() if dimension(unit.si) == dims]
@@ -90,7 +90,7 @@ def check_measured(plant: type[Plant]) -> str:
     for name, given in plant.inputs.items():
         if name in ALWAYS:
             continue
-        field = unit_of_field(given.field or field_of(name, given.unit, where), f"{where}, Input {name}")
+        field = unit_of_field(given.field or field_of(name, given.unit, where), f"{where}, Input {name}", given.unit)
         if dimension(field.si) != dimension(given.unit):
             raise UsageError(f"{where}: the field '{given.field}' says {field.shown}, but the input '{name}' is in {given.unit or '1'}")
     return counted(len(plant.measured), "channel")
