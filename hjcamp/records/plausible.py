@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,8 @@ from hjcamp.model.field_table import FieldTable, fields_of
 from hjcamp.model.field_unit import field_of, unit_of_field
 from hjcamp.model.parameter import Input, State
 from hjcamp.model.plant import Plant
-from hjcamp.records.glitches import FEW, ROW, frozen, spikes, told_spikes
+from hjcamp.records.glitch_words import MISSING, told_glitches, told_no_readings
+from hjcamp.records.glitches import FEW, ROW
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
 from hjcamp.records.units import units_of
@@ -29,6 +30,8 @@ NEARLY = 5.0
 LEAST_SIZE = 0.02
 # A column that goes to so many times what its plant's file calls typical, or so small a part of it, may be in another unit.
 FAR = 10.0
+# What moves by so much of its whole range about a line in the second half of a test is driven; a shorter test is not judged.
+DRIVEN, FEWEST = 0.05, 50
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,7 @@ def findings(log: TestLog) -> list[Finding]:
             scale = unit_of_field(name, plant.name).scale
             low, high = (end * scale for end in known.plausible)
             found += _outside(name, log, table, low, high, refused=False)
+    found += _dead_inputs(log, plant)
     found += _untypical(log, plant, {one.field for one in found})
     found += _geared(log, plant, {one.field for one in found})
     found += _configuration(log.attachments)
@@ -107,33 +111,48 @@ def without_small_tests(found: Sequence[list[Finding]]) -> list[list[Finding]]:
 
 
 def _of_measured(log: TestLog, table: FieldTable, watched: Watched) -> Iterator[Finding]:
-    for name in (watched.name, *watched.along):
-        if name in log.columns:
-            yield from _outside(name, log, table, watched.low, watched.high, refused=name == watched.name)
-    values = log.columns.get(watched.name)
+    values, unit = log.columns.get(watched.name), table.field(watched.name).unit
+    absent = told_no_readings(watched.name, values, unit) if values is not None else ""
+    found = [
+        one
+        for name in (watched.name, *watched.along) if name in log.columns
+        for one in _outside(name, log, table, watched.low, watched.high, refused=name == watched.name)
+    ]  # fmt: skip
+    own = [one for one in found if one.field == watched.name]
+    yield from (one for one in found if one not in own)
+    if own or absent:
+        more = f"; where it stands for no reading: {MISSING} in the map" if absent else ""
+        yield from (replace(one, text=one.text + more) for one in own)
+        yield from () if own else (Finding(watched.name, absent, False),)
+        return
     if watched.analog and values is not None and len(values) > 1 and np.ptp(values) == 0.0:
-        unit = table.field(watched.name).unit
         text = f"'{watched.name}' is {values[0]:g} {unit} in all {len(values)} samples; a sensor has noise"
         yield Finding(watched.name, f"{text} (not connected, or a number written in its place)", True)
     elif values is not None:
-        yield from _glitches(log, table, watched)
+        times = log.columns["time_s"]
+        told = told_glitches(watched.name, values, times, unit, watched.analog, watched.low, watched.high)
+        yield from (Finding(watched.name, text, False) for text in told)
 
 
-def _glitches(log: TestLog, table: FieldTable, watched: Watched) -> Iterator[Finding]:
-    """Say which readings within the range of a column jump out and back, or stay as they were and then jump on."""
-    values, times, unit = log.columns[watched.name], log.columns["time_s"], table.field(watched.name).unit
-    places = spikes(values)
-    if len(places) and np.all((values[places] >= watched.low) & (values[places] <= watched.high)):
-        text = f"{told_spikes(watched.name, places, values, times, unit)}. Where the sensor or its logger erred, import with"
-        yield Finding(watched.name, f"{text} 'spikes: interpolate' in the map", False)
-    held = frozen(values) if watched.analog else None
-    if held:
-        first, last = held
-        text = (
-            f"'{watched.name}' is {values[first]:.4g} {unit} in {last - first + 1} samples, {times[first]:.6g} to {times[last]:.6g} s, "
-            "and jumps on from there. Where the sensor or its logger stood still, make two logs of it, before and after"
-        )
-        yield Finding(watched.name, text, False)
+def _dead_inputs(log: TestLog, plant: type[Plant]) -> Iterator[Finding]:
+    """Say where all inputs stay as they are although what is measured goes on to move, beyond a line, to the end."""
+    given = [one.field or field_of(one.name, one.unit, plant.name) for one in plant.given_inputs().values()]
+    inputs = [name for name in given if name in log.columns]
+    if plant.channels or not inputs or any(np.ptp(log.columns[name]) for name in inputs):
+        return
+    half = log.columns["time_s"][log.samples // 2 :]
+    for one in plant.measured.values():
+        values = log.columns.get(one.name)
+        if values is None or len(half) < FEWEST or not np.ptp(values):
+            continue
+        later = values[log.samples // 2 :]
+        line = np.polyval(np.polyfit(half, later, 1), half)
+        # smooth, as what moves is: the noise of a sensor is not
+        rms, rough = float(np.std(later - line)), float(np.std(np.diff(later - line)))
+        if rms > DRIVEN * float(np.ptp(values)) and rough < DRIVEN * MOST_GEARED * rms:
+            text = f"'{inputs[0]}' is {log.columns[inputs[0]][0]:g} in all {log.samples} samples although '{one.name}' moves to the end"
+            yield Finding(inputs[0], f"{text} (not connected, another column, or a free motion)", False)
+            return
 
 
 def _outside(name: str, log: TestLog, table: FieldTable, low: float, high: float, refused: bool) -> Iterator[Finding]:
@@ -149,7 +168,8 @@ def _outside(name: str, log: TestLog, table: FieldTable, low: float, high: float
         some = "single sample is" if number == 1 else "samples are"
         time = log.columns["time_s"][first]
         text = f"'{name}': {number} {some} off, {values[first]:.4g} {unit} at sample {first} (time {time:.6g} s)"
-        yield Finding(name, f"{text}; {held}; looks like a spike of the logger or the sensor", refused)
+        held += "; looks like a spike of the logger or the sensor ('spikes: interpolate' in the map of an import)"
+        yield Finding(name, f"{text}; {held}", refused)
         return
     peak = values[np.argmax(np.abs(values))]
     if number <= len(values) // 2 and abs(peak) <= NEARLY * max(abs(low), abs(high)):

@@ -19,7 +19,7 @@ PASCAL_PER_MEGAPASCAL = 1e6
 
 # Units that no field is named by, though people measure in them: their size in SI.
 RELATIVES: dict[str, dict[str, float]] = {
-    "s": {"us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
+    "s": {"us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "day": 86400.0},
     "m": {"um": 1e-6, "cm": 1e-2, "km": 1e3, "in": 0.0254},
     "m/s": {"cm/s": 1e-2, "um/s": 1e-6, "km/h": 1.0 / 3.6, "m/min": 1.0 / 60.0},
     "m/s^2": {"mm/s^2": 1e-3},
@@ -50,7 +50,8 @@ SHIFTS = {"degC": 273.15, "degF": 459.67}
 # The same unit written in another way.
 WRITTEN = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "³": "^3", "²": "^2", "·": "", "*": "", " ": ""})
 ALIASES = {
-    "percent": "%", "ratio": "1", "-": "1", "sec": "s", "rev": "turn", "rev/s": "turn/s", "rev/min": "rpm", "l": "L",
+    "percent": "%", "ratio": "1", "-": "1", "sec": "s", "d": "day", "days": "day",
+    "rev": "turn", "rev/s": "turn/s", "rev/min": "rpm", "l": "L",
     "l/min": "L/min", "l/s": "L/s", "l/h": "L/h", "ml": "mL", "ml/min": "mL/min", "ml/s": "mL/s",
 }  # fmt: skip
 # What a unit that a field cannot have measures, told in the refusal.

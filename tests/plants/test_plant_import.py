@@ -194,7 +194,7 @@ BAD_MAPS: dict[str, tuple[dict[str, Any], str]] = {
         field("position_m", column=True),
         "YAML reads this column as true; write its name in quotes",
     ),
-    "a column that is a list": (field("position_m", column=[1]), "give the column that holds it"),
+    "a column that is a list": (field("position_m", column=[1]), r"reads this column as \[1\]; write its name in quotes"),
     "the plant as metadata": ({"metadata": {"plant": "axis"}}, "plant is written by the import"),
     "files that are none": ({"files": ["a.csv"]}, "files must be file names"),
     "a plant that is a list": ({"plant": ["axis"]}, r"plant is \['axis'\]; a name is needed"),
@@ -314,8 +314,8 @@ BAD_FILES: list[tuple[str, Callable[[Path], object], dict[str, Any], str]] = [
     (
         "a.mcap",
         lambda path: write_json_mcap(path, measured()),
-        {"topic": "/motor/state"} | field("position_m", column="on"),
-        "'on' is no number in message 0",
+        {"topic": "/motor/state"} | field("position_m", column="pose"),
+        "'pose' is no number in message 0",
     ),
     (
         "a.mcap",

@@ -11,7 +11,7 @@ from log_makers import make_log
 
 from hjcamp.errors import UsageError
 from hjcamp.records.elsewhere.importing import import_files
-from hjcamp.records.glitches import frozen, spikes
+from hjcamp.records.glitches import freezes, no_readings, spikes, wraps
 from hjcamp.records.plausible import findings
 from hjcamp.records.read import read_log
 
@@ -50,7 +50,8 @@ def sound(seed: int) -> dict[str, np.ndarray]:
 def test_sound_readings_have_no_glitches(seed: int) -> None:
     for name, values in sound(seed).items():
         assert len(spikes(values)) == 0, name
-        assert frozen(values) is None, name
+        assert freezes(values) == [], name
+        assert len(wraps(values)) == len(no_readings(values)) == 0, name
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -59,7 +60,7 @@ def test_single_readings_that_jump_out_and_back_are_found(seed: int) -> None:
     places = np.array([100, 101, 900, 2500, 2501, 2502, 3000])
     values[places] += np.array([30.0, 31.0, -50.0, 40.0, 42.0, 41.0, 25.0])
     assert list(spikes(values)) == list(places)
-    assert frozen(values) is None
+    assert freezes(values) == []
 
 
 def test_a_jump_that_stays_is_no_spike_and_hides_none_that_is_larger() -> None:
@@ -79,12 +80,12 @@ def test_more_than_one_reading_in_a_hundred_is_the_column() -> None:
 def test_a_sensor_that_stood_still_is_found() -> None:
     values = moving(2, 0.05)
     values[1500:1580] = values[1500]
-    assert frozen(values) == (1500, 1579)
+    assert freezes(values) == [(1500, 1579)]
 
 
 def test_short_and_unfinished_columns_have_none() -> None:
-    assert len(spikes(np.array([0.0, 9.0, 0.0]))) == 0 and frozen(np.array([0.0, 0.0, 9.0])) is None
-    assert len(spikes(np.full(N, np.nan))) == 0 and frozen(np.full(N, np.nan)) is None
+    assert len(spikes(np.array([0.0, 9.0, 0.0]))) == 0 and freezes(np.array([0.0, 0.0, 9.0])) == []
+    assert len(spikes(np.full(N, np.nan))) == 0 and freezes(np.full(N, np.nan)) == []
 
 
 def test_a_log_says_where_its_sensor_jumps_or_stands_still() -> None:

@@ -6,8 +6,9 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from hjcamp.errors import UsageError
-from hjcamp.records.elsewhere.import_map import HIGHEST_SAMPLING_HZ, LOWEST_SAMPLING_HZ
+from hjcamp.errors import UsageError, counted
+from hjcamp.records.elsewhere.import_map import ColumnRule
+from hjcamp.records.elsewhere.map_values import GAPS_HINT, HIGHEST_SAMPLING_HZ, LOWEST_SAMPLING_HZ
 from hjcamp.records.log import COMMAND_PHASE
 from hjcamp.records.of_plant import LONGEST_PERIOD_S, span
 
@@ -18,33 +19,103 @@ RATE_TOLERANCE = 0.01
 SEEN_UNEVEN = 0.1  # of the usual step
 STEADY = 0.01  # of a period: rows this near to a steady clock are taken as they are
 DIGITS = 9  # of a period that is read off the rows
+# Rows are lost where some steps are whole multiples of the usual one; more of them than that are another clock.
+WHOLE, MOST_LOST = 0.25, 0.25
+# Of rows that repeat a time so few are switches of a variable step; more of them have stamps that are too coarse.
+REPEATED = 0.1
+# After what a clock begins again: counts of 16, 24, 31 and 32 bits, and s of a day, an hour, a minute.
+TURNS, TURNS_S = (2.0**16, 2.0**24, 2.0**31, 2.0**32), (86_400.0, 3600.0, 60.0)
 
 
-def usual_step(time: np.ndarray, where: str, most: float = HIGHEST_SAMPLING_HZ, wanted: float = 0.0) -> float:
-    """Return the usual time between rows, s; refuse a time that stands still, jumps, is slow, or faster than ``most`` Hz.
+def last_of_each_time(fields: dict[str, np.ndarray], time: np.ndarray, where: str) -> tuple[dict[str, np.ndarray], np.ndarray, str]:
+    """Return columns of shape (rows,) and times, s, with the last row of each time alone, and in words what was left out.
 
-    Rows that are brought to a ``wanted`` period (s) have a gap where one is longer than that allows.
+    A variable step has two rows at a switch, before and after it; some loggers write each row twice. Raises UsageError
+    where many rows differ at one time: its stamps are too coarse.
+    """
+    again = np.diff(time) == 0.0
+    number = int(again.sum())
+    if not number:
+        return fields, time, ""
+    differ = np.any([np.diff(values)[again] != 0.0 for values in fields.values()], axis=0)
+    row = int(np.argmax(again))
+    if np.count_nonzero(differ) > REPEATED * len(time):
+        raise UsageError(
+            f"{where}: {number} of {len(time)} rows have the time of the row before, the first {time[row]:.9g} s: stamps are coarser "
+            "than rows; give period_s or sampling_hz and leave time_s out, or map a column of finer times"
+        )
+    kept = np.append(~again, True)
+    said = f"{counted(number, 'row')} at the time of the next, the first at {time[row]:.9g} s: the later one of each is taken"
+    return {name: values[kept] for name, values in fields.items()}, time[kept], said
+
+
+def falls_back(time: np.ndarray, rule: ColumnRule, where: str) -> None:
+    """Raise UsageError where time (s), made of a column by ``rule``, goes back; it names the key for a clock that rolls over."""
+    steps = np.diff(time)
+    if not (steps < 0.0).any():
+        return
+    row = int(np.argmax(steps < 0.0))
+    said = f"{where}: time does not increase at row {row + 2}: {time[row]:.9g} s, then {time[row + 1]:.9g} s"
+    size = abs(rule.scale * rule.factor)
+    usual = float(np.median(steps))
+    turns = [(turn, turn * size) for turn in TURNS] + [(turn / size, turn) for turn in TURNS_S]
+    found = next((turn for turn, seconds in turns if 0.0 <= steps[row] + seconds <= LONGEST_STEP * FARTHEST_STEP * usual), None)
+    if found is None:
+        raise UsageError(
+            f"{said}; import two tests in one table as tables of their own; where its clock begins again, say unwrap in the map"
+        )
+    raise UsageError(f"{said}: its clock rolls over; say in the map time_s: {{column: {rule.column}, ..., unwrap: {found:.12g}}}")
+
+
+def lost_rows(time: np.ndarray) -> np.ndarray | None:
+    """Return how many rows were lost in each step (rows - 1,) of a time that a steady clock has stamped; None where none were.
+
+    Steps of one tick more of a slow clock come evenly; lost rows do not.
     """
     steps = np.diff(time)
-    if (steps <= 0).any():
-        row = int(np.argmax(steps <= 0)) + 1
-        raise UsageError(
-            f"{where}: time does not increase at row {row + 1}: {time[row - 1]:.9g} s, then {time[row]:.9g} s"
-        )
+    usual = float(np.median(steps))
+    if usual <= 0.0:
+        return None
+    whole = np.rint(steps / usual)
+    long = np.flatnonzero(whole > 1)
+    if not len(long) or len(long) > MOST_LOST * len(steps) or whole.min() < 1 or whole.max() > FARTHEST_STEP:
+        return None
+    apart = np.diff(long)
+    even = len(apart) > 1 and whole.max() == 2 and apart.max() <= 2 * apart.min() + 1
+    return None if even or np.abs(steps / usual - whole).max() > WHOLE else whole.astype(int) - 1
+
+
+def usual_step(
+    time: np.ndarray, where: str, most: float = HIGHEST_SAMPLING_HZ, wanted: float = 0.0, fill: bool = False
+) -> float:
+    """Return the usual time between rows, s; refuse a time that jumps, is slow, or faster than ``most`` Hz.
+
+    Rows that are brought to a ``wanted`` period (s) have a gap where one is longer than that allows; single lost rows
+    are none where they are to be ``fill``ed in.
+    """
+    steps = np.diff(time)
     usual = float(np.median(steps))
     if 1 / usual > most * (1 + RATE_TOLERANCE):
         raise UsageError(
             f"{where}: {1 / usual:.4g} rows a second, the whole table is {time[-1] - time[0]:.4g} s; no logger is faster than "
-            f"{most:g} Hz (is the unit of time_s right? s read as ms are 1000 times too short)"
+            f"{most:g} Hz (is the unit of time_s right? s read as ms are 1000 times too short; days of a spreadsheet: unit: day)"
         )
     if usual > LONGEST_PERIOD_S:
         raise UsageError(
             f"{where}: rows are {usual:.4g} s apart, at most {LONGEST_PERIOD_S:g} s (is the unit of time_s right?)"
         )
-    usual, rounding = _between_ticks(steps, usual)
+    lost = lost_rows(time)
+    usual, rounding = _between_ticks(steps, usual) if lost is None else (usual, 0.0)
     if wanted and wanted < usual * (1 - RATE_TOLERANCE):
         raise UsageError(f"{where}: resample_s is {wanted:g}, rows are {span(usual)} apart: samples between rows would be made up")
     longest = LONGEST_STEP * max(usual, wanted)
+    if lost is not None and not wanted:
+        if fill:
+            return usual
+        row = int(np.argmax(lost > 0))
+        raise UsageError(
+            f"{where}: {_lost_words(lost)}, first a gap of {span(steps[row])} after row {row + 1} (time {time[row]:.9g} s); {GAPS_HINT}"
+        )
     if (steps - rounding > longest).any():
         long = steps - rounding > longest
         row, number = int(np.argmax(long)), int(long.sum())
@@ -62,8 +133,15 @@ def usual_step(time: np.ndarray, where: str, most: float = HIGHEST_SAMPLING_HZ, 
     return usual
 
 
+def _lost_words(lost: np.ndarray) -> str:
+    number = int(lost.sum())
+    return f"{counted(number, 'row is', 'rows are')} lost of {len(lost) + 1 + number}, at most {lost.max()} in a row"
+
+
 def uneven_words(time: np.ndarray, period: float) -> str:
     """Say how far rows are apart that are uneven beyond the ticks of their stamps; empty where they are even."""
+    if (lost := lost_rows(time)) is not None:
+        return f"{_lost_words(lost)}; what lies between rows is on a line, or held"
     steps = np.diff(time)
     usual, rounding = _between_ticks(steps, float(np.median(steps)))
     # stamps of a steady clock stay within a tick of it; rows of two rates do not
@@ -106,8 +184,9 @@ def refuse_slow(usual: float, where: str) -> None:
 
 
 def steady_period(time: np.ndarray, given: float | None) -> float:
-    """Return the period of the log, s: what the map gives, else the mean time between rows."""
-    mean = float(time[-1] - time[0]) / (len(time) - 1)
+    """Return the period of the log, s: what the map gives, else the mean time between rows, lost ones among them."""
+    lost = lost_rows(time)
+    mean = float(time[-1] - time[0]) / (len(time) - 1 + (0 if lost is None else int(lost.sum())))
     return given or float(f"{mean:.{DIGITS}g}")
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,31 +13,44 @@ from typing import Any
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.known_plants import DEFAULT, find_plant, plants_beside_faults
 from hjcamp.model.field_table import FieldTable, fields_of
-from hjcamp.model.field_unit import unit_of_field
-from hjcamp.model.parameter import Parameter, finite_number
+from hjcamp.model.field_unit import field_of, unit_of_field
+from hjcamp.model.parameter import Parameter
 from hjcamp.model.plant import Plant
 from hjcamp.model.plant_checks import check_users_plant
 from hjcamp.records.check import check_names
-from hjcamp.records.of_plant import LONGEST_PERIOD_S, PERIOD_KEY, PLANT_KEY
+from hjcamp.records.elsewhere.map_values import (
+    interpolates,
+    lines_of,
+    missing_of,
+    number_of,
+    only_known,
+    period_of_rows,
+    resample_of,
+    separator_of,
+    yes_or_no,
+)
+from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY
 from hjcamp.records.units import conversion_to_field
 from hjcamp.yaml_file import read_yaml
 
-LOWEST_SAMPLING_HZ = 200.0  # of the usual plant: its logs have one sample each ms
-HIGHEST_SAMPLING_HZ = 100e3
 KEYS = (
-    "plant", "separator", "decimal_comma", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "resample_s", "gaps", "spikes",
-    "fields", "metadata", "files",
+    "plant", "separator", "decimal_comma", "header", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "resample_s",
+    "missing", "gaps", "spikes", "fields", "metadata", "files",
 )  # fmt: skip
-FIELD_KEYS = ("column", "unit", "scale", "offset", "sign")
+FIELD_KEYS = ("column", "topic", "unit", "scale", "offset", "sign", "unwrap")
 GAPS = ("refuse", "interpolate")
 SPIKES = ("keep", "interpolate")
 FILE_WORD = "{file}"
-MOST_SKIPPED = 100_000
+# What YAML reads as something else than the name that stands there.
+READ_OTHERWISE = re.compile(r"[\[\]{}\"'#&*!|>%@`]|:\s.*:\s")
 
 
 @dataclass(frozen=True)
 class ColumnRule:
-    """``field = (sign * (scale * column + offset) + shift) * factor``: shift and factor are those of the unit."""
+    """``field = (sign * (scale * column + offset) + shift) * factor``: shift and factor are those of the unit.
+
+    A column that begins again after ``unwrap``, in its own unit, goes on. ``topic``: of an MCAP file, where it is not the map's.
+    """
 
     column: str
     scale: float = 1.0
@@ -44,6 +58,13 @@ class ColumnRule:
     sign: float = 1.0
     shift: float = 0.0
     factor: float = 1.0
+    unwrap: float | None = None
+    topic: str = ""
+
+    @property
+    def key(self) -> str:
+        """The column's name among those of the whole file."""
+        return f"{self.topic}:{self.column}" if self.topic else self.column
 
 
 @dataclass(frozen=True)
@@ -63,10 +84,12 @@ class ImportMap:
     resample: float | None = None  # s between samples that uneven rows are brought to
     interpolate: bool = False  # cells without a value
     without_spikes: bool = False  # readings that jump out and back
+    missing: tuple[float | str, ...] = ()  # readings that stand for none
     files: dict[str, dict[str, str]] = field(default_factory=dict)
     topic: str = ""
     separator: str | None = None
     decimal_comma: bool | None = None
+    header: bool | None = None
     skip_lines: int = 0
     comment: str | None = None
 
@@ -94,20 +117,26 @@ class ImportMap:
         return [name for name in given if any(name not in metadata for metadata in known)]
 
     @property
+    def held(self) -> list[str]:
+        """The fields that keep their value between rows: inputs that hold it, and the phase."""
+        given = self.plant.given_inputs().values()
+        return [*(one.field or field_of(one.name, one.unit, self.where) for one in given if one.hold == "previous"), "phase"]
+
+    @property
     def taken_twice(self) -> dict[str, list[str]]:
         """The columns of which several fields are made, with these; what is wanted may well be the column of what is given."""
         found: dict[str, list[str]] = {}
         for name, rule in self.rules.items():
             if not name.startswith("reference_"):
-                found.setdefault(rule.column, []).append(name)
+                found.setdefault(rule.key, []).append(name)
         return {column: names for column, names in found.items() if len(names) > 1}
 
 
 def read_import_map(path: Path) -> ImportMap:
     """Return the mapping in a YAML file; raises UsageError for every key, field, unit or number that cannot be."""
     where = str(path)
-    content = read_yaml(path)
-    _only_known(content, KEYS, "key", where)
+    content = _content(path)
+    only_known(content, KEYS, "key", where)
     plant = find_plant(_text(content, "plant", where) or DEFAULT, where)
     check_users_plant(plant)
     table = fields_of(plant)
@@ -115,7 +144,7 @@ def read_import_map(path: Path) -> ImportMap:
     _only_fields(fields, table, where)
     rules = {name: _rule(name, fields[name], table, where) for name in table.names if name in fields}
     topic = _text(content, "topic", where)
-    period = _period(content, plant, where)
+    period = period_of_rows(content, plant, where)
     if period is None and "time_s" not in rules and not topic:
         raise UsageError(
             f"{where}: give period_s or sampling_hz, or map a column to time_s (of an MCAP file: its topic)"
@@ -130,16 +159,31 @@ def read_import_map(path: Path) -> ImportMap:
         period=period,
         by_rate="sampling_hz" in content,
         where=where,
-        resample=_resample(content["resample_s"], plant, where) if "resample_s" in content else None,
-        interpolate=_interpolates(content, "gaps", GAPS, where),
-        without_spikes=_interpolates(content, "spikes", SPIKES, where),
+        resample=resample_of(content["resample_s"], plant, where) if "resample_s" in content else None,
+        interpolate=interpolates(content, "gaps", GAPS, where),
+        without_spikes=interpolates(content, "spikes", SPIKES, where),
         files=_files(content.get("files"), where),
         topic=topic,
-        separator=_separator(content["separator"], where) if "separator" in content else None,
-        decimal_comma=_yes_or_no(content["decimal_comma"], "decimal_comma", where) if "decimal_comma" in content else None,
-        skip_lines=_lines(content.get("skip_lines", 0), where),
+        separator=separator_of(content["separator"], where) if "separator" in content else None,
+        decimal_comma=yes_or_no(content["decimal_comma"], "decimal_comma", where) if "decimal_comma" in content else None,
+        header=yes_or_no(content["header"], "header", where) if "header" in content else None,
+        missing=missing_of(content["missing"], where) if "missing" in content else (),
+        skip_lines=lines_of(content.get("skip_lines", 0), where),
         comment=str(content["comment"]) if content.get("comment") else None,
     )
+
+
+def _content(path: Path) -> Any:
+    """Return what a mapping file holds; where it is no YAML, the refusal says which names are to be quoted."""
+    try:
+        return read_yaml(path)
+    except UsageError as fault:
+        at = re.search(r", line (\d+)$", str(fault))
+        lines = path.read_text(errors="replace").splitlines()[: int(at[1])][-2:] if at else []
+        names = [line.partition(":")[2] for line in lines]
+        if not any(READ_OTHERWISE.search(name.strip().removeprefix("{").removesuffix("}")) for name in names):
+            raise
+        raise UsageError(f"{fault}; a name with brackets, braces, a colon, # or quotes is written in quotes: \"Time [s]\"") from None
 
 
 def example_map(plant: type[Plant]) -> str:
@@ -181,7 +225,7 @@ def _only_fields(fields: Any, table: FieldTable, where: str) -> None:
     """Raise UsageError for a field that the plant's logs have not; it says of which plant it is, where one has it."""
     here = f"{where} (a log of plant {table.plant})"
     try:
-        _only_known(fields, table.names, "field", here)
+        only_known(fields, table.names, "field", here)
     except UsageError as refusal:
         strange = [str(name) for name in fields or {} if name not in table.names] if isinstance(fields, Mapping) else []
         others = _plants_with(strange[0]) if strange else []
@@ -204,45 +248,22 @@ def _rule(name: str, content: Any, table: FieldTable, where: str) -> ColumnRule:
     place = f"'{name}' of {where}"
     if isinstance(content, str) or (isinstance(content, int) and not isinstance(content, bool)):
         content = {"column": content}
-    _only_known(content, FIELD_KEYS, "key", place)
-    if isinstance(content.get("column"), bool):
-        said = "true" if content["column"] else "false"
-        raise UsageError(f"{place}: YAML reads this column as {said}; write its name in quotes")
-    if content.get("column") is None or isinstance(content["column"], dict | list):
+    only_known(content, FIELD_KEYS, "key", place)
+    column = content.get("column")
+    if column is not None and (isinstance(column, bool) or not isinstance(column, str | int)):
+        raise UsageError(f"{place}: YAML reads this column as {shown(column)}; write its name in quotes")
+    if column is None:
         raise UsageError(f"{place}: give the column that holds it")
-    numbers = {key: _number(content[key], key, place) for key in ("scale", "offset", "sign") if key in content}
+    numbers = {key: number_of(content[key], key, place) for key in ("scale", "offset", "sign", "unwrap") if key in content}
     if numbers.get("sign", 1.0) not in (1.0, -1.0):
         raise UsageError(f"{place}: sign is {numbers['sign']:g}; allowed: 1, -1")
     if numbers.get("scale", 1.0) == 0.0:
         raise UsageError(f"{place}: a scale of 0 leaves nothing of the column")
+    if numbers.get("unwrap", 1.0) <= 0.0:
+        raise UsageError(f"{place}: unwrap is {numbers['unwrap']:g}; give after how much the column begins again, such as 65536 or 360")
     known = table.field(name)
     unit = conversion_to_field(known, str(content.get("unit", known.unit)), where)
-    return ColumnRule(column=str(content["column"]), shift=unit.shift, factor=unit.factor, **numbers)
-
-
-def _period(content: Mapping[str, Any], plant: type[Plant], where: str) -> float | None:
-    """Return the time between two rows, s, as ``period_s`` or ``sampling_hz`` say."""
-    if "period_s" in content and "sampling_hz" in content:
-        raise UsageError(f"{where}: give period_s or sampling_hz, not both")
-    if content.get("period_s") is not None:
-        period = _number(content["period_s"], "period_s", where)
-        if not 1.0 / HIGHEST_SAMPLING_HZ <= period <= LONGEST_PERIOD_S:
-            allowed = f"allowed: {1.0 / HIGHEST_SAMPLING_HZ:g} to {LONGEST_PERIOD_S:g}"
-            raise UsageError(f"{where}: period_s is {period:g}; {allowed}")
-        rate = 1.0 / period
-    elif content.get("sampling_hz") is not None:
-        rate = _number(content["sampling_hz"], "sampling_hz", where)
-        if rate > HIGHEST_SAMPLING_HZ:
-            raise UsageError(f"{where}: sampling_hz is {rate:g}; at most {HIGHEST_SAMPLING_HZ:g} Hz")
-        if rate * LONGEST_PERIOD_S < 1.0:
-            raise UsageError(f"{where}: sampling_hz is {rate:g}; at least {1.0 / LONGEST_PERIOD_S:.3g} Hz")
-        period = 1.0 / rate
-    else:
-        return None
-    if plant.name == DEFAULT and rate < LOWEST_SAMPLING_HZ * (1 - 1e-9):
-        said = "sampling_hz is" if "sampling_hz" in content else "period_s is given for"
-        raise UsageError(f"{where}: {said} {rate:g} Hz; below {LOWEST_SAMPLING_HZ:g} Hz too little is left of a test")
-    return period
+    return ColumnRule(column=str(column), topic=_text(content, "topic", place), shift=unit.shift, factor=unit.factor, **numbers)
 
 
 def _metadata(content: Any, place: str, where: str) -> dict[str, str]:
@@ -284,55 +305,3 @@ def _files(content: Any, where: str) -> dict[str, dict[str, str]]:
     if not isinstance(content, Mapping) or not content:
         raise UsageError(f"{where}: files must be file names, each with its metadata: FILE: {{condition: ...}}")
     return {str(name): _metadata(one, f"files: {name}", where) for name, one in content.items()}
-
-
-def _only_known(content: Any, allowed: Sequence[str], kind: str, where: str) -> None:
-    if not isinstance(content, Mapping) or not content:
-        raise UsageError(f"{where}: expected a mapping with the {kind}s {', '.join(allowed)}")
-    for name in content:
-        if name not in allowed:
-            raise unknown(kind, str(name), allowed, where)
-
-
-def _number(value: Any, name: str, where: str) -> float:
-    with suppress(ValueError):  # YAML 1.1 reads 1e-3 as a text
-        value = float(value) if isinstance(value, str) else value
-    number = finite_number(value)
-    if number is None:
-        raise UsageError(f"{where}: {name} is {shown(value)}, not a finite number")
-    return number
-
-
-def _yes_or_no(value: Any, name: str, where: str) -> bool:
-    if not isinstance(value, bool):
-        raise UsageError(f"{where}: {name} is {shown(value)}; true or false is needed")
-    return value
-
-
-def _interpolates(content: Mapping[str, Any], key: str, words: Sequence[str], where: str) -> bool:
-    value = content.get(key, words[0])
-    if value not in words:
-        raise unknown("word", str(value), words, f"{key} of {where}")
-    return bool(value == words[1])
-
-
-def _resample(value: Any, plant: type[Plant], where: str) -> float:
-    number = _number(value, "resample_s", where)
-    if not 1.0 / HIGHEST_SAMPLING_HZ <= number <= LONGEST_PERIOD_S:
-        raise UsageError(f"{where}: resample_s is {number:g}; allowed: {1.0 / HIGHEST_SAMPLING_HZ:g} to {LONGEST_PERIOD_S:g}")
-    if plant.name == DEFAULT:
-        raise UsageError(f"{where}: resample_s: a log of plant {DEFAULT} has one sample each ms, its rows are brought to that")
-    return number
-
-
-def _lines(value: Any, where: str) -> int:
-    number = _number(value, "skip_lines", where)
-    if not 0 <= number <= MOST_SKIPPED or number != int(number):
-        raise UsageError(f"{where}: skip_lines is {number:g}; a whole number from 0 to {MOST_SKIPPED} is needed")
-    return int(number)
-
-
-def _separator(value: Any, where: str) -> str:
-    if not isinstance(value, str) or len(value.encode()) != 1:
-        raise UsageError(f"{where}: separator is {shown(value)}; give one character, such as ',' or ';' or \"\\t\"")
-    return value

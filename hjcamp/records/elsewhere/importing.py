@@ -10,20 +10,24 @@ import numpy as np
 
 from hjcamp.errors import UsageError, counted
 from hjcamp.known_plants import DEFAULT
-from hjcamp.model.field_unit import field_of, unit_of_field
+from hjcamp.model.field_unit import unit_of_field
 from hjcamp.model.parameter import Parameter, State
 from hjcamp.records.check import check_finite, check_phase
 from hjcamp.records.elsewhere.clock import (
     RATE_TOLERANCE,
+    falls_back,
+    last_of_each_time,
     refuse_slow,
     resample,
     steady_period,
     uneven_words,
     usual_step,
 )
-from hjcamp.records.elsewhere.import_map import HIGHEST_SAMPLING_HZ, ImportMap, read_import_map
-from hjcamp.records.elsewhere.tables import GAPS, read_table
-from hjcamp.records.glitches import spikes, told_spikes
+from hjcamp.records.elsewhere.import_map import ColumnRule, ImportMap, read_import_map
+from hjcamp.records.elsewhere.map_values import GAPS_HINT, HIGHEST_SAMPLING_HZ
+from hjcamp.records.elsewhere.tables import read_table
+from hjcamp.records.glitch_words import told_spikes
+from hjcamp.records.glitches import spikes
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, USUAL_PERIOD_S
 from hjcamp.records.plausible import Finding, refuse_implausible, watched_columns, without_small_tests
@@ -113,12 +117,17 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> tuple[T
         raise UsageError(f"{where}: {counted(rows, 'row is', 'rows are')} no test")
     if rules.period is not None and "time_s" not in fields:
         times = np.arange(rows) * rules.period
+    elif times is not None:
+        fields, times, repeated = last_of_each_time(fields, times, where)
+        filled += [Finding("time_s", repeated, False)] if repeated else []
+        falls_back(times, rules.rules.get("time_s", ColumnRule("")), where)
     if times is None:
         raise UsageError(
             f"{rules.where}: give period_s or sampling_hz, or map a column to time_s; {source} has no times"
         )
     # a plant that declares a short period may have a faster logger
-    usual = usual_step(times, where, max(HIGHEST_SAMPLING_HZ, 100.0 / rules.plant.period), rules.resample or 0.0)
+    most = max(HIGHEST_SAMPLING_HZ, 100.0 / rules.plant.period)
+    usual = usual_step(times, where, most, rules.resample or 0.0, rules.interpolate)
     if rules.period is not None and abs(usual / rules.period - 1) > RATE_TOLERANCE:
         given = f"sampling_hz is {1 / rules.period:g}" if rules.by_rate else f"period_s is {rules.period:g}"
         raise UsageError(f"{where}: the time column has {1 / usual:.5g} rows a second, {given}")
@@ -126,7 +135,7 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> tuple[T
         refuse_slow(usual, where)
         period, held = USUAL_PERIOD_S, []
     else:
-        period, held = rules.resample or steady_period(times, rules.period), _held(rules)
+        period, held = rules.resample or steady_period(times, rules.period), rules.held
         metadata |= {PLANT_KEY: rules.plant.name, PERIOD_KEY: repr(period)}
     columns = resample(fields, times, period, held, where)
     if uneven := uneven_words(times, period):
@@ -135,22 +144,21 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> tuple[T
     return TestLog(columns, metadata, {"import.yaml": mapping.read_bytes()}, target), filled
 
 
-def _held(rules: ImportMap) -> list[str]:
-    """Return the fields of inputs that hold their value between samples."""
-    given = rules.plant.given_inputs().values()
-    return [one.field or field_of(one.name, one.unit, rules.where) for one in given if one.hold == "previous"]
-
-
 def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.ndarray | None, list[Finding]]:
     """Return the mapped columns in the units of their fields, in the order of the table, the rows' times, s, and what was filled."""
     table = read_table(source, rules)
     fields: dict[str, np.ndarray] = {}
     for name, rule in rules.rules.items():
-        values = table.columns[rule.column]
+        values = table.columns[rule.key]
+        if rule.unwrap is not None:
+            there = np.isfinite(values)
+            values = values.copy()
+            values[there] = np.unwrap(values[there], period=rule.unwrap)
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below, with its place
             fields[name] = (rule.sign * (rule.scale * values + rule.offset) + rule.shift) * rule.factor
     times = fields.get("time_s", table.times)
-    filled = _filled(fields, times, [*_held(rules), "phase"]) if rules.interpolate else []
+    filled = [Finding("", note, False) for note in table.notes]
+    filled += _filled(fields, times, rules.held) if rules.interpolate else []
     check_finite(fields, str(source), _hint(fields, rules))
     if rules.without_spikes:
         filled += _without_spikes(fields, times, rules)
@@ -160,7 +168,7 @@ def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.n
 def _hint(fields: dict[str, np.ndarray], rules: ImportMap) -> str:
     """Return what to do about a value that is not there."""
     if not rules.interpolate:
-        return f"; {GAPS}"
+        return f"; {GAPS_HINT}"
     return "; a row without its time is to be deleted" if np.isnan(fields.get("time_s", np.zeros(1))).any() else ""
 
 

@@ -7,41 +7,38 @@ import math
 import os
 import re
 import sys
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.records.elsewhere.import_map import ImportMap
-from hjcamp.records.elsewhere.text_table import BLANKS, dialect_of, table_of
+from hjcamp.records.elsewhere.map_values import GAPS_HINT
+from hjcamp.records.elsewhere.text_table import BLANKS, dialect_of, table_of, with_whole_quotes
+from hjcamp.records.elsewhere.written_times import seconds_of, time_of_day
 
 if TYPE_CHECKING:
     import polars
 
-# MATLAB's own way to name a column of a matrix: q(:,2).
-MATRIX_COLUMN = re.compile(r"(?P<name>.+)\(:,\s*(?P<column>\d+)\)")
 LOOKED_AT = 4096
-# Stands before times of a day without a date.
-ANY_DAY = "2000-01-01 "
-# Dates that no standard writes, the month before the day or behind it: of those that can be read the shortest test.
-DATES = ("%m/%d/%Y %I:%M:%S%.f %p", "%m/%d/%Y %H:%M:%S%.f", "%d/%m/%Y %H:%M:%S%.f", "%d/%m/%Y %I:%M:%S%.f %p")
+# A value within what a row holds: pose.x, position[0].
+WITHIN = re.compile(r"\.?(?P<name>[^.[]+)|\[(?P<at>\d+)\]")
 # What is on or off, as programs write it.
-GAPS = "gaps: interpolate in the map draws lines between its neighbours"
 SWITCHED = {"true": 1.0, "false": 0.0, "on": 1.0, "off": 0.0}
 NS_IN = {"ns": 1.0, "us": 1e3, "ms": 1e6}
 
 
 @dataclass(frozen=True)
 class Table:
-    """The columns asked for, each of shape (rows,), and what the rows say of their times, s (None: nothing)."""
+    """The columns asked for, each of shape (rows,), the times of the rows, s (None: not known), and what to say of them."""
 
     columns: dict[str, np.ndarray]
     times: np.ndarray | None = None
+    notes: tuple[str, ...] = ()
 
 
 def read_table(source: Path, rules: ImportMap) -> Table:
@@ -49,7 +46,7 @@ def read_table(source: Path, rules: ImportMap) -> Table:
 
     Raises UsageError for a file that cannot be read, a column that is not there, and a value that is no number.
     """
-    names = list(dict.fromkeys(rule.column for rule in rules.rules.values()))
+    names = list(dict.fromkeys(rule.key for rule in rules.rules.values()))
     reader = READERS.get(source.suffix.casefold(), _read_csv)
     try:
         if not source.is_file():
@@ -61,6 +58,9 @@ def read_table(source: Path, rules: ImportMap) -> Table:
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
         raise UsageError(f"{source}: the columns are not equally long: {listed}")
+    if numbers := [one for one in rules.missing if not isinstance(one, str)]:
+        for name, values in found.columns.items():
+            found.columns[name] = np.where(np.isin(values, numbers), np.nan, values)
     return found
 
 
@@ -72,17 +72,22 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
             listed = ", ".join(READERS)
             raise UsageError(f"{source}: this is no table of text in UTF-8; those, {listed} can be read")
     lines = table_of(_text_of(source).split("\n")[rules.skip_lines :], names, rules.comment)
-    found = dialect_of(lines, rules.comment)
-    separator = rules.separator or found.separator
+    try:
+        found = dialect_of(lines, rules.comment, rules.separator, rules.header)
+    except UsageError as fault:
+        raise UsageError(f"{source}: {fault}") from None
+    separator = found.separator
     if separator == BLANKS:
         lines, separator = ["\t".join(line.split()) for line in lines], "\t"
-    comma = rules.decimal_comma if rules.decimal_comma is not None else found.decimal_comma and separator != ","
+    if found.row_names:
+        lines = [f"{separator}{lines[0]}", *lines[1:]]
+    lines = with_whole_quotes(lines, separator)
+    comma = rules.decimal_comma if rules.decimal_comma is not None else found.decimal_comma
     try:
         table = polars.read_csv(
             io.BytesIO("".join(f"{line}\n" for line in lines).encode()),
             has_header=found.header,
             separator=separator,
-            decimal_comma=comma,
             comment_prefix=found.comment,
             encoding="utf8-lossy",
             infer_schema=False,
@@ -90,11 +95,11 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
     except polars.exceptions.PolarsError as error:
         raise UsageError(
             f"{source}: cannot be read as a table with {separator!r} between its columns: {_first_line(error)}; the map may say "
-            "separator, decimal_comma, skip_lines (before the header) and comment"
+            "separator, decimal_comma, header, skip_lines (before the header) and comment"
         ) from error
     if not found.header:
         table.columns = [str(place + 1) for place in range(table.width)]
-    return Table(_numbers(source, table, names, comma, rules.interpolate))
+    return Table(_numbers(source, table, names, comma, rules))
 
 
 def _text_of(source: Path) -> str:
@@ -115,7 +120,7 @@ def _read_parquet(source: Path, names: list[str], rules: ImportMap) -> Table:
             table = polars.read_parquet(source, use_pyarrow=False)
     except (polars.exceptions.PolarsError, polars.exceptions.PanicException, ValueError) as error:
         raise UsageError(f"{source}: cannot be read as Parquet: {_first_line(error)}") from error
-    return Table(_numbers(source, table, names, False, rules.interpolate))
+    return Table(_numbers(source, table, names, False, rules))
 
 
 @contextmanager
@@ -133,139 +138,115 @@ def _quiet() -> Iterator[None]:
 
 
 def _numbers(
-    source: Path, table: polars.DataFrame, names: list[str], decimal_comma: bool, gaps: bool
+    source: Path, table: polars.DataFrame, names: list[str], decimal_comma: bool, rules: ImportMap
 ) -> dict[str, np.ndarray]:
-    """Return columns as numbers; an empty cell is no number, or refused where there may be no ``gaps``."""
+    """Return columns as numbers; a cell that is empty or ``missing`` is no number, or refused where gaps are not filled."""
     import polars
 
     if len({name.strip() for name in table.columns}) == len(table.columns):
         table = table.rename({name: name.strip() for name in table.columns})
     columns: dict[str, np.ndarray] = {}
     for name in names:
-        if f"{name}_duplicated_0" in table.columns:
-            raise UsageError(f"{source}: several columns are called '{name}'; give each a name of its own")
-        if name not in table.columns:
-            raise unknown("column", name, table.columns, str(source))
-        column = table[name]
+        column = _column(source, table, name)
         if column.dtype == polars.String:
             column = column.str.strip_chars()
-            text = column.str.replace(",", ".", literal=True) if decimal_comma else column
-            numbers = text.cast(polars.Float64, strict=False)
-            if numbers.null_count() == len(column):
-                numbers = _switched(column) if column.str.to_lowercase().is_in([*SWITCHED]).all() else _seconds(column, numbers)
-            elif decimal_comma and (pointed := column.str.contains(".", literal=True).fill_null(False)).any():
-                row = int(pointed.arg_max() or 0)
-                raise UsageError(
-                    f"{source}: '{name}' has a point in row {row + 1}, {column[row]!r:.60}, where the table has decimal commas; "
-                    "a mark for thousands cannot be read (decimal_comma: false in the map, where the points are decimal)"
-                )
+            column = column.set(column.is_in([one for one in rules.missing if isinstance(one, str)]), None)
+            numbers = _of_text(source, name, column, decimal_comma)
         elif isinstance(column.dtype, polars.Datetime | polars.Duration):
             ticks = column.cast(polars.Int64)
             numbers = (ticks - (ticks.min() or 0)) * (NS_IN[column.dtype.time_unit or "us"] * 1e-9)
+        elif column.dtype == polars.Time:
+            numbers = column.cast(polars.Int64).cast(polars.Float64)
+            if not column.null_count():
+                numbers = polars.Series(time_of_day(column.cast(polars.Int64).to_numpy()))
         elif column.dtype.is_numeric() or column.dtype == polars.Boolean:
             numbers = column.cast(polars.Float64)
         else:
-            raise UsageError(f"{source}: '{name}' holds {column.dtype}, not numbers")
+            inner = f"; name what is within it: {name}.NAME" if isinstance(column.dtype, polars.Struct) else ""
+            inner = f"; name one of its values: {name}[0]" if isinstance(column.dtype, polars.List | polars.Array) else inner
+            raise UsageError(f"{source}: '{name}' holds {column.dtype.base_type()}, not numbers{inner}")
         empty = column.is_null() | (column == "") if column.dtype == polars.String else column.is_null()
-        if gaps:
+        if rules.interpolate:
             numbers = polars.select(polars.when(empty).then(math.nan).otherwise(numbers)).to_series()
         if numbers.null_count():
-            row = int(numbers.is_null().arg_max() or 0)
-            said = f"empty in row {row + 1}" if empty[row] else f"no number in row {row + 1}: {column[row]!r:.60}"
-            below = column[1:].cast(polars.Float64, strict=False).null_count() if column.dtype == polars.String else row
-            hint = f"; {GAPS}" if empty[row] else ""
-            if empty[row] and row == len(column) - 1:
-                hint = ": it is the last, was it cut off? Delete it"
-            if row == 0 and len(column) > 1 and not below:
-                hint = "; where units stand below the header, say in the map skip_lines: 2 and call the columns 1, 2, 3, ..."
-            raise UsageError(f"{source}: '{name}' is {said}{hint}")
+            raise _no_number(source, name, column, numbers, empty)
         columns[name] = numbers.to_numpy()
     return columns
 
 
-def _switched(column: polars.Series) -> polars.Series:
-    """Return what was on as 1 and what was off as 0."""
+def _column(source: Path, table: polars.DataFrame, name: str) -> polars.Series:
+    """Return a column of a table, or what is within one: ``pose.x``, ``position[0]``."""
     import polars
 
-    return column.str.to_lowercase().replace_strict(SWITCHED, return_dtype=polars.Float64)
+    if f"{name}_duplicated_0" in table.columns:
+        raise UsageError(f"{source}: several columns are called '{name}'; give each a name of its own")
+    if name in table.columns:
+        return table[name]
+    steps = list(WITHIN.finditer(name))
+    if not steps or steps[0][0] not in table.columns or "".join(step[0] for step in steps) != name:
+        raise unknown("column", name, table.columns, str(source))
+    column = table[steps[0][0]]
+    for step in steps[1:]:
+        if step["name"] and isinstance(column.dtype, polars.Struct):
+            if step["name"] not in (known := [field.name for field in column.dtype.fields]):
+                raise unknown("field", step["name"], known, f"'{steps[0][0]}' of {source}")
+            column = column.struct.field(step["name"])
+        elif step["at"] and isinstance(column.dtype, polars.List | polars.Array):
+            column = column.cast(polars.List(column.dtype.inner)).list.get(int(step["at"]), null_on_oob=True)
+        else:
+            raise unknown("column", name, table.columns, str(source))
+    return column
 
 
-def _seconds(column: polars.Series, otherwise: polars.Series) -> polars.Series:
-    """Return dates and times written out (2026-01-31 12:00:00.5, 12:00:00.5, 1/31/2026 12:00:00 PM) as seconds since the first.
-
-    Else return what is said ``otherwise``; a time that never goes on, too, may be refused.
-    """
+def _of_text(source: Path, name: str, column: polars.Series, decimal_comma: bool) -> polars.Series:
+    """Return a column of texts as numbers, null where one is none; dates and times as seconds."""
     import polars
 
-    seconds = []
-    for day, form in (("", None), (ANY_DAY, None), *(("", form) for form in DATES)):
-        try:
-            found = (day + column).str.to_datetime(form, time_unit="ns", strict=False)
-        except polars.exceptions.PolarsError:
-            continue
-        if not found.null_count():
-            ticks = found.cast(polars.Int64)
-            seconds.append((ticks - (ticks.min() or 0)) * 1e-9)
-    going = [one for one in seconds if (one.diff().drop_nulls() > 0.0).all()] or seconds[:1]
-    return min(going, key=lambda one: one[-1], default=otherwise)
+    text = column.str.replace(",", ".", literal=True) if decimal_comma else column
+    numbers = text.cast(polars.Float64, strict=False)
+    if numbers.null_count() == len(column):
+        if column.str.to_lowercase().is_in([*SWITCHED]).all():
+            return column.str.to_lowercase().replace_strict(SWITCHED, return_dtype=polars.Float64)
+        seconds = seconds_of(column, f"{source}: '{name}'")
+        return numbers if seconds is None else polars.Series(seconds)
+    if decimal_comma and (pointed := column.str.contains(".", literal=True).fill_null(False)).any():
+        row = int(pointed.arg_max() or 0)
+        raise UsageError(
+            f"{source}: '{name}' has a point in row {row + 1}, {column[row]!r:.60}, where the table has decimal commas; "
+            "a mark for thousands cannot be read (decimal_comma: false in the map, where the points are decimal)"
+        )
+    return numbers
+
+
+def _no_number(source: Path, name: str, column: polars.Series, numbers: polars.Series, empty: polars.Series) -> UsageError:
+    """Return the error of a column with a cell that is no number, with the key of the map that helps."""
+    import polars
+
+    row = int(numbers.is_null().arg_max() or 0)
+    below = column[1:].cast(polars.Float64, strict=False).null_count() if column.dtype == polars.String else row
+    said = f"empty in row {row + 1}" if empty[row] else f"no number in row {row + 1}: {column[row]!r:.60}"
+    hint = f"; {GAPS_HINT}" if empty[row] else ""
+    if empty[row] and row == len(column) - 1:
+        hint = ": it is the last, was it cut off? Delete it"
+    elif row == 0 and len(column) > 1 and not below:
+        hint = "; where units stand below the header, say in the map skip_lines: 2 and call the columns 1, 2, 3, ..."
+    elif not empty[row] and "," in column[row]:
+        hint = "; where commas are decimal, say in the map decimal_comma: true"
+    elif not empty[row] and 2 * numbers.null_count() < len(column):
+        hint = f"; where this stands for no reading, say in the map missing: [{column[row]!r:.60}]"
+    return UsageError(f"{source}: '{name}' is {said}{hint}")
 
 
 def _read_mat(source: Path, names: list[str], rules: ImportMap) -> Table:
-    from scipy.io import loadmat, whosmat
+    from hjcamp.records.elsewhere.mat_table import read_mat
 
-    wanted = sorted({re.split(r"[.(]", name)[0] for name in names})
-    try:
-        with warnings.catch_warnings(action="ignore"):
-            variables = [name for name, _, _ in whosmat(source)]
-            content = loadmat(source, squeeze_me=False, variable_names=wanted)
-    except NotImplementedError as error:
-        raise UsageError(
-            f"{source}: this is a file of MATLAB 7.3 (HDF5), which cannot be read; in MATLAB write it again: "
-            f"save('{source.stem}.mat', '-v7')"
-        ) from error
-    except OSError:
-        raise
-    except Exception as error:  # scipy raises many kinds for bytes that are no such file
-        raise UsageError(f"{source}: cannot be read as a MATLAB file: {_first_line(error)}") from error
-    return Table({name: _of_mat(source, name, content, variables) for name in names})
-
-
-def _of_mat(source: Path, name: str, content: dict[str, Any], variables: list[str]) -> np.ndarray:
-    """Return one variable, a field of a struct (``data.q``), or a column of a matrix (``q(:,2)``) as numbers."""
-    match = MATRIX_COLUMN.fullmatch(name)
-    root, *parts = (match["name"] if match else name).split(".")
-    if root not in content:
-        raise unknown("variable", root, variables, str(source))
-    value = content[root]
-    for depth, part in enumerate(parts):
-        within = ".".join([root, *parts[:depth]])
-        fields = getattr(value, "dtype", np.dtype(float)).names or ()
-        if part not in fields or np.size(value) != 1:
-            raise unknown("field", part, fields, f"'{within}' of {source}")
-        value = np.asarray(value).reshape(-1)[0][part]
-    value = np.asarray(value)
-    if value.dtype.kind not in "iufb":
-        held = f"a struct with {', '.join(value.dtype.names)}" if value.dtype.names else "no real numbers"
-        raise UsageError(f"{source}: '{name}' holds {held}")
-    if match is not None:
-        number = int(match["column"])
-        if value.ndim != 2 or not 1 <= number <= value.shape[1]:
-            raise UsageError(f"{source}: '{name}' is not there; the size of '{match['name']}' is {_size(value)}")
-        value = value[:, number - 1]
-    elif value.ndim > 2 or (value.ndim == 2 and min(value.shape) > 1):
-        raise UsageError(f"{source}: '{name}' is a matrix ({_size(value)}); give one column of it: {name}(:,1)")
-    return value.reshape(-1).astype(np.float64)
-
-
-def _size(value: np.ndarray) -> str:
-    return " x ".join(map(str, value.shape))
+    return Table(read_mat(source, names))
 
 
 def _read_mcap(source: Path, names: list[str], rules: ImportMap) -> Table:
     from hjcamp.records.elsewhere.foreign_mcap import read_messages
 
-    columns, times = read_messages(source, names, rules.topic, rules.where)
-    return Table(columns, times)
+    return Table(*read_messages(source, rules))
 
 
 def _first_line(error: BaseException) -> str:
