@@ -24,7 +24,10 @@ MOST_BEGUN = 2
 
 @dataclass(frozen=True)
 class Asked:
-    """How a model is searched for what it misses; ``only``, ``without`` and ``ask`` name effects, with commas."""
+    """How a model is searched for what it misses; ``only``, ``without`` and ``ask`` name effects, with commas.
+
+    ``shadow`` asks for the decision by nested choice as well.
+    """
 
     model: str = "published"
     effort: str = "standard"
@@ -34,6 +37,7 @@ class Asked:
     workers: int | None = None
     cluster: str | None = None
     ask: str | None = None
+    shadow: bool = False
 
     def check(self) -> None:
         """Refuse an unknown effort, a seed that ``seed=`` of a run would not take, and less than one process."""
@@ -64,6 +68,7 @@ def check_seed(seed: int) -> None:
 def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDiagnosed:
     """Return what the model of any plant misses (`hjcamp.prediction.verdict.verdict`)."""
     from hjcamp.prediction.answer import answer, asked_candidates
+    from hjcamp.prediction.choice.page import ALPHA, DELTA, Page
     from hjcamp.prediction.measured.floor import not_above
     from hjcamp.prediction.selection.analysis import Known, calibrated
     from hjcamp.prediction.selection.begun_elsewhere import better_base
@@ -96,6 +101,8 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     content = answer(analysis, verdict, 0.0)
     content["candidates"] = with_asked(content["candidates"], asked_candidates(analysis, verdict, wanted), wanted)
     content["made_from"] = made_from(data, asked)
+    if asked.shadow:
+        content["decision_shadow"] = Page(analysis).chosen().row(ALPHA, DELTA)
     content["seconds"] = round(time.perf_counter() - began, 3)
     return PlantDiagnosed(analysis, verdict, content)
 

@@ -40,6 +40,9 @@ def diagnose(
     ask: Annotated[
         str | None, typer.Option(help="Effects that get a row whatever they explain, with commas; your own always do.")
     ] = None,
+    shadow: Annotated[
+        bool, typer.Option("--shadow", hidden=True, help="Decide by nested choice and a confidence set as well (decision_shadow).")
+    ] = False,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
     from hjcamp.commands._session import check_answer_file, folder_for, no_logs
@@ -59,7 +62,7 @@ def diagnose(
     if not paths:
         raise no_logs()
     check_answer_file(json)
-    asked = Asked(model, effort, seed, only, without, workers, cluster, ask)
+    asked = Asked(model, effort, seed, only, without, workers, cluster, ask, shadow)
     asked.check()
     data = Data(paths)
     folder_for("diagnose", data.paths, json)  # a link in its place is refused before anything is computed
