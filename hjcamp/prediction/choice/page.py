@@ -47,8 +47,8 @@ class Chosen:
         """Return it as plain values."""
         return {
             "verdict": self.word, "effects": list(self.effects), "confidence_set": [list(one) for one in self.sets],
-            "p_value": self.p_value, "gain": self.gain, "upper": self.upper if math.isfinite(self.upper) else None, "blocks": self.blocks, "models": self.fitted,
-            "alpha": alpha, "delta": delta,
+            "p_value": self.p_value, "gain": self.gain, "upper": self.upper if math.isfinite(self.upper) else None,
+            "blocks": self.blocks, "models": self.fitted, "alpha": alpha, "delta": delta,
         }  # fmt: skip
 
 
