@@ -14,7 +14,7 @@ DOCUMENTED := $(VENV)/.documented
 unexport PYTHONDONTWRITEBYTECODE
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines unmoved unmoved-long next_value thesis_gap tour_data gallery pump_cost convergence fidelity validation faults kills damage recovery bad_calls dist clean
+.PHONY: help say-setup say-demo say-test setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines unmoved unmoved-long next_value thesis_gap tour_data gallery pump_cost convergence fidelity validation faults kills damage recovery bad_calls dist clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
@@ -46,7 +46,15 @@ help:
 	@echo "make dist    wheel and sdist in dist/, opened and checked as a stranger would (docs/release.md); five minutes"
 	@echo "make clean   remove .venv and caches; runs/ stays"
 
-setup: $(WARM)
+# what a target does and how long it takes, before it begins
+say-setup:
+	@echo "make setup: hjcamp and its packages into $(VENV) (about 700 MB), then every kernel compiled; a minute or two on two cores"
+say-demo:
+	@echo "make demo: hjcamp and its packages into $(VENV) where they are not, then 56 simulated tests, their tables and a page; a minute on two cores"
+say-test:
+	@echo "make test: what tests need into $(VENV) where it is not, then ruff, mypy, layers and every test but the long ones; ten minutes on two cores"
+
+setup: say-setup $(WARM)
 
 $(INSTALLED): pyproject.toml constraints.txt
 	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 with its venv module is needed; none was found" >&2; exit 1; }
@@ -65,7 +73,7 @@ $(WARM): $(INSTALLED)
 	@touch $@
 
 # it compiles the two kernels that it uses; what the tour needs is compiled while its answer is read
-demo: $(INSTALLED)
+demo: say-demo $(INSTALLED)
 	$(BIN)/hjcamp run campaign=robustness_vertical
 	@test -n "$$CI" || $(BIN)/hjcamp doctor --warm --detach
 
@@ -75,12 +83,12 @@ lint: $(TESTABLE)
 	$(BIN)/lint-imports
 
 # as many processes as tests/conftest.py says, four at most; a file's tests stay together, since they share kernels and logs
-test: $(TESTABLE) lint
+test: say-test $(TESTABLE) lint
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 
 # the tests that take longest, or repeat others with other data
 studies: $(TESTABLE)
-	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile -m study
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --durations 10 -m study
 
 catalogue: $(INSTALLED)
 	$(BIN)/hjcamp effects --pages site/catalogue

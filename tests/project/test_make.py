@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 import shutil
 import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -32,3 +36,22 @@ def test_what_tests_need_is_installed_for_them(tmp_path: Path) -> None:
     for target in ("test", "lint", "faults"):
         assert ".[test]" in steps(target, tmp_path)
     assert "--warm" in steps("setup", tmp_path) and ".[test]" not in steps("setup", tmp_path)
+
+
+@pytest.mark.parametrize("target", ["setup", "demo", "test"])
+def test_a_target_says_what_it_does_and_how_long_before_it_begins(target: str, tmp_path: Path) -> None:
+    first, *rest = steps(target, tmp_path).splitlines()
+    assert first.startswith(f'echo "make {target}: ') and first.endswith('on two cores"')
+    assert not [line for line in rest if line.startswith("echo")] and "pip install" in "".join(rest)
+
+
+def test_the_tests_show_progress_and_end_with_their_count(tmp_path: Path) -> None:
+    (tmp_path / "test_two.py").write_text("def test_a(): pass\ndef test_b(): pass\n")
+    last = steps("test", tmp_path).splitlines()[-1].split("-m pytest ")[1]
+    options = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["pytest"]["ini_options"]["addopts"]
+    words = [*shlex.split(options), *last.replace("--numprocesses auto", "-p xdist -n 0").split()]
+    command = [sys.executable, "-m", "pytest", "-c", "/dev/null", *words, "-o", "markers=study", str(tmp_path)]
+    alone = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    done = subprocess.run(command, cwd=tmp_path, env=alone, capture_output=True, text=True, check=True)
+    lines = done.stdout.split("\n")
+    assert "[100%]" in lines[-3] and lines[-2].startswith("2 passed in ")

@@ -17,7 +17,7 @@ from hjcamp.commands import command_files, load
 ROOT = Path(__file__).parents[2]
 OURS = ROOT / ".github" / "workflows" / "ci.yml"
 #: What a machine of the service has, and what makes an environment there.
-THERE = {"cat", "pip", "rm", "test"}
+THERE = {"cat", "cd", "cp", "mkdir", "pip", "rm", "test"}
 
 
 def workflows() -> dict[str, dict[Any, Any]]:
@@ -71,7 +71,8 @@ def test_kernels_are_cached_where_they_are_kept_and_the_page_is_uploaded() -> No
 
 
 def test_what_the_steps_call_is_there() -> None:
-    called = [shlex.split(line) for _, step in steps() for line in step.get("run", "").splitlines() if line.strip()]
+    lines = [line for _, step in steps() for line in re.split(r"\n|&&", step.get("run", ""))]
+    called = [shlex.split(line) for line in lines if line.strip()]
     assert called
     for words in called:
         if words[0] == "hjcamp":
