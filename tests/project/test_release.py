@@ -81,3 +81,9 @@ def test_the_container_copies_and_calls_what_is_there() -> None:
     assert needed | set(PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]) <= set(copied)
     started = json.loads(lines[-1].removeprefix("CMD "))
     assert started[0] == "hjcamp" and started[1] in command_files()
+
+
+def test_every_file_of_tests_has_a_name_of_its_own() -> None:
+    """Pytest imports them by their name alone."""
+    names = [path.name for path in (ROOT / "tests").rglob("test_*.py")]
+    assert sorted(names) == sorted(set(names))
