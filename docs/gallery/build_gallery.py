@@ -182,9 +182,8 @@ def part_of(case: Case, folder: Path) -> str:
 def sample(folder: Path) -> str:
     """Return README's sample: the verdict and the errors of the first case, and its picture."""
     lines = shown((folder / "out.txt").read_text(encoding="utf-8")).splitlines()
-    first = next(number for number, line in enumerate(lines) if line.startswith("EFFECT"))
-    error = next(number for number, line in enumerate(lines) if line.startswith("error"))
-    kept = [*lines[first:error][:7], *lines[error : error + 4]]
+    first, table, error = (next(n for n, line in enumerate(lines) if line.startswith(word)) for word in ("EFFECT", "  effect", "error"))
+    kept = [*lines[first:table], *lines[table : table + 3], *lines[error : error + 3]]
     box = "\n".join([f"$ hjcamp {' '.join(command(CASES[0]))}", *kept])
     return f"{BEGIN}\n```\n{box}\n```\n\n![{CASES[0].caption}](docs/images/gallery_effect.svg)\n\n*{CASES[0].caption}*\n\n{END}"
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp import locks
+from hjcamp.children import safe_children
 from hjcamp.errors import HjcampError
 from hjcamp.model.kernel_cache import TEMPORARY, cache_folder
 
@@ -35,7 +36,8 @@ def start() -> str:
     if os.name == "nt":
         own = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined, unused-ignore]
     none = subprocess.DEVNULL
-    process = subprocess.Popen([sys.executable, "-m", __name__], stdin=none, stdout=none, stderr=none, **own)
+    with safe_children():
+        process = subprocess.Popen([sys.executable, "-m", __name__], stdin=none, stdout=none, stderr=none, **own)
     # It ends long after this process, which does not wait for it.
     process.returncode = 0
     return (
