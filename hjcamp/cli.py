@@ -5,9 +5,11 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import shutil
 import signal
 import sys
 import tempfile
+import textwrap
 import traceback
 from pathlib import Path
 from types import FrameType
@@ -107,8 +109,18 @@ def run(arguments: list[str] | None = None) -> int:
 
 def _say(text: str, code: int) -> int:
     with contextlib.suppress(OSError):
-        print(f"hjcamp: {visible(text)}", file=sys.stderr)
+        print(_between_words(f"hjcamp: {visible(text)}"), file=sys.stderr)
     return code
+
+
+def _between_words(text: str) -> str:
+    """Return a message as it is read best: on a terminal no word of it is cut at the last column."""
+    if not sys.stderr.isatty():
+        return text
+    room = max(shutil.get_terminal_size().columns - 1, 20)
+    lines = text.splitlines() or [text]
+    parts = [textwrap.wrap(line, room, break_long_words=False, break_on_hyphens=False) or [""] for line in lines]
+    return "\n".join(part for wrapped in parts for part in wrapped)
 
 
 def _keep_traceback() -> str:

@@ -9,8 +9,9 @@ import unicodedata
 from collections.abc import Iterable
 
 LONGEST_SHOWN = 80
-MOST_NAMED = 200
 _DRAWN = re.compile(r"(\x1b\[[0-9;?]*[A-Za-z])")
+LONGEST_LIST = 1000  # characters of names of which all are said
+FEW_NAMED = 12
 NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -50,12 +51,15 @@ def unknown(kind: str, name: str, allowed: Iterable[str], where: str = "") -> Us
     ``kind`` is what the name stands for ("effect"), ``where`` the place it was read from.
     """
     names = sorted(map(str, allowed))
+    number = len(names)
+    if len(", ".join(names)) > LONGEST_LIST:
+        names = sorted(difflib.get_close_matches(str(name), names, n=FEW_NAMED, cutoff=0.0))
     name = name if len(name) <= LONGEST_SHOWN else f"{name[:LONGEST_SHOWN]}..."
     match = nearest(name, names)
     hint = f"; did you mean '{match}'?" if match else "."
     place = f" in {where}" if where else ""
-    more = f", ... and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-    return UsageError(f"unknown {kind} '{name}'{place}{hint} Allowed: {', '.join(names[:MOST_NAMED]) or 'none'}{more}")
+    more = f", and {number - len(names)} that are less like it" if len(names) < number else ""
+    return UsageError(f"unknown {kind} '{name}'{place}{hint} Allowed: {', '.join(names) or 'none'}{more}")
 
 
 def shown(value: object) -> str:

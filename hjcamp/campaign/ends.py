@@ -71,7 +71,9 @@ class Ends:
         self._left[name] -= 1
         if not self._left[name]:
             self._open -= 1
-            self._console.print(f"  {condition_line(name, self._ended[name])}   {self._open} to go", markup=False)
+            line = condition_line(name, self._ended[name])
+            self._console.print(f"  {line}   {self._open} to go", markup=False)
+            self._folder.note(line)
             self._ended[name] = []
 
 

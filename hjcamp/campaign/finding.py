@@ -13,6 +13,7 @@ from hjcamp.campaign.values import look_up
 from hjcamp.errors import UsageError
 from hjcamp.records.find import tell
 from hjcamp.records.plan import Plan
+from hjcamp.storage import shown_path
 
 FOLDERS = (Path("runs"), Path("multirun"))
 
@@ -69,7 +70,7 @@ def find_runs(
 def _split(text: str) -> tuple[str, str]:
     key, equals, value = text.partition("=")
     if not equals or not key:
-        raise UsageError(f"'{text}' is no filter; write KEY=VALUE, for example  payload=brass_8p5g")
+        raise UsageError(f"'{shown_path(Path(text))}' is no folder and no filter; write KEY=VALUE, such as payload=brass_8p5g")
     return key, value
 
 

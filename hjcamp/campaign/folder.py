@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,12 +16,13 @@ from hjcamp.campaign.files import run_errors, write_json
 from hjcamp.campaign.lock import is_locked
 from hjcamp.campaign.provenance import code, code_identity, provenance, utc_now
 from hjcamp.campaign.values import common, leaves
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, counted
 from hjcamp.records.manifest import new_manifest, read_manifest
 from hjcamp.records.plan import Plan, read_plan
 from hjcamp.storage import write_whole
 
 RUNS = Path("runs")
+LOG = "run.log"
 SAVE_EVERY_S = 0.5
 
 
@@ -50,6 +52,11 @@ class RunFolder:
             write_json(self.path / "manifest.json", self.manifest)
         self._saved = time.monotonic()
 
+    def note(self, text: str) -> None:
+        """Add a line to ``run.log``, with the time; what cannot be written there must not end a run."""
+        with suppress(OSError), (self.path / LOG).open("a", encoding="utf-8", errors="replace") as stream:
+            stream.write("".join(f"{utc_now()}  {line}\n" for line in text.splitlines()))
+
     def begin(self, workers: int) -> None:
         """Open a session in the manifest, with what makes this run."""
         changes = self.keep_changes()
@@ -58,6 +65,9 @@ class RunFolder:
         self.manifest["sessions"].append(session)
         self.manifest["state"] = "running"
         self.save()
+        left = sum(entry["state"] != "done" for entry in self.manifest["tests"].values())
+        code_of = f"git {str(session['git'])[:12]}" if session.get("git") else f"version {session.get('version')}"
+        self.note(f"session {len(self.manifest['sessions'])}: {counted(left, 'test')} to make, {counted(workers, 'worker')}, {code_of}")
 
     def keep_changes(self) -> str | None:
         """Write the changes on top of the commit into ``provenance/``; the name holds their hash. None: none, or > 1 MB."""
@@ -82,6 +92,8 @@ class RunFolder:
         self.manifest["sessions"][-1]["ended_at"] = utc_now()
         self.manifest["state"] = state
         self.save()
+        done = sum(entry["state"] == "done" for entry in self.manifest["tests"].values())
+        self.note(f"{state}: {done} of {counted(len(self.manifest['tests']), 'test')} done")
 
 
 def create(path: Path, plan: Plan, asked: Mapping[str, Any], overrides: list[str]) -> RunFolder:

@@ -64,7 +64,12 @@ def run_plan(
     ``RigStopped`` where the rig was made safe, ``HjcampError`` where it cannot go on (a full disk).
     """
     rule = rule or StopRule()
-    say = announce or (lambda text: console.print(text, style="yellow", highlight=False))
+    aloud = announce or (lambda text: console.print(text, style="yellow", highlight=False))
+
+    def say(text: str) -> None:
+        aloud(text)
+        folder.note(text)
+
     refuse_links_out(folder.path)
     with run_errors(folder.path), run_lock(folder.path):
         result = RunResult(folder.path)
@@ -129,6 +134,7 @@ def _run(
                     result.warnings[outcome.message] = result.warnings.get(outcome.message, 0) + 1
             else:
                 result.failures.append((outcome.test, outcome.message))
+                folder.note(f"{outcome.test}: {outcome.message}")
                 result.made_safe += outcome.stops == RigStopped.exit_code
                 detail = {"detail": outcome.detail} if outcome.detail else {}
                 with _bookkeeping(outcome):

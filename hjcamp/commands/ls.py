@@ -18,7 +18,9 @@ def register(app: typer.Typer) -> None:
 
 
 def ls(
-    filters: Annotated[list[str] | None, typer.Argument(metavar="KEY=VALUE")] = None,
+    filters: Annotated[
+        list[str] | None, typer.Argument(metavar="[FOLDER] [KEY=VALUE]", help="Folders to look in, and what runs must hold.")
+    ] = None,
     folder: Annotated[Path | None, typer.Option(help="Where to look; runs and multirun by default.")] = None,
     columns: Annotated[
         str | None,
@@ -40,7 +42,10 @@ def ls(
 
     if folder is not None and not folder.is_dir():
         raise UsageError(f"--folder {shown_path(folder)}: there is no such folder")
-    runs = find_runs([folder] if folder else FOLDERS, filters or [])
+    named = [Path(text) for text in filters or [] if "=" not in text and Path(text).is_dir()]
+    wanted = [text for text in filters or [] if Path(text) not in named]
+    folders = list(dict.fromkeys([*named, *([folder] if folder else [])]))
+    runs = find_runs(folders or FOLDERS, wanted)
     names = [name.strip() for name in (columns or "").split(",") if name.strip()]
     if columns is not None and not names:
         raise UsageError("--columns: name at least one column, such as  --columns run,payload,rmse1_deg")
@@ -62,6 +67,8 @@ def ls(
         links = {str(path): _link(path / "report.html", page) for path in there}
         replace_file(page, runs_page(shown, rows, links))
     console = make_console()
+    if page is not None:
+        console.print(f"page    {page}", markup=False, soft_wrap=True)
     if not runs:
         console.print(
             "no runs found" + (" that meet the filters" if filters else "; the first: hjcamp run campaign=NAME")

@@ -43,3 +43,9 @@ def test_rows_columns_order_and_answer(composer: Composer, empty_folder: Path) -
         in_order(rows, "kp")
     with pytest.raises(UsageError, match="at least one column"):
         ls(None, None, ",")
+    # a folder is what one names first
+    for words, number in ((["."], 2), (["runs/none"], 1), (["runs", "payload=none"], 1), (["payload=none"], 1), (["."] * 2, 2)):
+        ls(words, json=Path("answer.json"))
+        assert len(json.loads(Path("answer.json").read_text())["runs"]) == number, words
+    with pytest.raises(UsageError, match="'nowhere' is no folder and no filter; write KEY=VALUE"):
+        ls(["nowhere"])

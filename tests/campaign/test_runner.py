@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import signal
 from collections.abc import Callable
 from pathlib import Path
@@ -118,6 +119,20 @@ def test_a_run_goes_on_where_it_stopped(plan: Plan) -> None:
     assert not half.exists()
     assert damaged.with_suffix(".mcap.damaged").exists()
     assert "is damaged" in said[0]
+
+
+def test_a_run_keeps_a_log_of_what_was_said_and_when(plan: Plan) -> None:
+    folder = start(plan, "logged")
+    run(folder)
+    run(folder)
+    lines = (folder.path / "run.log").read_text().splitlines()
+    assert all(re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\S*  ", line) for line in lines)
+    said = [line.partition("  ")[2] for line in lines]
+    assert said[0].startswith("session 1: ") and " to make, " in said[0]
+    number = len(folder.plan.tests)
+    assert sum(line.startswith("complete: ") for line in said) == 2 and said[-1] == f"complete: {number} of {number} tests done"
+    assert len([line for line in said if "RMS error" in line]) == len(folder.plan.conditions)
+    assert any(line.startswith("session 2: 0 tests to make") for line in said)
 
 
 def test_a_failure_is_noted_and_the_run_goes_on(plan: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
