@@ -50,7 +50,8 @@ CASES = (
         "`hjcamp add quadratic_drag LOGS --as NAME` writes a model with it; compare that on a recording that was kept out.",
         ("train_1", "train_2"),
         "missing_before.svg",
-        "The torque that is missing over the speed (points, from no form at all) and the law of the effect through it.",
+        "The torque that the model lacks over the speed once its constants are estimated: fitted without a form, with its 95 % band, "
+        "and the law of the effect through it.",
     ),
     Case(
         "one_of",
@@ -109,7 +110,7 @@ CASES = (
         "wrong_log",
         "A log is wrong",
         "The spindle of *nothing is missing*, imported with the sign of the voltage turned round (`docs/gallery/wrong_sign.yaml`).",
-        "The constants run to their bounds, far from what is declared, and the answer says which. Whatever it names besides is not to "
+        "The constants run to their bounds, far from what is declared, and the answer says which. Whatever else it names is not to "
         "be believed until the log is right.",
         "Look at the sign and the unit of what the answer points to, mend the map and import again.",
         ("plain_1",),
@@ -182,10 +183,13 @@ def part_of(case: Case, folder: Path) -> str:
 def sample(folder: Path) -> str:
     """Return README's sample: the verdict and the errors of the first case, and its picture."""
     lines = shown((folder / "out.txt").read_text(encoding="utf-8")).splitlines()
-    first, table, error = (next(n for n, line in enumerate(lines) if line.startswith(word)) for word in ("EFFECT", "  effect", "error"))
+    words = ("EFFECT", "  effect", "error")
+    first, table, error = (next(n for n, line in enumerate(lines) if line.startswith(word)) for word in words)
     kept = [*lines[first:table], *lines[table : table + 3], *lines[error : error + 3]]
     box = "\n".join([f"$ hjcamp {' '.join(command(CASES[0]))}", *kept])
-    return f"{BEGIN}\n```\n{box}\n```\n\n![{CASES[0].caption}](docs/images/gallery_effect.svg)\n\n*{CASES[0].caption}*\n\n{END}"
+    said = "Two recordings of a spindle, whose file of equations knows dry and viscous friction:"
+    picture = f"![{CASES[0].caption}](docs/images/gallery_effect.svg)\n\n*{CASES[0].caption}*"
+    return f"{BEGIN}\n{said}\n\n```\n{box}\n```\n\n{picture}\n\n{END}"
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""The end of the tour: what hides in the sample logs beside what the diagnosis said."""
+"""The end of the tour: what hides in the recordings, and what the diagnosis said."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ def _add(tour: Tour) -> list[str]:
 def _compare_both(tour: Tour) -> list[str]:
     name = str(tour.answer(3).get("model"))
     models = ["--model", "published", "--model", name]
-    # A folder of its own: the page of step 1 stays beside it.
+    # A folder of its own: the page of step 1 stays.
     return ["compare", str(tour.folder), *models, "--into", str(tour.folder / BOTH), "--json", str(tour.answer_file(4))]
 
 
@@ -77,7 +77,7 @@ STEPS = (
     ),
     Step(
         "Open the sealed answer",
-        "What really hides in the rig, beside what step 2 found. The rig is another program with other equations, so "
+        "What really hides in the rig, next to what step 2 found. The rig is another program with other equations, so "
         "the numbers need not agree to the last digit; 95 % is what the diagnosis thinks of its own.",
         Tour.open_words,
     ),
