@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -156,18 +156,18 @@ class Composition:
 
     def _behind_gates(self, lines: Sequence[str]) -> list[str]:
         """Return the statements with what belongs to an effect read where it is used: behind its gate."""
-        places = {f"s_{_local(name)}": f"z[{index}]" for index, name in enumerate(self.states) if "." in name}
-        places |= {f"p_{_local(name)}": f"p[{index}]" for index, name in enumerate(self.parameters) if "." in name}
+        places = {f"s_{local_name(name)}": f"z[{index}]" for index, name in enumerate(self.states) if "." in name}
+        places |= {f"p_{local_name(name)}": f"p[{index}]" for index, name in enumerate(self.parameters) if "." in name}
         kept = [line for line in lines if line.partition(" = ")[0] not in places]
         return [re.sub(r"\b[sp]_\w+\b", lambda found: places.get(found[0], found[0]), line) for line in kept]
 
     @cached_property
     def _statements(self) -> list[str]:
         lines = [
-            f"s_{_local(name)} = {_held_up(f'z[{index}]', state)}"
+            f"s_{local_name(name)} = {_held_up(f'z[{index}]', state)}"
             for index, (name, state) in enumerate(self.states.items())
         ]
-        lines += [f"p_{_local(name)} = p[{index}]" for index, name in enumerate(self.parameters)]
+        lines += [f"p_{local_name(name)} = p[{index}]" for index, name in enumerate(self.parameters)]
         lines += [f"u_{name} = u[{index}]" for index, name in enumerate(self.inputs)]
         lines += [f"{GATES} = int(p_{GATES})", "u_time = time", "u_direction = direction"]
         if len(self.contacts) > 1:
@@ -188,11 +188,12 @@ class Composition:
     def _effects_on(self, slot: str, local: str) -> list[str]:
         """Return what the effects make of a slot, which is called ``local`` in the lines."""
         adding, changing, last = [], [], []
+        known = {*self.vocabulary.known_before(slot), slot} if slot in self.vocabulary.slots else set()
         for effect in self.effects:
             if slot not in effect.terms:
                 continue
             term = effect.terms[slot]
-            call = self._call(effect, slot, term)
+            call = self._call(effect, slot, term, known)
             gate = f"if {self._gate(effect)}: " if self.gated else ""
             if slot == effect.behind:
                 last += [f"{_arriving(effect)} = {local}", f"{gate}{local} = {call}"]
@@ -221,18 +222,21 @@ class Composition:
             return "0.0"
         return self._call(effect, f"d_{own}", effect.rates[own])
 
-    def _call(self, effect: type[Effect], name: str, term: Term) -> str:
-        names = [self._resolve(effect, argument) for argument in term.arguments]
+    def _call(self, effect: type[Effect], name: str, term: Term, known: Collection[str] | None = None) -> str:
+        """Return the call of a term; ``known`` are the signals that are computed where it stands, all of them if None."""
+        known = self.vocabulary.signals if known is None else known
+        names = [self._resolve(effect, argument, known) for argument in term.arguments]
         return f"{effect.name}__{name}({', '.join(names)})"
 
-    def _resolve(self, effect: type[Effect], argument: str) -> str:
+    def _resolve(self, effect: type[Effect], argument: str, known: Collection[str]) -> str:
+        """Return the local name of an argument: a signal, once it is computed, hides a state, parameter or input of its name."""
         if argument in effect.states:
-            return f"s_{effect.name}_{argument}"
+            return f"s_{local_name(f'{effect.name}.{argument}')}"
         if argument in effect.parameters:
-            return f"p_{effect.name}_{argument}"
+            return f"p_{local_name(f'{effect.name}.{argument}')}"
         if argument == effect.behind:
             return _arriving(effect)
-        if argument in self.vocabulary.signals:
+        if argument in known:
             return argument
         if argument in self.plant.states:
             return f"s_{argument}"
@@ -261,5 +265,6 @@ def _arriving(effect: type[Effect]) -> str:
     return f"arriving_{effect.name}"
 
 
-def _local(name: str) -> str:
-    return name.replace(".", "_")
+def local_name(name: str) -> str:
+    """Return what a state or parameter is called in generated lines: parameter b of effect a is not the plant's own a_b."""
+    return name.replace(".", "__")

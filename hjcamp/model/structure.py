@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.compose import Composition
+from hjcamp.model.compose import Composition, local_name
 from hjcamp.model.source_lines import outside_range
 from hjcamp.model.source_text import GATES, names_in
 
@@ -153,7 +153,7 @@ def _spread_inputs(composition: Composition, generator: np.random.Generator) -> 
 
 def influences(composition: Composition, outputs: Sequence[str]) -> frozenset[str]:
     """Return the names of the parameters that the named slots and signals of a composition can depend on."""
-    given = {f"p_{name.replace('.', '_')}": name for name in composition.parameters}
+    given = {f"p_{local_name(name)}": name for name in composition.parameters}
     return frozenset(given[name] for name in names_in(reaching(composition, outputs)) if name in given)
 
 
@@ -162,7 +162,7 @@ def reaching(composition: Composition, outputs: Sequence[str]) -> str:
 
     Followed through the text: from an output to what it is computed from, from a state to its rate, start and update.
     """
-    local = {f"s_{name.replace('.', '_')}": name for name in composition.states}
+    local = {f"s_{local_name(name)}": name for name in composition.states}
     wanted = [f"x = {name}" for name in outputs]
     reached: set[str] = set()
     while True:

@@ -160,7 +160,8 @@ def _gains(plant: type[Plant], ranges: Mapping[str, tuple[float, float]]) -> dic
         for driver, unit in {**(states if port.kind == "actuator" else {}), **own}.items():
             low, high = ranges.get(driver, (0.0, 0.0))
             if high - low > 1e-9 * max(abs(low), abs(high)):
-                law = gain_over(plant.name, slot, times, driver, unit, positive=port.kind == "store")
+                subsystem = next(iter(plant.subsystems), "gain")
+                law = gain_over(plant.name, slot, times, driver, unit, positive=port.kind == "store", subsystem=subsystem)
                 of_store = ("capacity" if "capacity" in port.names else "stiffness", "level")
                 what, of = of_store if port.kind == "store" else ("gain", driver)
                 found[law.name] = Unknown(law, port.name, what, of, driver, low, high, 1.0)
