@@ -9,10 +9,12 @@ import pytest
 
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
+from hjcamp.model.effect import Effect
 from hjcamp.prediction.answer import unknown_rows
 from hjcamp.prediction.laws.unknown_laws import ENDS, KNOT, gain_over
 from hjcamp.prediction.laws.unknowns import unknowns_of
 from hjcamp.prediction.measured.tests import measured_tests
+from hjcamp.prediction.screening.screening import free_of_effect
 from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.prediction.verdict.verdict import judged
 from hjcamp.records.log import TestLog
@@ -54,16 +56,16 @@ def area_at(level: float | np.ndarray) -> float | np.ndarray:
     return AREA * (0.4 + (level / WIDE) ** 2)
 
 
-def measured_log(seed: int, rain: float = 0.0) -> TestLog:
-    """Return a log of the bowl; where ``rain`` falls or dries up (m^3/s at most) the bowl is as wide everywhere."""
+def measured_log(seed: int, rain: float = 0.0, leak: float = 0.0) -> TestLog:
+    """Return a log of the bowl; where ``rain`` falls or dries up (m^3/s at most), or it leaks (m^2/s), it is as wide everywhere."""
     generator, count, small = np.random.default_rng(seed), 1500, 10
     pump = np.repeat(generator.uniform(0.005, 0.03, count // 60 + 1), 60)[:count]
     level, levels = 0.8, np.empty(count)
     for k in range(count):
         levels[k] = level
         for _ in range(small):
-            inflow, area = pump[k] + rain * np.sin(k / 150.0), AREA if rain else area_at(level)
-            level = max(level + 2.0 / small * (inflow - OUTFLOW * np.sqrt(level)) / area, 0.0)
+            inflow, area = pump[k] + rain * np.sin(k / 150.0), AREA if rain or leak else area_at(level)
+            level = max(level + 2.0 / small * (inflow - OUTFLOW * np.sqrt(level) - leak * level) / area, 0.0)
     columns = {"time_s": 2.0 * np.arange(count), "level_m": levels + 1e-3 * generator.standard_normal(count), "pump_m3_per_s": pump}
     return TestLog(columns, {"plant": "bowl", "period_s": "2.0", "condition": f"train {seed}"})
 
@@ -92,6 +94,25 @@ def test_what_a_store_gets_or_loses_in_the_course_of_a_test_is_outside(bowl: Pat
     assert (found.word, found.effects) == ("outside_library", ())
     assert (row["quantity"], row["port"], row["driver"]) == ("loss", "level", "time")
     assert row["left"] < 0.6
+
+
+@pytest.mark.parametrize("typical", [1.0, 1e-3])
+def test_an_effect_is_as_small_as_it_is_whatever_size_was_declared_usual(bowl: Path, typical: float) -> None:
+    (bowl / "plants" / "bowl.py").write_text(PLANT.replace("typical=1.0", f"typical={typical}"), encoding="utf-8")
+    measured = measured_tests([measured_log(1, leak=0.004)])
+    library = load_effects(plant=measured.plant)
+    chosen = {name: library[name] for name in ("leakage", "flow_exponent", "sensor_gain")}
+    analysis = calibrated(measured, chosen, unknowns=False)
+    start = analysis.base.fitted.candidate.with_effect("leakage", {**library["leakage"].defaults(), "conductance": 0.01})
+    own = analysis.search.fitted(start).fitted.candidate.effects["leakage"]
+    found = own["conductance"] * WIDE + own["conductance_above"] * max(WIDE - own["threshold"], 0.0)
+    assert found == pytest.approx(0.004 * WIDE, rel=0.02)
+    assert typical == 1.0 or found < 0.03 * library["leakage"].parameters["conductance"].default * WIDE
+
+
+@pytest.mark.parametrize("effect", load_effects().values(), ids=lambda one: one.name)
+def test_bounds_of_an_effect_are_those_that_it_declares(effect: type[Effect]) -> None:
+    assert [(one.low, one.high) for one in free_of_effect(effect)] == [one.bounds for one in effect.parameters.values()]
 
 
 def test_a_positive_law_leaves_something_whatever_its_amplitudes_are(bowl: Path) -> None:

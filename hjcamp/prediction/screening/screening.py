@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 SHAPES = 4
 FACTOR = 8.0
 MOST_SHAPES = 2
-# Of its usual size: an effect so small is absent, and one so stiff costs time for nothing.
+# Of what is probed: an effect that fits best so small promises nothing. A fit may find it smaller.
 NEGLIGIBLE = 0.03
 # A response is scaled down to the error at hand where it is more than this often as large: it would not be linear.
 LARGE, UNSTABLE, SCALINGS = 2.0, 10.0, 4
@@ -314,12 +314,10 @@ def best_promises(promises: Sequence[Promise]) -> dict[str, Promise]:
 
 
 def free_of_effect(effect: type[Effect]) -> list[Free]:
-    """Return the free parameters of a named effect."""
+    """Return the free parameters of a named effect, each as small as its bounds allow."""
     found = []
     for name, item in effect.parameters.items():
         low, high = item.bounds
-        if item.off is not None and low >= item.off:
-            low = max(low, item.off + NEGLIGIBLE * (item.default - item.off))
         log = item.prior != "uniform" and low > 0.0
         found.append(Free(effect.name, name, abs(item.default) or _reach(item) * 0.1, low, high, log))
     return found
