@@ -20,6 +20,7 @@ from hjcamp.prediction.residuals.simulated import ZERO
 from hjcamp.prediction.residuals.whole import Whole, whole_error
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored, Step
+from hjcamp.prediction.shares import left_above, rms_ratio
 from hjcamp.prediction.verdict.by_condition import Differs
 from hjcamp.prediction.verdict.free_curve import curve_of, knots_of
 from hjcamp.prediction.verdict.functional import functional
@@ -335,7 +336,8 @@ def _candidate(
         "posterior": weight,
         "t": float(np.clip(t, -1e3, 1e3)),
         "t_needed": critical(count, step.level),
-        "heldout_error_ratio": analysis.search.error_ratio(model, step.before),
+        "heldout_error_ratio": rms_ratio(analysis, model, step.before),
+        "left_above_repeatability": left_above(analysis, model, step.before),
         "p_value": chance_of_t(t, count),
         "law_left": _law_left(analysis, verdict, model),
         "parameters": parameters,
@@ -385,7 +387,8 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
             "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
         }  # fmt: skip
         if place == 0:
-            row["left"] = analysis.search.error_ratio(one, analysis.base)
+            row["left"] = rms_ratio(analysis, one, analysis.base)
+            row["left_above_repeatability"] = left_above(analysis, one, analysis.base)
             row["curve"] = curve_of(analysis, one, name)
             row["knots"] = knots_of(analysis, one, name)
         rows.append(row)

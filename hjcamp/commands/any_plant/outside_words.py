@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.levels import LEVEL, MATTERS
+from hjcamp.prediction.shares import left_of
 from hjcamp.report.units import plain, told, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
@@ -88,12 +89,12 @@ def no_memory_words(
 
     said = []
     for one in candidates:
-        if one["heldout_error_ratio"] > 1.0 - MATTERS or one["t"] < one["t_needed"]:
+        if left_of(one) > 1.0 - MATTERS or one["t"] < one["t_needed"]:
             continue
         for name, bounds in times_remembered(library[one["effect"]]).items():
             if end := memory_end(one["parameters"][name]["ci95"], bounds, shortest):
                 how = "depends on the rate" if end == "least" else "depends on the moment alone"
-                took = f"{one['effect']} would take {100.0 * (1.0 - one['heldout_error_ratio']):.0f} %"
+                took = f"{one['effect']} would take {100.0 * (1.0 - left_of(one)):.0f} %"
                 said.append(
                     f"{took}, but its {name.replace('_', ' ')} stands at the {end} that it may be or that windows tell: these tests do "
                     f"not show that it remembers, and a law that {how} would do the same."
@@ -106,16 +107,16 @@ def seldom(candidates: Sequence[Mapping[str, Any]], window_s: float) -> list[str
 
     What acts later than a window is long hardly shows in it; a lag has done 95 % after three of its times.
     """
-    found = [one for one in candidates if one["heldout_error_ratio"] <= 1.0 - MATTERS and 0.0 < one["t"] < one["t_needed"]]
+    found = [one for one in candidates if left_of(one) <= 1.0 - MATTERS and 0.0 < one["t"] < one["t_needed"]]
     said = []
-    for one in sorted(found, key=lambda one: float(one["heldout_error_ratio"]))[:1]:
+    for one in sorted(found, key=left_of)[:1]:
         times = [row["value"] for row in one["parameters"].values() if row["unit"] == "s"]
         what = (
             f"a window of {plain(window_s, 2)} s is short beside its {plain(max(times), 2)} s: longer tests have longer windows."
             if times and 3.0 * max(times) > window_s
             else "record more of the motion in which it acts."
         )
-        share = 100.0 * (1.0 - one["heldout_error_ratio"])
+        share = 100.0 * (1.0 - left_of(one))
         said.append(f"{one['effect']} would take {share:.0f} %, but in too few parts of the tests to be shown: {what}")
     return said
 

@@ -57,7 +57,8 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
         parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows), *map(page.note, words.beside_note)]
         parts.append(
             page.note(
-                "t: of the paired differences over chapters left out. Left: the error of left-out chapters that stays."
+                "t: of the paired differences over chapters left out. Left: the share of their error above repeatability that stays, "
+                "of all of it where it lies no higher."
             )
         )
     whole = words.content["whole_tests"]

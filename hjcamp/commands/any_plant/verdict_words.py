@@ -38,6 +38,7 @@ from hjcamp.commands.any_plant.words import (
     table,
 )
 from hjcamp.prediction.levels import LEVEL
+from hjcamp.prediction.shares import left_of, share_of
 from hjcamp.report.chance_words import chance_words
 from hjcamp.report.floor_words import worst_words
 from hjcamp.report.units import plain, told, told_estimate, told_interval
@@ -153,7 +154,7 @@ class Words:
         if verdict.word == "outside_library" and first:
             found.append(
                 f"{with_article(free_law(first), begins=True)}, of a form that no effect of the library has, predicts better: "
-                f"it leaves {100.0 * first['left']:.0f} % of the error. Its curve is on the page."
+                f"it leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.floor.source)}. Its curve is on the page."
             )
             found += over_time_words(first, self.analysis.measured.repeated, verdict.p_value)
         if beside := self.content["follows_motion"]["beside_law"]:
@@ -325,7 +326,7 @@ class Words:
         rows: list[list[str]] = []
         for one in (row for k, row in enumerate(self.content["candidates"]) if k < SHOWN or row.get("asked")):
             sign = "+ " if one.get("beside") else ""
-            first = [f"{sign}{one['effect']}", f"{one['t']:.1f}", f"{100 * one['heldout_error_ratio']:.0f} %"]
+            first = [f"{sign}{one['effect']}", f"{one['t']:.1f}", f"{100 * left_of(one):.0f} %"]
             for name, row in one["parameters"].items():
                 rows.append([*first, name.replace("_", " "), told_estimate(row), told_interval(row) + bound_word(row)])
                 first = ["", "", ""]
@@ -354,7 +355,7 @@ class Words:
         if self.verdict.word == "outside_library":
             begun = f" --from {folder}" if curve else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
-        rivals = self.verdict.word == "cannot_tell" and any(row["heldout_error_ratio"] < 1.0 for row in self.content["candidates"])
+        rivals = self.verdict.word == "cannot_tell" and any(left_of(row) < 1.0 for row in self.content["candidates"])
         return [*([f"hjcamp next {paths}{own}"] if rivals else []), f"hjcamp compare {paths}{own}"]
 
 

@@ -11,6 +11,7 @@ from hjcamp.commands.any_plant.head_words import print_head
 from hjcamp.commands.any_plant.plant_hints import far_states
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.levels import MATTERS
+from hjcamp.prediction.shares import left_of
 from hjcamp.report.units import plain, told, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def other_sizes(rows: Mapping[str, Mapping[str, Any]], candidates: Sequence[Mapp
     """Return in words which effects stand at bounds that follow from what the plant declares, where its base is far from that."""
     from hjcamp.prediction.fitting.intervals import limited
 
-    near = [one for one in candidates if one["heldout_error_ratio"] < 1.0]
+    near = [one for one in candidates if left_of(one) < 1.0]
     # a share has the same bounds on every plant
     held = [one["effect"] for one in near if any(limited(row) for row in one["parameters"].values() if row["unit"] != "1")]
     told_here = {name: row for name, row in rows.items() if row["published"] and row.get("told", True) and not row["at_bound"]}

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.levels import MOST_OF_IT
+from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
 from hjcamp.prediction.measured.layout import Layout
 
 Array = NDArray[np.float64]
@@ -36,6 +36,47 @@ class Floor:
     def of_sensors(self, layout: Layout) -> Array:
         """Return its rms in each sensor's unit (sensors,), SI: the sensor's noise at least."""
         return in_units(np.maximum(np.diag(self.moments) - 1.0, 1.0), layout)
+
+
+@dataclass(frozen=True)
+class Repeatability:
+    """Mean squares (sensors,) of what repetitions of a window differ by, in units of the noise, and how far they are unsure."""
+
+    squares: Array
+    unsure: Array
+
+    def left(self, one: Array, other: Array) -> Array:
+        r"""Return which share (sensors,) of what lies above repeatability (rms) with mean squares ``other`` stays with ``one``.
+
+        .. math:: s = \sqrt{\frac{\max(a - r, 0) + u}{\max(b - r, 0) + u}}
+
+        for mean squares a of one, b of the other, r of repeatability, u by which that is unsure: what does not lie above it by more
+        than is known hardly counts.
+        """
+        above = [np.maximum(squares - self.squares, 0.0) + self.unsure for squares in (one, other)]
+        return np.asarray(np.sqrt(above[0] / above[1]))
+
+
+def unknown_repeatability(sensors: int) -> Repeatability:
+    """Return that of tests without repetitions: all of an error counts, and as much as a sensor's noise is unsure."""
+    return Repeatability(np.zeros(sensors), np.ones(sensors))
+
+
+def repeatability_of(layout: Layout, features: Array) -> Repeatability:
+    """Return the repeatability by features (windows, d) of a calibrated model, no less than the sensors' noise.
+
+    It is unsure by its one-sided interval at the level of all claims, over windows, and by the share of it that matters.
+    """
+    from scipy.special import stdtrit
+
+    repeated = _of_repetitions(layout, features)
+    sensors = len(layout.measured.sensors)
+    if repeated is None:
+        return unknown_repeatability(sensors)
+    each = (repeated**2).reshape(len(repeated), sensors, -1).mean(axis=2)
+    squares = np.maximum(each.mean(axis=0), 1.0)
+    half = stdtrit(len(each) - 1, 1.0 - LEVEL) * each.std(axis=0, ddof=1) / math.sqrt(len(each))
+    return Repeatability(squares, np.maximum(half, MATTERS * squares))
 
 
 def not_above(floor: Floor, features: Array) -> Floor:

@@ -16,6 +16,7 @@ from hjcamp.prediction.next.draws import draws
 from hjcamp.prediction.screening.screening import Projection
 from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored
+from hjcamp.prediction.shares import left_of
 from hjcamp.prediction.verdict.verdict import CANNOT_TELL, EFFECT, NOTHING, ONE_OF
 
 NONE = "nothing"
@@ -101,8 +102,8 @@ def sets_of(answer: Mapping[str, Any]) -> list[tuple[str, ...]]:
         (row["effect"],) for row in answer["candidates"] if row["effect"] not in answer["effects"]
     ]
     if answer["verdict"] == CANNOT_TELL:
-        rows = sorted(answer["candidates"], key=lambda row: float(row["heldout_error_ratio"]))
-        able = [(row["effect"],) for row in rows if row["heldout_error_ratio"] <= 1.0 - MATTERS]
+        rows = sorted(answer["candidates"], key=left_of)
+        able = [(row["effect"],) for row in rows if left_of(row) <= 1.0 - MATTERS]
         return [(), *able][:MOST_FOUND] if able else []
     if answer["verdict"] == ONE_OF:
         return named[:MOST]

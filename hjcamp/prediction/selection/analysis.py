@@ -20,7 +20,7 @@ from hjcamp.prediction.fitting.gauss_newton import SETTLED, TURNS_OF_BASE, Fitte
 from hjcamp.prediction.laws.unknowns import courses_of, ranges_of, unknowns_of
 from hjcamp.prediction.levels import LEVEL, MATTERS
 from hjcamp.prediction.measured.at_once import may_be_late
-from hjcamp.prediction.measured.floor import MOTION_ORDERS, Floor, floor_of, moves
+from hjcamp.prediction.measured.floor import MOTION_ORDERS, Floor, floor_of, moves, repeatability_of
 from hjcamp.prediction.measured.layout import SHORTEST_OF_ALL, Layout
 from hjcamp.prediction.measured.tests import MOST_DELAY, Measured
 from hjcamp.prediction.residuals.kernels import Kernels
@@ -187,6 +187,7 @@ def calibrated(
     scored = with_contact_forms(search, scored, known.shown)
     known.shown |= set(scored.names) & windows.forms
     known.base = dict(scored.fitted.candidate.base)
+    search.repeatability = repeatability_of(layout, scored.fitted.features)
     return Analysis(windows, search, candidate, scored, floor_of(layout, scored.fitted.features))
 
 

@@ -14,6 +14,7 @@ from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.fitting.likelihood import size
 from hjcamp.prediction.laws.alike import memory_end, times_remembered
 from hjcamp.prediction.levels import LEVEL, MATTERS, SCATTER
+from hjcamp.prediction.measured.floor import Repeatability, unknown_repeatability
 from hjcamp.prediction.selection.fits import Fits
 from hjcamp.prediction.selection.regression import regression_of
 from hjcamp.prediction.selection.scored import Follows, Scored
@@ -23,9 +24,13 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Claims(Fits):
-    """Models that are held against each other; ``claims`` is the level of all that is claimed together."""
+    """Models that are held against each other; ``claims`` is the level of all that is claimed together.
+
+    ``repeatability`` is that of the calibrated model; where there is none yet it counts as unknown.
+    """
 
     claims: float = LEVEL
+    repeatability: Repeatability | None = None
 
     def matters(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
         """Whether a model takes a share of the error that matters, does so chapter by chapter, and by what is shown."""
@@ -74,14 +79,20 @@ class Claims(Fits):
         return np.asarray(most - usual)
 
     def error_ratio(self, model: Scored, before: Scored) -> float:
-        """Return what a model leaves of another's rms on chapters left out, in the sensor in which it takes most."""
-        return self.rms_ratio(model.features, before.features)
+        """Return what a model leaves, chapters left out, of another's error above repeatability, where it takes most (`share_left`)."""
+        return self.share_left(model.features, before.features)
 
-    def rms_ratio(self, one: Array, other: Array) -> float:
-        """Return the rms of features (windows, d) over that of others, in the sensor in which it is least."""
-        sensors = len(self.windows.layout.measured.sensors)
-        left, whole = (np.mean(f**2, axis=0).reshape(sensors, -1).mean(axis=1) + 1.0 for f in (one, other))
-        return math.sqrt(float(np.min(left / whole)))
+    def share_left(self, one: Array, other: Array) -> float:
+        """Return what features (windows, d) leave of others' rms above repeatability, in the sensor in which that is least.
+
+        Without repetitions nobody knows it, and all of the rms counts (`Repeatability`).
+        """
+        known = self.repeatability or unknown_repeatability(len(self.windows.layout.measured.sensors))
+        return float(np.min(known.left(self.squares(one), self.squares(other))))
+
+    def squares(self, features: Array) -> Array:
+        """Return the mean squares (sensors,) of features (windows, d), in units of the sensors' noise."""
+        return np.asarray(np.mean(features**2, axis=0).reshape(len(self.windows.layout.measured.sensors), -1).mean(axis=1))
 
     def ruled_out(self, rival: Scored, model: Scored) -> bool:
         """Whether a model beats a rival, and the rival errs more (rms, on chapters left out) in some sensor.
@@ -89,8 +100,7 @@ class Claims(Fits):
         A rival that errs less in each loses by the scores alone: by windows whose starts it knows less well, such as those of a lag
         behind a sensor, which on a linear plant does the same as one of its drive.
         """
-        sensors = len(self.windows.layout.measured.sensors)
-        one, other = (np.mean(each.features**2, axis=0).reshape(sensors, -1).mean(axis=1) for each in (rival, model))
+        one, other = (self.squares(each.features) for each in (rival, model))
         return self.beats(model, rival) and bool(np.any(one > other))
 
     def follows_motion(self, model: Scored) -> Follows:
@@ -111,7 +121,7 @@ class Claims(Fits):
         before, chapters = model.features[found.rows], self.chapters[found.rows]
         apart = told_apart(found.features, before, chapters)
         t, count = ratio_t(advantages(found.features, before, chapters), apart)
-        left, nothing = self.rms_ratio(found.features, before), Follows(0.0, 0.0)
+        left, nothing = self.share_left(found.features, before), Follows(0.0, 0.0)
         if t <= critical(count, self.claims) or left > 1.0 - MATTERS:
             return nothing
         if np.linalg.norm(before - found.features) <= np.linalg.norm(self.scatter(model)[found.rows]):
