@@ -202,10 +202,11 @@ def run_tests(name: str) -> dict[str, Any]:
     from hjcamp.known_plants import find_plant
     from hjcamp.model.plant_bench import effects_seen, identified
     from hjcamp.model.plant_checks import CHECKS, check_pushes
+    from hjcamp.model.plant_clock import time_constants
 
     plant = find_plant(name)
     console, passed = make_console(), {}
-    for check, passes in {**CHECKS, "pushes": check_pushes}.items():
+    for check, passes in {**CHECKS, "pushes": check_pushes, "time constants": time_constants}.items():
         passed[check] = str(passes(plant))
         console.print(f"  {check:<26} {passed[check]}", markup=False)
     if plant.measured:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +24,10 @@ STEP = 1e-2
 # Sensitivities are this accurate: a parameter of which no more is left beside the others moves together with them.
 ALONE = 1e-3
 SEEN = 1e-6
+# A state so many times its usual size, under inputs of at most twice theirs, is where its plant is not meant to be; inputs so many
+# times smaller are tried then.
+FAR = 10.0
+SHARES = (1.0, 0.1, 0.01)
 
 
 @dataclass(frozen=True)
@@ -39,8 +42,8 @@ class Bench:
         """The simulator, its effects behind gates."""
         return Simulator(Composition(self.plant, self.effects, gated=bool(self.effects)), free=True)
 
-    def given(self, simulator: Simulator, signs: tuple[float, ...] = BOTH) -> Given:
-        """Return the tests: every input steps at random between rest and twice its usual size, each at its own times.
+    def given(self, simulator: Simulator, signs: tuple[float, ...] = BOTH, share: float = 1.0) -> Given:
+        """Return the tests: every input steps at random between rest and twice a ``share`` of its usual size, each at its own times.
 
         No input is taken beyond what is plausible of it.
         """
@@ -52,7 +55,7 @@ class Bench:
                 continue
             lengths = generator.integers(SAMPLES // 40, SAMPLES // 8, SAMPLES)
             sizes = generator.choice((0.0, 0.5, 1.0, 2.0), SAMPLES) * generator.choice(signs, SAMPLES)
-            inputs[:, place] = np.clip(known.typical * np.repeat(sizes, lengths)[: len(inputs)], *known.plausible)
+            inputs[:, place] = np.clip(share * known.typical * np.repeat(sizes, lengths)[: len(inputs)], *known.plausible)
         begins = np.zeros(len(inputs), dtype=np.int64)
         begins[::SAMPLES] = 1
         starts = np.array([[state.usual(generator) for state in self.plant.states.values()] for _ in range(TESTS)])
@@ -66,9 +69,10 @@ class Bench:
 def identified(plant: type[Plant]) -> str:
     """Refuse a plant with a base parameter that no log can tell; the message names what it moves together with.
 
-    Inputs step to both signs, and where these do not tell it, to one: a valve cannot open less than not at all.
+    Inputs step to both signs, and where these do not tell it, to one: a valve cannot open less than not at all. Where they drive a
+    state far beyond its usual size, smaller ones are tried, and at last that is what is said.
     """
-    return _under_either(lambda signs: _identified(plant, signs))
+    return under_either(lambda signs, share: _identified(plant, signs, share))
 
 
 def _under(plant: type[Plant]) -> str:
@@ -78,23 +82,67 @@ def _under(plant: type[Plant]) -> str:
     return f" under {sizes} (twice its typical=...; does that move the machine?)" if own else ""
 
 
-def _under_either(check: Callable[[tuple[float, ...]], str]) -> str:
-    """Return what a check says under inputs of both signs, else of one; what it says against the first is raised."""
+class FarAway(UsageError):  # noqa: N818 - it says where a test went, not that somebody made a mistake
+    """The inputs of a check drove a state to where nobody knows whether the equations hold."""
+
+
+def under_either(check: Callable[[tuple[float, ...], float], str]) -> str:
+    """Return what a check says under inputs of both signs, else of one, of usual size, else of smaller.
+
+    What it says against the first under which states stay usual is raised.
+    """
+    objections: list[UsageError] = []
+    for share in SHARES:
+        for signs in (BOTH, ONE):
+            try:
+                return check(signs, share)
+            except UsageError as problem:
+                objections.append(problem)
+        if not any(isinstance(one, FarAway) for one in objections):
+            break
+    raise next((one for one in objections if not isinstance(one, FarAway)), objections[0])
+
+
+def check_within(plant: type[Plant], states: Array, signs: tuple[float, ...], share: float) -> None:
+    """Refuse a run whose states (n, states) left the finite numbers, or what is usual of them by far."""
+    size = "" if share == 1.0 else f" {share:.2g} times as large"
+    made = f"the inputs that this check made up{size}{' of one sign' if signs == ONE else ''}{_under(plant)}"
+    names = list(plant.states)
+    lost = ~np.isfinite(states).all(axis=1)
+    if lost.any():
+        first = int(np.argmax(lost))
+        last = np.abs(states[max(first - 1, 0)]) / [abs(one.typical) for one in plant.states.values()]
+        name = names[int(np.nanargmax(np.where(np.isfinite(last), last, -1.0)))]
+        raise FarAway(
+            f"plant {plant.name}: the simulation leaves the finite numbers at ordinary inputs and starts: {name} diverges, "
+            f"{(first % SAMPLES) * plant.period:.3g} s after a start, by {made}"
+        )
+    largest = np.abs(states).max(axis=0) / [abs(one.typical) for one in plant.states.values()]
+    place = int(np.argmax(largest))
+    if largest[place] > FAR:
+        item = plant.states[names[place]]
+        raise FarAway(
+            f"plant {plant.name}: {made} drove {names[place]} to {largest[place] * abs(item.typical):.3g} {item.unit}, "
+            f"{largest[place]:.2g} times its typical=...: whether the equations hold there (a piston out of its stroke?) nobody "
+            "knows, so what can be identified is not said; give the input a smaller typical=..., or the state its own"
+        )
+
+
+def _identified(plant: type[Plant], signs: tuple[float, ...], share: float) -> str:
+    """Refuse what `identified` does under inputs of these signs, or that these drove a state too far to say so."""
+    simulator = Bench(plant).simulator
+    given = Bench(plant).given(simulator, signs, share)
     try:
-        return check(BOTH)
+        return _told(plant, simulator, given)
     except UsageError:
-        with suppress(UsageError):
-            return check(ONE)
+        check_within(plant, simulator.run_free(simulator.vector({}), given)[1], signs, share)
         raise
 
 
-def _identified(plant: type[Plant], signs: tuple[float, ...]) -> str:
+def _told(plant: type[Plant], simulator: Simulator, given: Given) -> str:
     names = [name for name in plant.base_parameters if plant.parameters[name].default != 0.0]
     if not names:
         return "no base parameters"
-    bench = Bench(plant)
-    simulator = bench.simulator
-    given = bench.given(simulator, signs)
     columns = _sensitivities(simulator, given, names)
     sizes = np.linalg.norm(columns, axis=0)
     for name, size in zip(names, sizes[: len(names)], strict=True):
@@ -126,7 +174,7 @@ def effects_seen(plant: type[Plant], effects: Mapping[str, type[Effect]]) -> str
         return "no effects fit"
     bench = Bench(plant, tuple(effects.values()))
     simulator = bench.simulator
-    return _under_either(lambda signs: _seen(plant, effects, simulator, bench.given(simulator, signs)))
+    return under_either(lambda signs, share: _seen(plant, effects, simulator, bench.given(simulator, signs, share)))
 
 
 def _seen(plant: type[Plant], effects: Mapping[str, type[Effect]], simulator: Simulator, given: Given) -> str:

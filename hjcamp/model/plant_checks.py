@@ -99,7 +99,7 @@ def check_measured(plant: type[Plant]) -> str:
 def check_finite(plant: type[Plant]) -> str:
     """Refuse a plant with a rate that is not finite at ordinary states; the message names the line."""
     vocabulary = read_vocabulary(plant)
-    for place in _places(plant):
+    for place in usual_places(plant):
         bad = _first_not_finite(plant, vocabulary.statements, place)
         if bad is not None:
             line, problem = bad
@@ -116,7 +116,7 @@ def check_passive(plant: type[Plant]) -> str:
     """Refuse a contact whose friction drives the motion that it should brake."""
     vocabulary = read_vocabulary(plant)
     contacts = [port for port in vocabulary.ports.values() if port.kind == "contact"]
-    for place in _places(plant):
+    for place in usual_places(plant):
         values = evaluate(plant, vocabulary.statements, place)
         for port in contacts:
             velocity, friction = values[f"s_{port.names['velocity']}"], values[port.names["friction"]]
@@ -132,7 +132,7 @@ def check_passive(plant: type[Plant]) -> str:
 def _check_reached(plant: type[Plant]) -> None:
     """Refuse a contact without a push whose friction does not brake its own velocity, or not in proportion."""
     vocabulary = read_vocabulary(plant)
-    for place in _places(plant)[:PUSHED] if not vocabulary.pushed else ():
+    for place in usual_places(plant)[:PUSHED] if not vocabulary.pushed else ():
         for one in vocabulary.contacts:
             size = evaluate(plant, vocabulary.statements, place)[one.limit] or 1.0
             rates = []
@@ -166,7 +166,7 @@ def check_pushes(plant: type[Plant]) -> str:
     acting = [replace(one, expression="1.0") if one.target in loads else one for one in vocabulary.statements]
     lines = [f"{'d_' * (one.mark == 'rate')}{one.target} = {one.expression}" for one in acting]
     found, told = compile("\n".join(with_reactions(lines, contacts, unheld)), "<plant>", "exec"), False
-    for place in _places(plant)[:PUSHED]:
+    for place in usual_places(plant)[:PUSHED]:
         for sides in product((0.0, 1.0, -1.0), repeat=len(contacts)):
             here = dict(place)
             for one, side in zip(contacts, sides, strict=True):
@@ -247,7 +247,7 @@ def _first_not_finite(
     return None
 
 
-def _places(plant: type[Plant]) -> list[dict[str, float]]:
+def usual_places(plant: type[Plant]) -> list[dict[str, float]]:
     """Return ordinary states, inputs and parameters by their names in the lines; contacts move as their velocity says."""
     generator = np.random.default_rng(20090404)
     vocabulary = read_vocabulary(plant)
