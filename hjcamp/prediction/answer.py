@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -22,7 +22,7 @@ from hjcamp.prediction.selection.analysis import Analysis
 from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.shares import left_above, rms_ratio
 from hjcamp.prediction.verdict.by_condition import Differs
-from hjcamp.prediction.verdict.free_curve import curve_of, knots_of
+from hjcamp.prediction.verdict.free_curve import curve_of, knots_of, mean_over_knots
 from hjcamp.prediction.verdict.functional import functional
 from hjcamp.prediction.verdict.given_constants import Constant
 from hjcamp.prediction.verdict.leading import leading
@@ -45,25 +45,26 @@ def floor_size(analysis: Analysis) -> float:
 def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, Any]:
     """Return the answer as plain values."""
     model, base = verdict.model, analysis.base
-    least = floor_size(analysis)
+    least, unknowns = floor_size(analysis), unknown_rows(analysis, verdict)
     return {
         "schema": SCHEMA,
         "plant": analysis.measured.plant.name,
         "verdict": verdict.word,
         "effects": list(verdict.effects),
-        "drivers": [one["driver"] for one in unknown_rows(analysis, verdict)] or (["time"] if verdict.swing else []),
+        "drivers": drivers_of(unknowns) or (["time"] if verdict.swing else []),
         "p_value": float(verdict.p_value),
         "candidates": candidates(analysis, verdict),
-        "error": {"baseline": base.left_out / least, "augmented": model.left_out / least, "floor": 1.0},
+        "error": {"baseline": base.left_out / least, "augmented": verdict.shown.left_out / least, "floor": 1.0},
         "channels": channel_rows(analysis, verdict.shown),
         **whole_rows(analysis, verdict.shown),
         "calibration": calibration(analysis),
         "calibration_with_effects": calibration(analysis, model) if verdict.effects else {},
+        "calibration_with_unknown": calibration(analysis, verdict.unknown) if verdict.unknown else {},
         "where": [],
         "worst": worst(analysis, model),
         "minimum_detectable": {},
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
-        "unknowns": unknown_rows(analysis, verdict),
+        "unknowns": unknowns,
         "false_claims": {} if analysis.measured.repeated else _false_claims(analysis, verdict),
         "swings": swing_row(verdict.swing) if verdict.swing else {},
         "by_condition": by_condition_row(analysis, verdict.differs) if verdict.differs else {},
@@ -249,11 +250,16 @@ def _few_windows(layout: Layout, features: Array, rows: NDArray[np.int64], k: in
 def calibration(analysis: Analysis, model: Scored | None = None) -> dict[str, dict[str, Any]]:
     """Return every base parameter: as declared, and as these tests have it; and how far contacts give way, where that is seen.
 
-    So the base has it by itself, or beside what a ``model`` has found. What the model had before, its effects, is fitted again with it.
+    So the base has it by itself, or with what a ``model`` has found: an additive law's curve is drawn for that, one of a parameter
+    about its mean over the knots. What the model had before, its effects, is fitted again with it.
     """
     plant, found, had = analysis.measured.plant, {}, analysis.start.effects
     forms = {name: analysis.search.library[name] for name in analysis.base.names if name not in had}
+    laws = [analysis.search.unknowns[name] for name in (model or analysis.base).names if name in analysis.search.unknowns]
+    values = {one.place: one for one in laws if one.quantity == "value"}
     for one in intervals((model or analysis.base).fitted, analysis.search.chapters):
+        if model and not one.effect and one.name in values:
+            one = mean_over_knots(analysis, model, values[one.name], one)
         if one.effect in forms and one.name == forms[one.effect].granted:
             item = forms[one.effect].parameters[one.name]
             found[f"{one.effect} {one.name}"] = {
@@ -364,8 +370,13 @@ def _row(one: Interval, unit: str) -> dict[str, Any]:
     return {"value": one.value, "unit": unit, **one.row, "at_bound": one.at_bound}
 
 
+def drivers_of(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return what drives the unknowns that the first of `unknown_rows` does not rule out, each once, the most likely first."""
+    return list(dict.fromkeys(row["driver"] for row in rows if not row["ruled_out"]))
+
+
 def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
-    """Return the unknowns that were fitted last, best first; the winner with its curve."""
+    """Return the unknowns that were fitted last, best first, and whether the first, which has its curve, rules out each other one."""
     search = analysis.search
     if verdict.unknown is None:
         return []
@@ -385,6 +396,7 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
             "quantity": known.quantity, "port": known.place, "signal": known.signal, "slots": list(known.effect.terms),
             "apart_s": known.apart,
             "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
+            "ruled_out": place > 0 and not (search.matters(one, reference) and not search.ruled_out(one, verdict.unknown)),
         }  # fmt: skip
         if place == 0:
             row["left"] = rms_ratio(analysis, one, analysis.base)

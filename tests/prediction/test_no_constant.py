@@ -117,6 +117,13 @@ def test_a_flow_that_warmth_makes_faster_is_outside_with_its_driver_and_its_curv
     true = thins(x) / thins(knots).mean() - 1.0
     assert np.abs(y - true).max() < 0.04 and np.mean((low - 0.01 <= true) & (true <= high + 0.01)) > 0.8
     assert np.median(high - low) < 0.1
+    # the base that is printed, times the curve as it is printed, is the law
+    printed = content["calibration_with_unknown"]["outflow"]
+    for there, share in ((x, y), (knots, np.array(row["knots"]["y"]))):
+        assert printed["value"] * (1.0 + share) == pytest.approx(OUTFLOW * thins(there), rel=0.04)
+    mean = OUTFLOW * thins(knots).mean()
+    assert printed["ci95"][0] - 0.01 * mean < mean < printed["ci95"][1] + 0.01 * mean
+    assert printed["ci95"][1] - printed["ci95"][0] < 0.2 * mean
     # a file of one's own begins with the curve, and does the same
     begun = begun_from(content, Path("answer.json"))
     text = curve_template("thin", begun)

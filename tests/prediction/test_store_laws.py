@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hjcamp.commands._effect_from import begun_from
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.effect import Effect
-from hjcamp.prediction.answer import unknown_rows
+from hjcamp.prediction.answer import answer, unknown_rows
 from hjcamp.prediction.laws.unknown_laws import ENDS, KNOT, gain_over
 from hjcamp.prediction.laws.unknowns import unknowns_of
 from hjcamp.prediction.measured.tests import measured_tests
@@ -79,10 +80,20 @@ def test_a_bowl_that_widens_is_outside_and_its_capacity_is_drawn(bowl: Path) -> 
     assert (found.word, found.effects) == ("outside_library", ())
     assert (row["quantity"], row["port"], row["driver"], row["slots"]) == ("capacity", "level", "level_level", ["level_capacity"])
     x, y = (np.array(row["knots"][name]) for name in "xy")
-    # the base takes a mean area: the form of the curve is told, not its size
-    ratio = ((1.0 + y) / area_at(x))[1:-1]
-    assert np.ptp(ratio) < 0.2 * ratio.mean() and np.all(1.0 + y > 0.0)
-    assert row["left"] < 0.3
+    content = answer(analysis, found, 1.0)
+    # the base that is printed, times the curve as it is printed, is the area
+    area = content["calibration_with_unknown"]["area"]["value"]
+    assert area * (1.0 + y)[1:-1] == pytest.approx(area_at(x)[1:-1], rel=0.07) and np.all(1.0 + y > 0.0)
+    drawn = np.interp(x, row["curve"]["x"], row["curve"]["y"])
+    assert area * (1.0 + drawn)[1:-1] == pytest.approx(area_at(x)[1:-1], rel=0.07)
+    begun = begun_from(content, Path("answer.json"))
+    places = np.linspace(begun.first, begun.last, len(begun.tables[0].values))
+    assert np.interp(x, places, begun.tables[0].values) == pytest.approx(y, abs=0.02)
+    assert row["left"] < 0.3 and row["left_above_repeatability"] < row["left"]
+    # the error of the answer is that of its channels, and only drivers of laws that are kept stand there, each once
+    assert content["error"]["augmented"] < 0.5 * content["error"]["baseline"]
+    kept = [one["driver"] for one in content["unknowns"] if not one["ruled_out"]]
+    assert content["drivers"] == list(dict.fromkeys(kept)) and content["drivers"][0] == "level_level"
 
 
 def test_what_a_store_gets_or_loses_in_the_course_of_a_test_is_outside(bowl: Path) -> None:

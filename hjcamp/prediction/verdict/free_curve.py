@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.fitting.intervals import APART, covariance_of, intervals
+from hjcamp.prediction.fitting.intervals import APART, Interval, covariance_of, intervals
 from hjcamp.prediction.laws.unknown_laws import ENDS
 from hjcamp.prediction.laws.unknowns import Unknown
 from hjcamp.prediction.levels import LEVEL
@@ -51,10 +53,9 @@ def _of_value(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tu
 
     .. math:: y(x) = f(x) / \bar f - 1, \quad f = 1 + h
 
-    The parameter itself is free as well: what no driver changes is its own, and no reading tells it from the law's.
+    The parameter itself is free as well: what no driver changes is its own, and no reading tells it from the law's. The answer gives
+    it as `mean_over_knots`.
     """
-    from scipy.special import stdtrit
-
     fitted, chapters = model.fitted, analysis.search.chapters
     places = [k for k, one in enumerate(fitted.free) if one.effect == known.effect.name]
     scales = np.array([fitted.free[k].scale for k in places])
@@ -67,14 +68,41 @@ def _of_value(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tu
     steep, steep_there = ((known.amount(h + step) - known.amount(h - step)) / (2.0 * step) for h in (along, at_knots))
     slopes = steep[:, None] * hats / mean - np.outer(values, steep_there) / (len(places) * mean**2)
     whole = covariance_of(fitted, chapters).whole[np.ix_(places, places)] * np.outer(scales, scales)
-    count = max(len(np.unique(chapters)), 2)
-    half = float(stdtrit(count - 1, 1.0 - LEVEL / 2.0)) * np.sqrt(np.maximum(np.einsum("xk,kl,xl->x", slopes, whole, slopes), 0.0))
+    half = _reach(analysis) * np.sqrt(np.maximum(np.einsum("xk,kl,xl->x", slopes, whole, slopes), 0.0))
     share = values / mean - 1.0
     return share, share - half, share + half
 
 
+def mean_over_knots(analysis: Analysis, model: Scored, known: Unknown, own: Interval) -> Interval:
+    r"""Return the mean over a law's knots of the parameter that it is of, about which its curve is drawn, with its 95 % interval.
+
+    .. math:: \bar p = p\,\bar f, \quad f = 1 + h
+
+    for p as it is fitted with the law, its ``own`` interval.
+    """
+    fitted, free = model.fitted, model.fitted.free
+    places = [k for k, one in enumerate(free) if one.effect == known.effect.name]
+    base = next(k for k, one in enumerate(free) if not one.effect and one.name == own.name)
+    at_knots = np.array([free[k].value_in(fitted.candidate) for k in places])
+    mean, value = float(np.mean(1.0 + known.amount(at_knots))), own.value
+    slopes, step = np.zeros(len(free)), 1e-6
+    slopes[base] = mean * (value if free[base].log else free[base].scale)
+    steep = (known.amount(at_knots + step) - known.amount(at_knots - step)) / (2.0 * step)
+    slopes[places] = value * steep * [free[k].scale for k in places] / len(places)
+    variance = float(slopes @ covariance_of(fitted, analysis.search.chapters).whole @ slopes)
+    half = _reach(analysis) * math.sqrt(max(variance, 0.0))
+    return replace(own, value=value * mean, low=value * mean - half, high=value * mean + half, at_bound=False, told=True)
+
+
+def _reach(analysis: Analysis) -> float:
+    """Return how many standard deviations the half of a 95 % interval is."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(max(len(np.unique(analysis.search.chapters)), 2) - 1, 1.0 - LEVEL / 2.0))
+
+
 def knots_of(analysis: Analysis, model: Scored, name: str) -> dict[str, list[float]]:
-    """Return the places over the driver (SI) at which an unknown's law has its values, and these.
+    """Return the places over the driver (SI) at which an unknown's law has its values, and these, about what its curve is about.
 
     What no reading depends on has the value of what is beside it. Of a driver with few values these are the places.
     """
@@ -82,6 +110,8 @@ def knots_of(analysis: Analysis, model: Scored, name: str) -> dict[str, list[flo
     own = model.fitted.candidate.effects[name]
     places = np.linspace(known.low, known.high, len(known.amplitudes))
     values = np.array([float(known.amount(own[knot])) for knot in known.amplitudes])
+    if known.quantity == "value":
+        values = (1.0 + values) / np.mean(1.0 + values) - 1.0
     seen = _seen(model, known)
     at = np.array(known.levels) if known.levels else places
     return {"x": at.tolist(), "y": np.interp(at, places[seen], values[seen]).tolist()}
