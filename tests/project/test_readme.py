@@ -77,3 +77,13 @@ def test_every_dependency_is_explained() -> None:
     assert listed
     for name in re.findall(r'"([a-z0-9-]+)', listed[1]):
         assert re.search(rf"\b{name}\b", README), name
+
+
+def test_the_page_of_an_own_plant_is_one_page_whose_exceptions_are_explained(capsys: pytest.CaptureFixture[str]) -> None:
+    page = (ROOT / "docs" / "own_plant.md").read_text(encoding="utf-8")
+    assert page.count("\n") <= 90
+    asked = re.findall(r"`(?:hjcamp explain )?'([a-z ]+)'`", page)
+    files = re.findall(r"`hjcamp explain ([a-z]+)` \(or (.*?)\)", page)[0]
+    for word in (*asked, files[0], *re.findall(r"`(\w+)`", files[1])):
+        assert cli.run(["explain", word]) == 0, capsys.readouterr().err
+    assert len(asked) >= 5
