@@ -21,6 +21,7 @@ STEADY = 0.01  # of a period: rows this near to a steady clock are taken as they
 DIGITS = 9  # of a period that is read off the rows
 # Rows are lost where some steps are whole multiples of the usual one; more of them than that are another clock.
 WHOLE, MOST_LOST = 0.25, 0.25
+EVEN = 1.25  # rows between two ticks more of a slow clock, the most over the least
 # Of rows that repeat a time so few are switches of a variable step; more of them have stamps that are too coarse.
 REPEATED = 0.1
 # After what a clock begins again: counts of 16, 24, 31 and 32 bits, and s of a day, an hour, a minute.
@@ -80,8 +81,8 @@ def lost_rows(time: np.ndarray) -> np.ndarray | None:
     long = np.flatnonzero(whole > 1)
     if not len(long) or len(long) > MOST_LOST * len(steps) or whole.min() < 1 or whole.max() > FARTHEST_STEP:
         return None
-    apart = np.diff(long)
-    even = len(apart) > 1 and whole.max() == 2 and apart.max() <= 2 * apart.min() + 1
+    apart = np.diff(np.concatenate([[-1], long, [len(steps)]]))
+    even = len(long) > 2 and whole.max() == 2 and apart.max() <= EVEN * apart[1:-1].min() + 2
     return None if even or np.abs(steps / usual - whole).max() > WHOLE else whole.astype(int) - 1
 
 

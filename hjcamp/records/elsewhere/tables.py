@@ -97,8 +97,9 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
             f"{source}: cannot be read as a table with {separator!r} between its columns: {_first_line(error)}; the map may say "
             "separator, decimal_comma, header, skip_lines (before the header) and comment"
         ) from error
-    if not found.header:
-        table.columns = [str(place + 1) for place in range(table.width)]
+    table.columns = [
+        name.replace('""', '"') if found.header else str(place + 1) for place, name in enumerate(table.columns)
+    ]
     return Table(_numbers(source, table, names, comma, rules))
 
 
