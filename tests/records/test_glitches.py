@@ -83,6 +83,90 @@ def test_a_sensor_that_stood_still_is_found() -> None:
     assert freezes(values) == [(1500, 1579)]
 
 
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "places",
+    [
+        [0],
+        [N - 1],
+        [0, 1, 2],
+        [N - 2, N - 1],
+        [0, 900, 2500],
+        [900, 901, 902, 903, 2500],
+        [0, 700, 701, N - 1],
+        [400, N - 3, N - 2, N - 1],
+    ],
+)
+def test_a_wrong_first_or_last_reading_hides_no_other(seed: int, places: list[int]) -> None:
+    values = moving(seed, 0.05)
+    values[places] = -9999.0
+    assert list(spikes(values)) == places
+
+
+@pytest.mark.parametrize(
+    ("rows", "places"),
+    [
+        ([(1500, 1579), (2500, 2559)], []),
+        ([(1500, 1579)], [3000]),
+        ([(700, 760), (1500, 1579), (3300, 3350)], [20, 2000]),
+    ],
+)
+def test_a_sensor_that_stood_still_again_or_beside_a_spike_is_found(
+    rows: list[tuple[int, int]], places: list[int]
+) -> None:
+    values = moving(2, 0.05)
+    for first, last in rows:
+        values[first : last + 1] = values[first]
+    values[places] += 300.0
+    assert freezes(values) == rows
+    assert list(spikes(values)) == places
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_noisy_sensor_that_stands_still_to_the_end_is_found(seed: int) -> None:
+    values = np.random.default_rng(seed).normal(3.0, 0.1, N)
+    values[3000:] = values[3000]
+    assert freezes(values) == [(3000, N - 1)]
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    ("turn", "speed"), [(360.0, 50.0), (360.0, -200.0), (2.0 * np.pi, 0.7), (65536.0, 9000.0), (4096.0, -700.0)]
+)
+@pytest.mark.parametrize("centred", [False, True])
+def test_a_reading_that_wraps_around_is_found_where_it_does(
+    seed: int, turn: float, speed: float, centred: bool
+) -> None:
+    generator = np.random.default_rng(seed)
+    time = np.arange(N) / 200.0
+    whole = (
+        generator.uniform(0.0, turn)
+        + speed * (time + 0.2 * np.sin(3.0 * time))
+        + 1e-4 * turn * generator.standard_normal(N)
+    )
+    values = np.mod(whole, turn) - (turn / 2.0 if centred else 0.0)
+    np.testing.assert_array_equal(wraps(values), np.flatnonzero(np.abs(np.diff(values)) > turn / 2.0) + 1)
+    assert len(spikes(values)) == 0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_is_set_or_switched_does_not_wrap(seed: int) -> None:
+    noise = np.random.default_rng(seed).normal(0.0, 0.1, N)
+    level = np.where(np.arange(N) < 2000, 0.0, 30.0)
+    assert len(wraps(level + noise)) == len(wraps(30.0 * ((np.arange(N) // 400) % 2) + noise)) == 0
+    swing = moving(seed, 0.05)
+    swing[2000:] -= 70.0
+    assert len(wraps(swing)) == 0
+
+
+@pytest.mark.parametrize("none", [-9999.0, 9999.0, 1e30, -32768.0])
+@pytest.mark.parametrize("rows", [slice(100, 130), slice(0, 40), slice(N - 30, N), slice(None, None, 5)])
+def test_a_value_that_stands_for_no_reading_is_found(none: float, rows: slice) -> None:
+    values = moving(3, 0.05)
+    values[rows] = none
+    np.testing.assert_array_equal(no_readings(values), np.arange(N)[rows])
+
+
 def test_short_and_unfinished_columns_have_none() -> None:
     assert len(spikes(np.array([0.0, 9.0, 0.0]))) == 0 and freezes(np.array([0.0, 0.0, 9.0])) == []
     assert len(spikes(np.full(N, np.nan))) == 0 and freezes(np.full(N, np.nan)) == []
