@@ -19,6 +19,7 @@ import typer
 
 from hjcamp.children import keep_children_safe
 from hjcamp.commands import COMPLETING, PLAIN, Commands
+from hjcamp.commands._page_end import CALL
 from hjcamp.commands._session import free_standard_output
 from hjcamp.commands._streams import begin_in_utf8, take_streams
 from hjcamp.errors import HjcampError, text_of, visible
@@ -76,8 +77,9 @@ def answer_bash() -> int:
 
 def run(arguments: list[str] | None = None) -> int:
     """Return the exit code of one call: 0 done, 1 failed, 2 unusable call, 3 rig made safe, 130 interrupted."""
+    given = sys.argv[1:] if arguments is None else arguments
+    token = CALL.set(tuple(given))
     try:
-        given = sys.argv[1:] if arguments is None else arguments
         answer: Any = app(args=given or ["--help"], prog_name="hjcamp", standalone_mode=False)
         code = answer if isinstance(answer, int) and not isinstance(answer, bool) else 0
         # typer makes Ctrl-C this number, without a word
@@ -104,6 +106,7 @@ def run(arguments: list[str] | None = None) -> int:
             return _say(f"{error.format_message()}  (see {command} --help)", 2)
         return _say(f"internal error: {type(error).__name__}: {text_of(error)}{_keep_traceback()}", 1)
     finally:
+        CALL.reset(token)
         free_standard_output()
 
 

@@ -48,6 +48,39 @@ def correlations(
     return found
 
 
+def unshared(residual: Array, repeated: Sequence[Sequence[slice]]) -> tuple[Array, NDArray[np.int64], list[slice]]:
+    r"""Return what repetitions of a condition do not share of a residual (n,), its rows (k,), and the part of each test in them.
+
+    .. math:: d_{r} = \sqrt{m / (m - 1)}\,(e_r - \tfrac1m \textstyle\sum_s e_s)
+
+    of m repetitions, up to the end of the shortest: no model of these tests can take it. Empty where no condition is repeated.
+    """
+    found: list[Array] = []
+    rows: list[NDArray[np.int64]] = []
+    parts: list[slice] = []
+    for tests in repeated:
+        length, m = min(one.stop - one.start for one in tests), len(tests)
+        if m < 2 or length < 2:
+            continue
+        errors = np.stack([residual[one.start : one.start + length] for one in tests])
+        for one, apart in zip(tests, np.sqrt(m / (m - 1.0)) * (errors - errors.mean(axis=0)), strict=True):
+            begin = parts[-1].stop if parts else 0
+            parts.append(slice(begin, begin + length))
+            found.append(apart)
+            rows.append(np.arange(one.start, one.start + length))
+    if not parts:
+        return np.empty(0), np.empty(0, dtype=np.int64), []
+    return np.concatenate(found), np.concatenate(rows), parts
+
+
+def of_repetitions(
+    residual: Array, inputs: Mapping[str, Array], repeated: Sequence[Sequence[slice]], period: float
+) -> list[Correlation]:
+    """Return the `correlations` of what repetitions do not share of a residual; nothing where no condition is repeated."""
+    apart, rows, parts = unshared(residual, repeated)
+    return correlations(apart, {name: values[rows] for name, values in inputs.items()}, parts, period) if parts else []
+
+
 def _correlation(late: Array, early: Array, parts: Sequence[slice], most: int) -> Array:
     """Return the correlation of ``late`` with ``early`` 0 ... ``most`` samples before."""
     total, square_late, square_early = np.zeros(most + 1), 0.0, 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hjcamp.known_plants import usual_plant
@@ -93,6 +93,12 @@ def told_like(value: float, row: Mapping[str, Any], digits: int = 3) -> str:
     return f"{number_like(value, row, digits)} {_unit_of(row)[1]}".rstrip()
 
 
+def told_all(values: Sequence[float], unit: str, digits: int = 3) -> list[str]:
+    """Return SI values of one quantity in one unit, that in which the largest of them is read."""
+    most = {"value": max((abs(value) for value in values if math.isfinite(value)), default=0.0), "unit": unit}
+    return [told_like(value, most, digits) for value in values]
+
+
 def number_like(value: float, row: Mapping[str, Any], digits: int = 3) -> str:
     """Return `told_like` without its unit."""
     return plain(value * _unit_of(row)[0], digits)
@@ -149,7 +155,7 @@ def _unit_of(row: Mapping[str, Any]) -> tuple[float, str]:
 
 def plain(number: float, digits: int = 3) -> str:
     """Return a number with so many digits, without an exponent where it is neither very large nor very small."""
-    if number and math.isfinite(number) and 1e-4 <= abs(number) < 1e7:
+    if number and math.isfinite(number) and 1e-6 <= abs(number) < 1e7:
         places = max(digits - 1 - math.floor(math.log10(abs(number))), 0)
         text = f"{number:.{places}f}"
         return text.rstrip("0").rstrip(".") if "." in text else text

@@ -95,7 +95,7 @@ def test_tables_are_in_readable_units() -> None:
     assert rows[0] == ["leakage", "1.00", "10 %", "conductance", "0.279 mm3/(s MPa)", "0.260 to 0.300"]
     assert rows[1][:3] == ["tubing_creep", "<0.01", ""]
     assert told().calibration() == [["Coulomb friction, positive", "5.27 N", "4.21 N", "4.10 to 4.30", "-20 %"]]
-    assert told().calibration(every=True)[1][1:3] == ["0", "-0.001"]
+    assert told().calibration(every=True)[1][1:3] == ["0", "-0.0010"]
 
 
 def test_errors_and_what_cannot_be_told_apart() -> None:

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import re
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from hjcamp.plants.pump_joint.answers.compare_map import blamed
 from hjcamp.plants.pump_joint.figures.discrepancy import (
     HorizonCurve,
+    Map,
     Overlay,
+    cells_of,
     draw_horizon,
     draw_map,
     draw_overlay,
+    largest,
     worst_part,
 )
 from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
@@ -49,10 +55,41 @@ def test_bars_and_maps_name_what_they_show() -> None:
         [("published", 15.5), ("calibrated", 14.1), ("with leakage", 1.15), ("floor", 1.0)], "error / floor"
     )
     assert all(name in errors for name in ("published", "calibrated", "with leakage", "floor", "15.50"))
-    nothing = np.zeros(0)
-    svg = draw_map(nothing, nothing, nothing, [("", "joint", 0.9), ("joint, by direction", "positive", 0.5)])
+    empty = Map(*[np.zeros(0)] * 4, "Speed of the sliders (mm/s)", "Arm angle (deg)", "Missing force (N)")
+    svg = draw_map(empty, [("", "joint", 0.9), ("joint, by direction", "positive", 0.5)])
     assert "joint, by direction" in svg and "all: all" not in svg and "nowhere slides long and steadily enough" in svg
     assert "Speed of the sliders" not in svg  # no empty grid
+
+
+def scattered(size: float) -> Map:
+    """Return 12 tests with a force of 1 N at speeds above zero and none below, with noise of ``size`` (N)."""
+    random = np.random.default_rng(5)
+    test = np.repeat(np.arange(12), 400)
+    x, y = random.uniform(-10.0, 10.0, (2, len(test)))
+    values = np.where(x > 0.0, 1.0, 0.0) + size * random.standard_normal(len(x))
+    return Map(x, y, values, test, "x", "y", "Missing force (N)")
+
+
+@pytest.mark.parametrize(("size", "clear"), [(0.01, True), (20.0, False)])
+def test_cells_of_a_map_are_clear_where_tests_agree(size: float, clear: bool) -> None:
+    edges, mean, error = cells_of(scattered(size))
+    right = edges[0][:-1] > 0.0
+    shown = np.abs(mean) > 2.0 * error
+    assert shown[right].mean() > 0.95 if clear else shown.mean() < 0.3
+    if clear:
+        assert mean[right] == pytest.approx(1.0, abs=0.05) and largest(scattered(size)) == pytest.approx(1.0, abs=0.05)
+    # one test alone tells nothing of scatter: all of it is pale
+    one = scattered(size)
+    alone = one._replace(of_test=np.zeros(len(one.x)))
+    assert np.isinf(cells_of(alone)[2]).all()
+
+
+def test_the_map_is_of_what_is_to_blame_first() -> None:
+    def model(*subsystems: str) -> Any:
+        return SimpleNamespace(places=[SimpleNamespace(variable="all", subsystem=one) for one in subsystems])
+
+    found = [blamed(model(*one)) for one in (("joint", "lines"), ("lines", "joint"), ("pump", "lines"), ("pump",), ())]
+    assert found == ["joint", "lines", "lines", "joint", "joint"]
 
 
 def test_coordinates_lose_decimals_and_what_people_read_does_not() -> None:
@@ -82,7 +119,7 @@ PICTURES = {
     "overlay": lambda: draw_overlay(overlay()),
     "errors": lambda: draw_errors([("published", 6.1), ("floor", 1.0)], "error / floor"),
     "horizon": lambda: draw_horizon([HorizonCurve("published", LINE, LINE)], LINE),
-    "where": lambda: draw_map(NOTHING, NOTHING, NOTHING, BARS),
+    "where": lambda: draw_map(Map(NOTHING, NOTHING, NOTHING, NOTHING, "", "", ""), BARS),
     "unexplained": lambda: draw_unexplained("Arm angle (deg)", "Force (N)", LINE, LINE, -LINE),
 }
 

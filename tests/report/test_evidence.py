@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.report.correlations import correlations
+from hjcamp.report.correlations import correlations, of_repetitions, unshared
 from hjcamp.report.pictures.evidence import (
     BACKWARD,
     BOTH,
@@ -51,6 +51,28 @@ def test_an_input_that_never_changes_and_a_short_test_are_no_trouble() -> None:
     found = correlations(NOISE[:9], {"voltage": np.ones(9)}, [slice(0, 9)], PERIOD)
     assert len(found) == 1 and len(found[0].lags) == 5
     assert np.all(correlations(np.zeros(50), {}, [slice(0, 50)], PERIOD)[0].values == 0.0)
+
+
+@pytest.mark.parametrize(("scatter", "shared"), [(1.0, 0.0), (1.0, 3.0), (0.2, 5.0)])
+def test_what_repetitions_do_not_share_has_the_size_and_colour_of_their_scatter(scatter: float, shared: float) -> None:
+    smooth = np.exp(-np.arange(40) / 8.0)
+    smooth /= np.sqrt(np.sum(smooth**2))
+    repetitions = [scatter * np.convolve(one, smooth, "same") for one in NOISE.reshape(4, 1000)]
+    law = shared * np.sin(np.arange(1000) / 40.0)
+    residual = np.concatenate([law + one for one in repetitions])
+    tests = [[slice(1000 * k, 1000 * (k + 1)) for k in range(4)], [slice(0, 1000)]]
+    apart, rows, parts = unshared(residual, tests)
+    assert np.std(apart) == pytest.approx(scatter, rel=0.1) and len(parts) == 4 and np.array_equal(rows, np.arange(4000))
+    [own] = of_repetitions(residual, {}, tests, PERIOD)
+    assert own.values[8] == pytest.approx(np.exp(-1.0), abs=0.1)
+
+
+def test_without_repetitions_nothing_is_said_of_them() -> None:
+    assert of_repetitions(NOISE, {"voltage": OTHER}, [[one] for one in PARTS], PERIOD) == []
+    found = correlations(NOISE, {"voltage": OTHER}, PARTS, PERIOD)
+    drawn = draw_correlations([("calibrated", found)], of_repetitions(NOISE, {"voltage": OTHER}, [PARTS], PERIOD))
+    assert all("between repetitions" in svg for svg in drawn.values())
+    assert "between repetitions" not in "".join(draw_correlations([("calibrated", found)]).values())
 
 
 def missing(law: bool) -> Missing:

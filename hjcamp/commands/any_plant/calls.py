@@ -31,12 +31,13 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
         report("drawing", 0.99)
         words = Words(done.analysis, done.verdict, done.content)
         folder = folder_for("diagnose", data.paths, json)
-        files = write_diagnosis(words, folder)
+        following = words.next_commands(joined(data.paths), asked.model, joined([folder]))
+        files = write_diagnosis(words, folder, following)
         keep_answer(folder, done.content)
     print_diagnosis(console, words)
     _tell_of_own(console, data)
     console.print(f"page    {files[-1]}", markup=False)
-    for number, line in enumerate(words.next_commands(joined(data.paths), asked.model, joined([folder]))):
+    for number, line in enumerate(following):
         console.print(f"{'        ' if number else 'next    '}{line}", markup=False)
 
 
@@ -57,14 +58,15 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
         found = compare_plant(data, names, report)
         write_answer(json, answer(found))
         report("drawing", 0.9)
-        files = write_comparison(found, into or folder_for("compare", data.paths, json))
+        own = "" if names[-1] == "published" else f" --model {names[-1]}"
+        following = f"hjcamp diagnose {joined(data.paths)}{own}"
+        files = write_comparison(found, into or folder_for("compare", data.paths, json), [following])
         views = [] if mcap is None else write_modelled(mcap, modelled_tests(found))
     print_comparison(console, found)
     _tell_of_own(console, data)
     tell_of_views(console, views)
     console.print(f"page    {files[-1]}", markup=False)
-    own = "" if names[-1] == "published" else f" --model {names[-1]}"
-    console.print(f"next    hjcamp diagnose {joined(data.paths)}{own}", markup=False)
+    console.print(f"next    {following}", markup=False)
 
 
 def add(there: list[Path], names_and_paths: list[str], name: str, model: str, json: Path | None) -> None:

@@ -48,7 +48,7 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     if analysis.search.steps:
         first = analysis.search.steps[0]
         found["gains"] = draw_gains(first.chance, first.gain, "circularly shifted residuals", OWN)
-    return found | draw_correlations(_correlations(words, errors))
+    return found | draw_correlations(*_correlations(words, errors))
 
 
 def _without_starts(words: Words, model: Scored) -> Any:
@@ -176,10 +176,7 @@ def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:
     layout = words.analysis.windows.layout
     measured = layout.measured
     of_row = np.repeat(layout.of_test, layout.width)
-    over = np.nan_to_num(errors["calibrated"]) / measured.noise
-    worst = {test: np.mean(over[of_row == test] ** 2, axis=0) for test in np.unique(layout.of_test)}
-    test = max(worst, key=lambda one: float(worst[one].max()))
-    k = int(np.argmax(worst[test]))
+    test, k = worst_of(words, errors)
     rows = np.flatnonzero(of_row == test)
     rows = rows[:: max(1, len(rows) // POINTS)]
     sensor = measured.sensors[k]
@@ -189,6 +186,16 @@ def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:
         title, sensor.quantity.replace("_", " "), sensor.unit, layout.time[rows],
         layout.readings[rows, k] * sensor.scale, shown,
     )  # fmt: skip
+
+
+def worst_of(words: Words, errors: dict[str, Any]) -> tuple[int, int]:
+    """Return the test and the sensor that the calibrated model predicts worst, by the noise of the sensors."""
+    layout = words.analysis.windows.layout
+    of_row = np.repeat(layout.of_test, layout.width)
+    over = np.nan_to_num(errors["calibrated"]) / layout.measured.noise
+    worst = {int(test): np.mean(over[of_row == test] ** 2, axis=0) for test in np.unique(layout.of_test)}
+    test = max(worst, key=lambda one: float(worst[one].max()))
+    return test, int(np.argmax(worst[test]))
 
 
 def _swing(swing: Swing) -> tuple[Any, ...]:
@@ -201,18 +208,23 @@ def _swing(swing: Swing) -> tuple[Any, ...]:
     return title, f"error of {sensor.quantity.replace('_', ' ')}", sensor.unit, swing.time[rows], errors, [("a sine", line)]
 
 
-def _correlations(words: Words, errors: dict[str, Any]) -> list[tuple[str, Any]]:
-    """Return the correlations of each model's errors in the first sensor, with the inputs that change."""
-    from hjcamp.report.correlations import correlations
+def _correlations(words: Words, errors: dict[str, Any]) -> tuple[list[tuple[str, Any]], list[Any]]:
+    """Return the correlations of each model's errors with an input that changes, and those between repetitions.
+
+    In the sensor that the calibrated model predicts worst; between repetitions of what the last model leaves.
+    """
+    from hjcamp.report.correlations import correlations, of_repetitions
 
     layout = words.analysis.windows.layout
     of_row = np.repeat(layout.of_test, layout.width)
-    edges = [np.flatnonzero(of_row == test) for test in np.unique(of_row)]
-    parts = [slice(int(rows[0]), int(rows[-1]) + 1) for rows in edges]
+    edges = {int(test): np.flatnonzero(of_row == test) for test in np.unique(of_row)}
+    parts = {test: slice(int(rows[0]), int(rows[-1]) + 1) for test, rows in edges.items()}
     names = [name for name in layout.measured.plant.inputs if name not in ("time", "direction")]
     inputs = {name.replace("_", " "): layout.inputs[:, k] for k, name in enumerate(names)}
     some = dict(list(inputs.items())[:1])
-    return [
-        (name, correlations(np.nan_to_num(one[:, 0]), some, parts, layout.measured.period))
-        for name, one in errors.items()
-    ]
+    _, k = worst_of(words, errors)
+    left = {name: np.nan_to_num(one[:, k]) for name, one in errors.items()}
+    period = layout.measured.period
+    repeated = [[parts[test] for test in tests if test in parts] for tests in layout.measured.conditions.values()]
+    models = [(name, correlations(one, some, list(parts.values()), period)) for name, one in left.items()]
+    return models, of_repetitions(list(left.values())[-1], some, [tests for tests in repeated if tests], period)

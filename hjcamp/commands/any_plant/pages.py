@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,15 +24,19 @@ EVIDENCE = {
 }
 CORRELATIONS = {"correlation_1": "Residual autocorrelation", "correlation_2": "Residual and input: cross-correlation"}
 BAND = (
-    "Residual autocorrelation, and cross-correlation with what was given before. By chance alone one value in twenty "
-    "leaves the band."
+    "Residual autocorrelation, and cross-correlation with what was given before. White residuals leave the band in one value of twenty."
+)
+REPEATED = (
+    " Dashed: the part that repetitions do not share, which no model can take. A curve that follows it shows the scatter of the rig, "
+    "not a missing law; one that leaves it shows what repetitions share."
 )
 
 
-def write_diagnosis(words: Words, folder: Path) -> list[Path]:
-    """Write the pictures and the page of a diagnosis; return their paths, the page last."""
+def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -> list[Path]:
+    """Write the pictures and the page of a diagnosis, with the commands that go on; return their paths, the page last."""
     from hjcamp.commands._corner import how_well_known
     from hjcamp.commands._effect_links import equations_of, links, write_effect_pages
+    from hjcamp.commands._page_end import made_from, next_steps
     from hjcamp.commands.any_plant import words as said
     from hjcamp.commands.any_plant.corner import fitted_parameters
     from hjcamp.commands.any_plant.evidence import evidence_pictures
@@ -51,6 +56,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     parts = [
         page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
         page.bullets(words.sentences()),
+        next_steps(following),
         equations_of(verdict.effects, library),
     ]
     if rows := words.candidates():
@@ -68,7 +74,7 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     parts += [
         page.heading("What is left in the residuals"),
         page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
-        page.note(BAND),
+        page.note(BAND + (REPEATED if analysis.measured.repeated else "")),
     ]
     if worst := words.content["worst"]:
         parts += [page.heading("Worst conditions"), page.table_of(*worst_table(worst))]
@@ -79,13 +85,14 @@ def write_diagnosis(words: Words, folder: Path) -> list[Path]:
     ]
     known, drawn = how_well_known(*fitted_parameters(words))
     pictures |= drawn
-    parts += [*known, links(folder)]
+    parts += [*known, links(folder), made_from(test.log for test in analysis.measured.tests)]
     write_effect_pages(folder, [row["effect"] for row in words.content["candidates"]], library)
     return _written(folder, pictures, page.discrepancy_page(words.title, "", parts))
 
 
-def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
-    """Write the pictures and the page of a comparison; return their paths, the page last."""
+def write_comparison(found: PlantComparison, folder: Path, following: Sequence[str] = ()) -> list[Path]:
+    """Write the pictures and the page of a comparison, with the commands that go on; return their paths, the page last."""
+    from hjcamp.commands._page_end import made_from, next_steps
     from hjcamp.commands.any_plant import words as said
     from hjcamp.commands.any_plant.explorer import exploration_of
     from hjcamp.commands.any_plant.head_words import over_windows
@@ -121,6 +128,7 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
         page.table_of(head, rows),
         page.note(f"Error {over_windows(analysis)}. {said.FLOORS[analysis.floor.source]}."),
         page.bullets(said.notes_on(found)),
+        next_steps(following),
         *of_whole,
         explorer_html(exploration_of(found)),
         page.note(f"Predictions begin {anew}, where each fits best; the table has errors without what those starts do."),
@@ -134,6 +142,7 @@ def write_comparison(found: PlantComparison, folder: Path) -> list[Path]:
                 for place, name in enumerate(names_of([test.log for test in layout.measured.tests]))
             ],
         ),
+        made_from(test.log for test in layout.measured.tests),
     ]  # fmt: skip
     return _written(folder, pictures, page.discrepancy_page(f"Models of plant {layout.measured.plant.name}", "", parts))
 

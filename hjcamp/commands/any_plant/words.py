@@ -12,7 +12,7 @@ from hjcamp.commands.any_plant.plant_hints import far_states
 from hjcamp.model.base_values import DELAY
 from hjcamp.prediction.levels import MATTERS
 from hjcamp.prediction.shares import left_of
-from hjcamp.report.units import plain, told, told_estimate, told_interval, told_like
+from hjcamp.report.units import plain, told, told_all, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -35,7 +35,7 @@ def channel_table(rows: Mapping[str, Mapping[str, Any]], whole: Mapping[str, Map
     from hjcamp.report.exploration import channel_label
 
     of_windows = [
-        [channel_label(name), *(told(row[key], row["unit"]) for key in ("baseline", "augmented", "floor"))]
+        [channel_label(name), *told_all([row[key] for key in ("baseline", "augmented", "floor")], row["unit"])]
         for name, row in rows.items()
     ]  # fmt: skip
     return of_windows + [

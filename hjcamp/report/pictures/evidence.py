@@ -184,15 +184,22 @@ def draw_gains(chance: Array, gain: float | None, what: str, unit: str = "log-li
     return draw(STRIP, "gains", paint)
 
 
-def draw_correlations(models: Sequence[tuple[str, Sequence[Correlation]]]) -> dict[str, str]:
-    """Return pictures by name: the residual's autocorrelation, and its correlation with an input, where chance stays (95 %)."""
+def draw_correlations(
+    models: Sequence[tuple[str, Sequence[Correlation]]], repetitions: Sequence[Correlation] = ()
+) -> dict[str, str]:
+    """Return pictures by name: the residual's autocorrelation, and its correlation with an input, where chance stays (95 %).
+
+    ``repetitions`` are the correlations of what repetitions do not share: drawn dashed, as what no model can take.
+    """
     return {
-        f"correlation_{place + 1}": _correlation([(name, found[place]) for name, found in models])
+        f"correlation_{place + 1}": _correlation(
+            [(name, found[place]) for name, found in models], repetitions[place] if place < len(repetitions) else None
+        )
         for place in range(len(models[0][1]))
     }
 
 
-def _correlation(models: Sequence[tuple[str, Correlation]]) -> str:
+def _correlation(models: Sequence[tuple[str, Correlation]], repetitions: Correlation | None) -> str:
     first = models[0][1]
 
     def paint(figure: Any) -> None:
@@ -200,6 +207,8 @@ def _correlation(models: Sequence[tuple[str, Correlation]]) -> str:
         axis.fill_between(first.lags, -first.band, first.band, color=GRID, alpha=0.8, linewidth=0, label="chance")
         for (name, one), colour in zip(models, MODELS, strict=False):
             axis.plot(one.lags, one.values, color=colour, linewidth=1.1, label=name)
+        if repetitions is not None:
+            axis.plot(repetitions.lags, repetitions.values, "--", color=INK, linewidth=1.0, label="between repetitions")
         axis.axhline(0.0, color=INK, linewidth=0.6)
         dress(axis, "correlation")
         axis.set_title(first.name, color=INK, fontsize=9, loc="left")

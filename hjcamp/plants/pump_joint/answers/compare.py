@@ -33,7 +33,7 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
         found = compare_joint(data, names, report)
         write_answer(json, answer(found.models, len(evidence_in(data).tests)))
         report("drawing", 0.8)
-        files = write_pictures(found, into or folder_for("compare", data.paths, json))
+        files = write_pictures(found, into or folder_for("compare", data.paths, json), next_commands(found, data.paths))
         views = [] if mcap is None else write_modelled(mcap, tests_of(found))
     _print(console, found, files)
     tell_of_views(console, views)

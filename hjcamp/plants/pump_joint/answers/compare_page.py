@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -54,69 +55,82 @@ def places_in_words(one: Compared) -> list[str]:
     return [*worse_than_mean(one.errors), *said]
 
 
-def write_pictures(found: Comparison, folder: Path) -> list[Path]:
-    """Write overlay, where, horizon and the page that holds them; return their paths, the page last."""
+def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = ()) -> list[Path]:
+    """Write overlay, where, horizon and the page that holds them, with the commands that go on; return their paths, the page last."""
+    from hjcamp.commands._page_end import made_from, next_steps
     from hjcamp.plants.pump_joint.answers.compare_explorer import exploration_of
+    from hjcamp.plants.pump_joint.answers.compare_map import PALE_SAID, maps_of
+    from hjcamp.plants.pump_joint.answers.error_words import over_words
     from hjcamp.plants.pump_joint.figures.discrepancy import HorizonCurve, draw_horizon, draw_overlay
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.explorer import explorer_html
     from hjcamp.report.floor_words import NO_FLOOR
     from hjcamp.report.names import readable
+    from hjcamp.report.pictures.drawing import draw_errors
     from hjcamp.storage import whole_file
 
     models, last, calibrated = found.models, found.models[-1], found.calibrated
     overlay = worst_overlay(models)
     shown = [*models, calibrated] if calibrated else models
     curves = [HorizonCurve(one.replay.name, one.horizon.time, one.horizon.rms) for one in shown]
+    repeated = last.replay.evidence.repeated
+    scores = [(one.replay.name, one.score) for one in shown] + ([("floor", 1.0)] if repeated else [])
+    maps = maps_of(shown)
     pictures = {
+        "errors": draw_errors(scores, over_words(repeated), repeated),
         "overlay": draw_overlay(overlay),
-        "where": draw_where(last),
+        "where": maps[last.replay.name][1],
         "horizon": draw_horizon(curves, last.horizon.floor),
     }
     if calibrated:
-        pictures["where_calibrated"] = draw_where(calibrated)
+        pictures["where_calibrated"] = maps[calibrated.replay.name][1]
     files = [folder / f"{name}.svg" for name in pictures]
     for file, svg in zip(files, pictures.values(), strict=True):
         with whole_file(file) as stream:
             stream.write(svg.encode())
-    rows = [[one.replay.name, *error_cells(one, name)] for one in models for name in one.errors]
-    force = "Force on the sliding arm that the model lacks, over speed and angle"
+    rows = [[one.replay.name, *error_cells(one, name)] for one in shown for name in one.errors]
     parts = [
         page.table_of(HEADINGS, rows),
         page.note(
             "The floor is what repetitions of one test do not share: no model goes below it. 1.0 is perfect."
-            if last.replay.evidence.repeated
+            if repeated
             else NO_FLOOR
         ),
+        page.picture("Error of each model", pictures["errors"]),
+        next_steps(following),
         explorer_html(exploration_of(found)),
         page.picture(f"Overlay: {readable(overlay.name)}, where {models[0].replay.name} is furthest off", pictures["overlay"]),
         page.heading(f"Where: {last.replay.name}" + (", as it stands" if calibrated else "")),
         page.note(NOT_CALIBRATED.capitalize() + ".") if calibrated else "",
         page.bullets(places_in_words(last)),
         page.place_table([place.row() for place in last.places]),
-        page.picture(force, pictures["where"]),
+        page.picture(maps[last.replay.name][0], pictures["where"]),
+        page.note(PALE_SAID),
     ]  # fmt: skip
     if calibrated:
         parts += [
             page.heading("Where: after calibrating its base parameters on these tests"),
             page.bullets(calibrated_in_words(found)),
             page.place_table([place.row() for place in calibrated.places]),
-            page.picture(force, pictures["where_calibrated"]),
+            page.picture(maps[calibrated.replay.name][0], pictures["where_calibrated"]),
+            page.note(PALE_SAID),
         ]
     parts += [
         page.heading("When: error against horizon"),
         page.picture("Error of the arm against the time since a restart from measured states", pictures["horizon"]),
+        made_from(test.log for test in last.replay.evidence.tests),
     ]
     path = folder / "index.html"
     with whole_file(path) as stream:
         title = "Comparison: " + ", ".join(one.replay.name for one in models)
-        stream.write(page.discrepancy_page(title, lead_of(models), parts).encode())
+        stream.write(page.discrepancy_page(title, lead_of(models, calibrated), parts).encode())
     return [*files, path]
 
 
-def lead_of(models: list[Compared]) -> str:
+def lead_of(models: list[Compared], calibrated: Compared | None = None) -> str:
     """Return the answer in one line."""
     told = " -> ".join(f"{one.score:.2f}" for one in models)
+    told += f" ({calibrated.score:.2f} after calibrating its base parameters)" if calibrated else ""
     evidence = models[0].replay.evidence
     tests = f"{counted(len(evidence.tests), 'test')}, {counted(len(evidence.conditions), 'condition')}, driven by the measured pump"
     if not evidence.repeated:
@@ -143,17 +157,3 @@ def worst_overlay(models: list[Compared]) -> Overlay:
     time = evidence.tests[evidence.conditions[name][0]].time
     predicted = {one.replay.name: one.replay.predicted[part] for one in models}
     return Overlay(name, time, first.measured[part], predicted, observed(test.log for test in evidence.tests))
-
-
-def draw_where(one: Compared) -> str:
-    """Return the map of the missing force and the bars of one model."""
-    from hjcamp.plants.pump_joint.answers.where_words import grouped_bars
-    from hjcamp.plants.pump_joint.diagnosis.localisation.where import SLIDING
-    from hjcamp.plants.pump_joint.figures.discrepancy import draw_map
-
-    evidence = one.replay.evidence
-    slides = evidence.sliding
-    velocity, arm = evidence.joined("velocity")[slides] * 1e3, one.replay.measured[slides, 0]
-    bars = grouped_bars([place.row() for place in one.places])
-    # The residual is push less friction: a force on the arm that the model lacks has the other sign.
-    return draw_map(velocity, arm, -one.residuals[slides, SLIDING], bars)

@@ -40,12 +40,13 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
         write_answer(json, content)
         report("drawing", 0.99)
         folder = folder_for("diagnose", data.paths, json)
-        files = write_pictures(told, folder)
+        following = next_command(content, data.paths, asked.model, folder)
+        files = write_pictures(told, folder, [following])
         keep_answer(folder, content)
     _print(console, told)
     console.print(f"figures {len(files) - 1} in {files[-1].parent}", markup=False)
     console.print(f"page    {files[-1]}", markup=False)
-    console.print(f"next    {next_command(content, data.paths, asked.model, files[-1].parent)}", markup=False)
+    console.print(f"next    {following}", markup=False)
 
 
 def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:

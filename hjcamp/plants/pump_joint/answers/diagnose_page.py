@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,13 +13,16 @@ EVIDENCE = {
     "missing_before": "What the calibrated model misses over what drives it, and the named law through it",
     "missing_after": "The same with what was found added",
     "worst_test": "The worst test before and after",
-    "gains": "The gains of twins with nothing missing, and the real one",
+    "gains": "The gains of simulations with nothing missing, and the real one",
 }
 DETECTABLE = ("effect", "parameter", "smallest that would have been seen")
 
 
-def write_pictures(told: Told, folder: Path) -> list[Path]:
-    """Write the evidence, the errors, what is unexplained, and the page that holds them; return their paths, the page last."""
+def write_pictures(told: Told, folder: Path, following: Sequence[str] = ()) -> list[Path]:
+    """Write the evidence, the errors, what is unexplained, and the page that holds them, with the commands that go on.
+
+    Returns their paths, the page last.
+    """
     from hjcamp.commands._corner import how_well_known
     from hjcamp.commands._effect_links import write_effect_pages
     from hjcamp.plants.pump_joint.answers.corner import fitted_parameters
@@ -42,13 +46,14 @@ def write_pictures(told: Told, folder: Path) -> list[Path]:
     write_effect_pages(folder, [row["effect"] for row in told.content["candidates"]], told.library)
     path = folder / "index.html"
     with whole_file(path) as stream:
-        stream.write(_page(told, pictures, known, folder).encode())
+        stream.write(_page(told, pictures, known, folder, following).encode())
     return [*files, path]
 
 
-def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) -> str:
+def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path, following: Sequence[str]) -> str:
     from hjcamp.commands._effect_links import equations_of, links
-    from hjcamp.commands.any_plant.pages import BAND, CORRELATIONS
+    from hjcamp.commands._page_end import made_from, next_steps
+    from hjcamp.commands.any_plant.pages import BAND, CORRELATIONS, REPEATED
     from hjcamp.plants.pump_joint.answers.diagnose_words import CALIBRATED, CANDIDATES, LEFT
     from hjcamp.plants.pump_joint.answers.error_words import error_table, over
     from hjcamp.report import discrepancy_page as page
@@ -63,6 +68,7 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) 
     parts = [
         page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
         page.bullets([*answer[1:], *fall]),
+        next_steps(following),
         equations_of(told.content["effects"], told.library),
         page.picture("Error before and after", pictures["errors"]),
         page.table_of(*error_table(told.errors(), scale)),
@@ -79,7 +85,10 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) 
     parts += [
         page.heading("What is left in the residuals"),
         page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
-        page.note(f"The arm, over windows that begin at measured states: neighbours within a window are alike. {BAND}"),
+        page.note(
+            "Of the channel in which what was found helps most (the arm where nothing was), over windows that begin at measured "
+            f"states. {BAND}{REPEATED if scale.repeated else ''}"
+        ),
     ]
     if told.content["minimum_detectable"]:
         least = [
@@ -95,5 +104,5 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path) 
         parts += [page.table_of(("effects", "why", "cosine"), rows)]
         parts += [page.note("Cosine: between the responses that the base parameters cannot take up; 1 is the same.")]
     parts += [page.heading("Calibrated first"), page.table_of(CALIBRATED, told.calibration(every=True))]
-    parts += [*known, links(folder)]
+    parts += [*known, links(folder), made_from(test.log for test in told.found.features.evidence.tests)]
     return page.discrepancy_page(told.title, answer[0], parts)

@@ -34,7 +34,12 @@ def in_unit(value: float, channel: str) -> str:
 
 def over(scale: Scale) -> str:
     """Return what the score of this scale is over."""
-    return OVER_FLOOR if scale.repeated else OVER_SPREAD
+    return over_words(scale.repeated)
+
+
+def over_words(repeated: bool) -> str:
+    """Return what scores are over: the floor, or the spread of what was measured where nothing was repeated."""
+    return OVER_FLOOR if repeated else OVER_SPREAD
 
 
 def error_table(models: Sequence[tuple[str, Judged]], scale: Scale) -> tuple[list[str], list[list[str]]]:

@@ -27,12 +27,12 @@ CHANNELS = {"arm": ("arm angle", "rad"), "pressure1": ("pressure 1", "Pa"), "pre
 class Shown:
     """What the pictures need that takes simulations: what is missing, and predictions by model, SI.
 
-    ``readings`` (n, 3) are of whole tests, each from its first sample, ``arms`` (n,) of windows.
+    ``readings`` (n, 3) are of whole tests, each from its first sample, ``windows`` (n, 3) begin at measured states.
     """
 
     missing: Missing
     readings: Mapping[str, Any]
-    arms: Mapping[str, Any]
+    windows: Mapping[str, Any]
 
 
 def gathered(found: Diagnosis, content: dict[str, Any], library: Mapping[str, type[Effect]]) -> Shown:
@@ -43,8 +43,8 @@ def gathered(found: Diagnosis, content: dict[str, Any], library: Mapping[str, ty
         models[f"with {' and '.join(added)}"] = found.final
     views = found.fitter.views
     readings = {name: views.joint_readings(fit.candidate, windows=False)[:, :3] for name, fit in models.items()}
-    arms = {name: views.joint_readings(fit.candidate)[:, 0] for name, fit in models.items()}
-    return Shown(missing_of(found, content, library, added), readings, arms)
+    windows = {name: views.joint_readings(fit.candidate)[:, :3] for name, fit in models.items()}
+    return Shown(missing_of(found, content, library, added), readings, windows)
 
 
 def missing_of(
@@ -118,7 +118,7 @@ def evidence_pictures(found: Diagnosis, shown: Shown) -> dict[str, str]:
     chance = step.null_gains if step else found.null.gains
     if len(chance):
         pictures["gains"] = draw_gains(chance, step.gain if step else None, "simulations with nothing missing")
-    return pictures | draw_correlations(_correlations(found, shown))
+    return pictures | draw_correlations(*_correlations(found, shown))
 
 
 def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
@@ -129,10 +129,8 @@ def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
     from hjcamp.report.names import readable
 
     evidence = found.features.evidence
-    measured = np.column_stack([evidence.joined(name) for name in CHANNELS])
-    errors = [(readings - measured) ** 2 for readings in shown.readings.values()]
-    whole = [np.nanmean(one, axis=0) for one in errors]
-    k = int(np.argmin(whole[-1] / np.maximum(whole[0], 1e-300)))
+    k, errors = blamed_channel(found, shown)
+    measured = _measured(evidence)
     worst = max(range(len(evidence.tests)), key=lambda one: float(np.nanmean(errors[0][_rows(evidence, one), k])))
     rows = _rows(evidence, worst)
     rows = rows[:: max(1, len(rows) // POINTS)]
@@ -142,15 +140,34 @@ def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
     return title, name, unit, evidence.joined("time")[rows], measured[rows, k], models
 
 
+def blamed_channel(found: Diagnosis, shown: Shown) -> tuple[int, list[NDArray[np.float64]]]:
+    """Return the channel whose error falls most with what was named, the arm where nothing was, and each model's squares (n, 3)."""
+    measured = _measured(found.features.evidence)
+    errors = [(readings - measured) ** 2 for readings in shown.readings.values()]
+    whole = [np.nanmean(one, axis=0) for one in errors]
+    return int(np.argmin(whole[-1] / np.maximum(whole[0], 1e-300))), errors
+
+
+def _measured(evidence: Evidence) -> NDArray[np.float64]:
+    return np.column_stack([evidence.joined(name) for name in CHANNELS])
+
+
 def _rows(evidence: Evidence, test: int) -> NDArray[np.int64]:
     return np.arange(evidence.edges[test], evidence.edges[test + 1])
 
 
-def _correlations(found: Diagnosis, shown: Shown) -> list[tuple[str, Any]]:
-    """Return the correlations of each model's error of the arm over windows, with the pump's motion."""
-    from hjcamp.report.correlations import correlations
+def _correlations(found: Diagnosis, shown: Shown) -> tuple[list[tuple[str, Any]], list[Any]]:
+    """Return the correlations of each model's error over windows, with the pump's motion, and those between repetitions.
+
+    Of the channel that is to blame (`blamed_channel`); between repetitions of what the last model leaves.
+    """
+    from hjcamp.report.correlations import correlations, of_repetitions
 
     evidence = found.features.evidence
     parts = [slice(int(a), int(b)) for a, b in zip(evidence.edges[:-1], evidence.edges[1:], strict=True)]
-    arm, pump = evidence.joined("arm"), {"the pump's angle": evidence.joined("pump")}
-    return [(name, correlations(np.nan_to_num(arm - one), pump, parts, PERIOD)) for name, one in shown.arms.items()]
+    k, _ = blamed_channel(found, shown)
+    measured, pump = _measured(evidence)[:, k], {"the pump's angle": evidence.joined("pump")}
+    errors = {name: np.nan_to_num(measured - one[:, k]) for name, one in shown.windows.items()}
+    repeated = [[parts[test] for test in tests] for tests in evidence.conditions.values()]
+    models = [(name, correlations(error, pump, parts, PERIOD)) for name, error in errors.items()]
+    return models, of_repetitions(list(errors.values())[-1], pump, repeated, PERIOD)

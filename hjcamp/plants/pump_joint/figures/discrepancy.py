@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 LABELS = ("Arm angle (deg)", "Pressure 1 (MPa)", "Pressure 2 (MPa)")
 CELLS = 14
 FEWEST = 4
+#: Standard errors above which a cell is shown in full, and how pale the others are.
+CLEAR, PALE = 2.0, 0.25
 NO_MAP = (
     "no map: the arm nowhere slides long and steadily enough\n"
     "to read a force off the pressures (it rests, is slow, or sticks and slips)"
@@ -39,6 +41,18 @@ class HorizonCurve(NamedTuple):
     name: str
     time: Array
     rms: Array
+
+
+class Map(NamedTuple):
+    """What is missing, ``values`` (n,), over two measured quantities (n,), the test of each, and their names with units."""
+
+    x: Array
+    y: Array
+    values: Array
+    of_test: Array
+    x_label: str
+    y_label: str
+    label: str
 
 
 def draw_overlay(one: Overlay) -> str:
@@ -76,15 +90,39 @@ def worst_part(one: Overlay) -> slice:
     return slice(begin, begin + width)
 
 
-def draw_map(velocity: Array, arm: Array, force: Array, bars: Sequence[tuple[str, str, float]]) -> str:
-    """Return the mean missing force (N) over speed (mm/s) and arm angle (deg), and bars (group, label, share)."""
+def draw_map(one: Map, bars: Sequence[tuple[str, str, float]], most: float | None = None) -> str:
+    """Return the mean of what is missing over two measured quantities, and bars (group, label, share).
+
+    The colours end at ``most``, so that maps of one quantity on a page can be compared. Pale is what is no more than twice its
+    standard error from test to test.
+    """
 
     def paint(figure: Any) -> None:
         left, right = figure.subplots(1, 2, width_ratios=[1.3, 1.0])
-        _map(figure, left, velocity, arm, force)
+        _map(figure, left, one, most)
         _bars(right, bars)
 
     return draw((9.6, 4.2), "where", paint)
+
+
+def cells_of(one: Map) -> tuple[tuple[Array, Array], Array, Array]:
+    """Return the edges of the cells, the mean of each (x, y), NaN where there are too few, and its standard error from test to test."""
+    limit = float(np.quantile(np.abs(one.x), 0.98))
+    low = -limit if one.x.min() < 0.0 else float(one.x.min())
+    edges = np.linspace(low, limit, CELLS + 1), np.linspace(one.y.min(), one.y.max(), CELLS + 1)
+    tests = []
+    for test in np.unique(one.of_test):
+        inside = one.of_test == test
+        number = np.histogram2d(one.x[inside], one.y[inside], bins=edges)[0]
+        total = np.histogram2d(one.x[inside], one.y[inside], bins=edges, weights=one.values[inside])[0]
+        tests.append((number, total))
+    numbers, totals = (np.array(column) for column in zip(*tests, strict=True))
+    number, total = numbers.sum(axis=0), totals.sum(axis=0)
+    mean = np.where(number >= FEWEST, total / np.maximum(number, 1), np.nan)
+    seen = np.sum(numbers > 0, axis=0)
+    squares = np.sum(np.where(numbers > 0, totals / np.maximum(numbers, 1) - mean, 0.0) ** 2, axis=0)
+    error = np.where(seen > 1, np.sqrt(squares / np.maximum(seen * (seen - 1), 1)), np.inf)
+    return edges, mean, error
 
 
 def _bars(axis: Any, bars: Sequence[tuple[str, str, float]]) -> None:
@@ -108,24 +146,33 @@ def _bars(axis: Any, bars: Sequence[tuple[str, str, float]]) -> None:
     axis.set_xlabel("Share of the excess error (%)", color=INK, fontsize=8.5)
 
 
-def _map(figure: Any, axis: Any, velocity: Array, arm: Array, force: Array) -> None:
-    if len(velocity) < FEWEST or np.ptp(arm) == 0.0:
+def _map(figure: Any, axis: Any, one: Map, most: float | None) -> None:
+    if len(one.x) < FEWEST or np.ptp(one.x) == 0.0 or np.ptp(one.y) == 0.0:
         # without axes: an empty grid looks like a result
         axis.set_axis_off()
         axis.text(0.5, 0.5, NO_MAP, ha="center", transform=axis.transAxes, fontsize=8, color=INK)
         return
-    dress(axis, "Arm angle (deg)")
-    axis.set_xlabel("Speed of the sliders (mm/s)", color=INK, fontsize=8.5)
-    limit = float(np.quantile(np.abs(velocity), 0.98))
-    edges = np.linspace(-limit, limit, CELLS + 1), np.linspace(arm.min(), arm.max(), CELLS + 1)
-    number = np.histogram2d(velocity, arm, bins=edges)[0]
-    total = np.histogram2d(velocity, arm, bins=edges, weights=force)[0]
-    mean = np.ma.masked_where(number < FEWEST, total / np.maximum(number, 1))
-    most = max(float(np.abs(mean).max()) if mean.count() else 0.0, 1e-9)
-    mesh = axis.pcolormesh(*edges, mean.T, cmap="RdBu_r", vmin=-most, vmax=most)
-    bar = figure.colorbar(mesh, ax=axis)
-    bar.set_label("Missing force (N)", fontsize=8)
-    bar.ax.tick_params(labelsize=7)
+    dress(axis, one.y_label)
+    axis.set_xlabel(one.x_label, color=INK, fontsize=8.5)
+    edges, mean, error = cells_of(one)
+    end = most or largest(one)
+    for inside, alpha in ((np.abs(mean) > CLEAR * error, 1.0), (np.abs(mean) <= CLEAR * error, PALE)):
+        shown = np.ma.masked_where(~inside, mean)
+        mesh = axis.pcolormesh(*edges, shown.T, cmap="RdBu_r", vmin=-end, vmax=end, alpha=alpha)
+        if alpha == 1.0:
+            bar = figure.colorbar(mesh, ax=axis)
+            bar.set_label(one.label, fontsize=8)
+            bar.ax.tick_params(labelsize=7)
+
+
+def largest(one: Map) -> float:
+    """Return the largest mean of a cell that is more than noise, of any cell where none is."""
+    if len(one.x) < FEWEST or np.ptp(one.x) == 0.0 or np.ptp(one.y) == 0.0:
+        return 1e-9
+    _, mean, error = cells_of(one)
+    clear = np.abs(mean[np.abs(mean) > CLEAR * error])
+    found = clear if len(clear) else np.abs(mean[np.isfinite(mean)])
+    return max(float(found.max(initial=0.0)), 1e-9)
 
 
 def draw_horizon(curves: Sequence[HorizonCurve], floor: Array | None) -> str:
