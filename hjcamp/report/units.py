@@ -73,7 +73,7 @@ def estimate_texts(row: Mapping[str, Any], digits: int = 3) -> tuple[str, tuple[
     """
     factor, name = _unit_of(row)
     ends = row.get("ci95") or (None, None)
-    value: float = row.get("value", ends[1])
+    value = float(row["value"] if "value" in row else row["ci95"][1])
     if None in ends or not row.get("told", True):
         return plain(value * factor, digits), None, name
     low, high = (end * factor for end in ends)

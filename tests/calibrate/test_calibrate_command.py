@@ -12,10 +12,12 @@ from identification_logs import compliance_log, friction_log, leakage_log, step_
 from mcap.writer import CompressionType, Writer
 
 from hjcamp import cli
+from hjcamp.analyses.data import Data
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.setups import configuration_for
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.analyses.calibrating import identify_joint
 from hjcamp.plants.pump_joint.calibrate.configuration_file import model_text, write_configuration
 from hjcamp.plants.pump_joint.calibrate.estimate import Estimate, Finding
 from hjcamp.plants.pump_joint.calibrate.identify import Calibration, identify
@@ -157,3 +159,9 @@ def test_a_value_that_no_command_would_take_is_not_saved(empty_folder: Path) -> 
     with pytest.raises(UsageError, match=r"no model that could be used: model\.parameters\.viscous_positive is -3"):
         write_configuration("bench", found, reference, empty_folder / "conf", {})
     assert not (empty_folder / "conf").exists()
+
+
+def test_a_refusal_names_what_estimates_the_same_from_whole_tests(folder: Path) -> None:
+    write_log(folder / "one.mcap", friction_log(SPEEDS[0], seed=1))
+    with pytest.raises(UsageError, match=r"too few speeds.*: hjcamp diagnose one\.mcap estimates them from whole tests"):
+        identify_joint(Data([Path("one.mcap")]), "mine", {})

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hjcamp.analyses.data import Data
+from hjcamp.analyses.data import Data, joined
+from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.calibrate.identify import Calibration
@@ -29,14 +30,21 @@ def identify_joint(
     from hjcamp.configuration.saved_model import check_name
     from hjcamp.configuration.setups import configuration_for
     from hjcamp.plants.pump_joint.calibrate.configuration_file import write_configuration
-    from hjcamp.plants.pump_joint.calibrate.identify import identify
+    from hjcamp.plants.pump_joint.calibrate.identify import identify, one_rig
     from hjcamp.plants.pump_joint.calibrate.identify import only as select
     from hjcamp.records.find import refuse_unanalysed
 
     check_name(name, conf, replace)
     logs = select(data.logs, only)
     refuse_unanalysed(logs, "calibrate")
-    found = identify(logs, configuration_for)
+    one_rig(logs)
+    try:
+        found = identify(logs, configuration_for)
+    except UsageError as error:
+        raise UsageError(
+            f"{error}; here constants are read off parts of tests that are made for them: hjcamp diagnose {joined(data.paths)} "
+            "estimates them from whole tests of any motion ('calibrated first')"
+        ) from error
     origin = {"command": " ".join(["hjcamp calibrate", *map(str, data.paths), f"--as {name}"])}
     model, rig = write_configuration(name, found, configuration_for(tuple(found.hardware.items())), conf, origin)
     return Identified(found, model, rig)
@@ -44,8 +52,6 @@ def identify_joint(
 
 def pairs(lines: Sequence[str]) -> dict[str, str]:
     """Return KEY=VALUE lines of ``--only`` as a mapping."""
-    from hjcamp.errors import UsageError
-
     found = {}
     for line in lines:
         key, equals, value = line.partition("=")

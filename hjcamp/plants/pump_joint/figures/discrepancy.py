@@ -49,7 +49,7 @@ class Map(NamedTuple):
     x: Array
     y: Array
     values: Array
-    of_test: Array
+    of_test: NDArray[Any]
     x_label: str
     y_label: str
     label: str
