@@ -76,7 +76,7 @@ def estimate_texts(row: Mapping[str, Any], digits: int = 3) -> tuple[str, tuple[
     value = float(row["value"] if "value" in row else row["ci95"][1])
     if None in ends or not row.get("told", True):
         return plain(value * factor, digits), None, name
-    low, high = (end * factor for end in ends)
+    low, high = (float(end) * factor for end in row["ci95"])
     places = decimals_of(0.5 * abs(high - low), value * factor)
     texts = [plain(one, digits) if places is None else rounded(one, places) for one in (value * factor, low, high)]
     return texts[0], (texts[1], texts[2]), name
