@@ -38,6 +38,7 @@ class Case:
     picture: str
     caption: str
     map: str = "map.yaml"
+    verb: str = "diagnose"
 
 
 CASES = (
@@ -99,19 +100,22 @@ CASES = (
     Case(
         "specimen",
         "Another specimen",
-        "Two spindles of one kind: the second has a heavier rotor and a stiffer bearing. Nothing else is missing in either.",
-        "Constants that differ between the recordings are no missing effect. The answer says which differ, and by how much.",
-        "Diagnose each specimen by itself, or give the constants that differ in the metadata of the logs (`Parameter(given=)`).",
-        ("plain_1", "other_1"),
-        "worst_test.svg",
-        "The worst recording, with one set of constants for both.",
+        "A second spindle of the same kind: its rotor is heavier, its bearing stiffer than the file of equations says. Nothing is missing.",
+        "Constants that differ from machine to machine are no missing effect. With the file's own constants the error is many times the "
+        "noise; with those estimated here it is the noise, and nothing is left to explain.",
+        "`hjcamp calibrate LOGS --as NAME` keeps the constants of this specimen. Diagnose one specimen at a time: recordings of two "
+        "under one set of constants end in CANNOT TELL.",
+        ("other_1",),
+        "windows.svg",
+        "The windows that are predicted worst, with the file's constants and with those estimated here.",
+        verb="compare",
     ),
     Case(
         "wrong_log",
         "A log is wrong",
         "The spindle of *nothing is missing*, imported with the sign of the voltage turned round (`docs/gallery/wrong_sign.yaml`).",
-        "The constants run to their bounds, far from what is declared, and the answer says which. Whatever else it names is not to "
-        "be believed until the log is right.",
+        "The constants run to their bounds, far from what is declared, and the answer asks whether a sign or a unit is wrong. What it "
+        "names stands for that, and is not to be believed until the log is right.",
         "Look at the sign and the unit of what the answer points to, mend the map and import again.",
         ("plain_1",),
         "worst_test.svg",
@@ -131,7 +135,8 @@ which shares no code with `hjcamp`; each holds something else. `hjcamp tour --pl
 
 def command(case: Case) -> list[str]:
     """Return the words of the command of a case after ``hjcamp``."""
-    return ["diagnose", *(f"logs/{name}.mcap" for name in case.logs), "--effort", "quick"]
+    effort = ["--effort", "quick"] if case.verb == "diagnose" else []
+    return [case.verb, *(f"logs/{name}.mcap" for name in case.logs), *effort]
 
 
 def hjcamp(words: Sequence[str], folder: Path) -> str:
@@ -144,7 +149,7 @@ def hjcamp(words: Sequence[str], folder: Path) -> str:
 
 
 def run(case: Case, folder: Path) -> None:
-    """Import the recordings of a case and diagnose them in ``folder``; the answer is ``out.txt``, the page in ``diagnose``."""
+    """Import the recordings of a case and run its command in ``folder``; the answer is ``out.txt``, the page in a folder."""
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "plants").mkdir(parents=True)
     shutil.copyfile(TOUR / "plant.txt", folder / "plants" / "spindle.py")
@@ -171,7 +176,7 @@ def shown(text: str) -> str:
 def part_of(case: Case, folder: Path) -> str:
     """Return the part of the page for a case, and copy its picture."""
     picture = f"gallery_{case.name}.svg"
-    shutil.copyfile(folder / "diagnose" / case.picture, IMAGES / picture)
+    shutil.copyfile(folder / case.verb / case.picture, IMAGES / picture)
     data = ", ".join(f"`{name}.csv`" for name in case.logs)
     box = f"$ hjcamp {' '.join(command(case))}\n{shown((folder / 'out.txt').read_text(encoding='utf-8'))}"
     return (

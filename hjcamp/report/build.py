@@ -173,7 +173,11 @@ def _main_effects(
 
 
 def _as_printed(logs: Sequence[TestLog]) -> bool:
-    """Whether no test was simulated with another model than the published one."""
+    """Whether every test was simulated, and none with another model than the published one."""
+    from hjcamp.records.log import observed
+
+    if observed(logs) != "simulated":
+        return False
     models = (configuration(log.attachments.get("config.yaml", b"")).get("model") for log in logs)
     return all(not isinstance(one, dict) or one.get("name") in (None, "published") for one in models)
 
