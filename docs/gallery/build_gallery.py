@@ -100,9 +100,9 @@ CASES = (
     Case(
         "specimen",
         "Another specimen",
-        "A second spindle of the same kind: its rotor is heavier, its bearing stiffer than the file of equations says. Nothing is missing.",
-        "Constants that differ from machine to machine are no missing effect. With the file's own constants the error is many times the "
-        "noise; with those estimated here it is the noise, and nothing is left to explain.",
+        "A second spindle of the same kind: its rotor is heavier, its bearing stiffer than the file says. Nothing is missing.",
+        "Constants that differ from machine to machine are no missing effect. With the file's own constants the error is many times "
+        "the noise; with those estimated here it is the noise, and nothing is left to explain.",
         "`hjcamp calibrate LOGS --as NAME` keeps the constants of this specimen. Diagnose one specimen at a time: recordings of two "
         "under one set of constants end in CANNOT TELL.",
         ("other_1",),

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
+import resource
 import shutil
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 from hjcamp.storage import write_whole
@@ -41,7 +41,7 @@ TAIL = """
 *The overlay of step 4. The published model stays behind, because it believes in another friction and loses no water;
 the new one lies on the measurement.*
 
-The machine worked for {seconds:.0f} s in all, kernels compiled before. The sample logs and the sealed answer are made by
+It took {seconds:.0f} s of processor time in all, kernels compiled before. The sample logs and the sealed answer are made by
 `python tests/cli/make_tour_data.py`.
 """
 PLANT_HEAD = """\
@@ -60,7 +60,7 @@ crane, an oven or a pump the commands are the same: [a rig of your own](own_plan
 PLANT_TAIL = """
 ![The error on the recording that nothing was fitted to: published, spindle_model, noise floor](images/tour_plant_falls.svg)
 
-The machine worked for {seconds:.0f} s in all, on two cores that others used as well. The recordings are made by
+It took {seconds:.0f} s of processor time in all, kernels compiled before. The recordings are made by
 `python docs/gallery/make_logs.py`, which shares no code with `hjcamp`.
 """
 
@@ -84,9 +84,11 @@ def take(option: list[str], page: str, head: str, tail: str, pictures: dict[str,
         folder = Path(name).resolve()
         program = f"import sys; sys.path.insert(0, {str(ROOT)!r}); from hjcamp.cli import main; main()"
         call = [sys.executable, "-c", program, "tour", *option, "--yes"]
-        began = time.perf_counter()
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         answer = subprocess.run(call, cwd=folder, check=True, capture_output=True, text=True)
-        text = page_of(answer.stdout.replace(folder.as_uri(), "file:///..."), time.perf_counter() - began, head, tail)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        text = page_of(answer.stdout.replace(folder.as_uri(), "file:///..."), seconds, head, tail)
         for picture, place in pictures.items():
             shutil.copyfile(folder / picture, IMAGES / place)
     write_whole(ROOT / "docs" / page, text)
