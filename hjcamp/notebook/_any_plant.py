@@ -34,9 +34,9 @@ def compared(data: Data, names: Sequence[str], report: Report) -> tuple[Any, dic
 
 def comparison_sentences(found: Any) -> list[str]:
     """Return where the error of the last model is, in words."""
-    from hjcamp.commands.any_plant.words import FLOORS, notes_on
+    from hjcamp.commands.any_plant.words import floor_note, notes_on
 
-    return [f"{FLOORS[found.analysis.floor.source]}.", *notes_on(found)]
+    return [floor_note(found.analysis), *notes_on(found)]
 
 
 def comparison_drawn(found: Any) -> tuple[Any, ...]:

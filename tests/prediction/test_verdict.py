@@ -287,7 +287,7 @@ def test_an_error_far_above_noise_that_nothing_takes_is_not_called_nothing(tanks
     found, words = diagnosed(7.0, 700)
     assert (found["verdict"], found["effects"], found["floor"]["level_v"]["value"]) == ("cannot_tell", [], None)
     [lacking] = found["lacking"]
-    assert "times its noise, which is more than chance" in lacking and "29 windows" in lacking
+    assert "times its own noise (third differences), which is more than chance" in lacking and "29 windows" in lacking
     assert words.title == "CANNOT TELL" and lacking[1:] in words.sentences()[0]
     # long enough, and nothing hidden
     found, words = diagnosed(np.inf, 1600)
@@ -306,7 +306,8 @@ def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
     small = Words(words.analysis, verdict, {**words.content, "floor": {"level_v": {**row, "high": 0.15}}})
     assert small.title == "NOTHING NAMED  what is left is more than chance (p = 0.005)"
     words = Words(words.analysis, replace(verdict, p_value=0.5), {**words.content, "floor": {"level_v": {**row, "value": None}}})
-    assert "6 times its noise, though the library takes no more of it than chance (p = 0.5)" in " ".join(words.sentences())
+    said = " ".join(words.sentences())
+    assert "6 times its own noise (third differences), though the library takes no more of it than chance (p = 0.5)" in said
 
 
 def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -319,9 +320,9 @@ def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.Monk
 @pytest.mark.parametrize(
     ("augmented", "floor", "law_left", "said"),
     [
-        (0.8, 0.1, 0.0, "level errs by 0.8 V instead of 1 V, 8 times the noise"),
-        (0.5, 0.1, 0.0, "level still errs by 0.5 V, 5 times the noise"),
-        (0.5, 0.1, 0.2, "level still errs by 0.5 V, 5 times the noise."),  # why is said before
+        (0.8, 0.1, 0.0, "level errs by 0.8 V instead of 1 V, 8 times its own noise (third differences)"),
+        (0.5, 0.1, 0.0, "level still errs by 0.5 V, 5 times its own noise (third differences)"),
+        (0.5, 0.1, 0.2, "level still errs by 0.5 V, 5 times its own noise (third differences)."),  # why is said before
         (0.15, 0.1, 0.0, ""),
         (0.8, 0.7, 0.0, ""),
     ],
@@ -349,7 +350,8 @@ def test_that_alike_moments_differ_by_more_than_the_noise_is_said(source: str, e
     words = Words(SimpleNamespace(floor=SimpleNamespace(source=source)), SimpleNamespace(), content)  # type: ignore[arg-type]
     found = words._over_noise()
     assert bool(found) == said
-    assert not said or found[0].startswith("level errs by 0.3 V, 6 times its noise. Alike moments differ by 0.28 V: ")
+    begins = "level errs by 0.3 V, 6 times its own noise (third differences). Near-replicates differ by 0.28 V: "
+    assert not said or found[0].startswith(begins)
 
 
 def scored(name: str, left: float, law: str = "") -> Any:

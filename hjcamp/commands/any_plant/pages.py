@@ -69,7 +69,7 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
         )
     whole = words.content["whole_tests"]
     parts += [page.heading("Error"), page.table_of(said.CHANNELS, said.channel_table(words.content["channels"], whole))]
-    parts.append(page.note(f"{said.FLOORS[analysis.floor.source]}." + (f" {said.WHOLE_NOTE}" if whole else "")))
+    parts.append(page.note(said.floor_note(analysis) + (f" {said.WHOLE_NOTE}" if whole else "")))
     parts.append(page.picture("The worst windows", pictures["windows"]))
     parts += [
         page.heading("What is left in the residuals"),
@@ -78,7 +78,7 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
     ]
     if worst := words.content["worst"]:
         parts += [page.heading("Worst conditions"), page.table_of(*worst_table(worst))]
-    beside = words.content["calibration_with_effects"]
+    beside = words.fitted_with
     parts += [
         page.heading("Calibrated first"),
         page.table_of(said.calibrated(beside), said.calibration_table(words.content["calibration"], beside)),
@@ -126,7 +126,7 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
     anew = "with each test" if layout.memory else f"anew every {plain(layout.width * layout.measured.period)} s"
     parts = [
         page.table_of(head, rows),
-        page.note(f"Error {over_windows(analysis)}. {said.FLOORS[analysis.floor.source]}."),
+        page.note(f"Error {over_windows(analysis)}. {said.floor_note(analysis)}"),
         page.bullets(said.notes_on(found)),
         next_steps(following),
         *of_whole,

@@ -22,7 +22,6 @@ from hjcamp.commands.any_plant.plant_hints import plant_hints
 from hjcamp.commands.any_plant.telling_words import telling_tests
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
-    FLOORS,
     WHOLE_NOTE,
     bound_word,
     calibrated,
@@ -30,6 +29,7 @@ from hjcamp.commands.any_plant.words import (
     channel_table,
     end_words,
     ends_of_laws,
+    floor_note,
     held_by_bounds,
     late_inputs,
     other_sizes,
@@ -94,6 +94,12 @@ class Words:
         return chance_words(self.verdict.p_value, steps[0].gain, steps[0].chance[:orders])
 
     @property
+    def fitted_with(self) -> Mapping[str, Any]:
+        """The base as it was fitted with what was found: names, or the law whose curve is drawn for it."""
+        found: Mapping[str, Any] = self.content["calibration_with_effects"] or self.content["calibration_with_unknown"]
+        return found
+
+    @property
     def far_off(self) -> tuple[str, Mapping[str, Any]] | None:
         """The channel that errs most over its floor (its noise where none is known), where most of it is above that."""
         from hjcamp.prediction.levels import MOST_OF_IT
@@ -154,7 +160,8 @@ class Words:
         if verdict.word == "outside_library" and first:
             found.append(
                 f"{with_article(free_law(first), begins=True)}, of a form that no effect of the library has, predicts better: "
-                f"it leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.floor.source)}. Its curve is on the page."
+                f"it leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.floor.source)}. Its curve is on the page, "
+                "drawn for the parameters that the table has with what was found."
             )
             found += over_time_words(first, self.analysis.measured.repeated, verdict.p_value)
         if beside := self.content["follows_motion"]["beside_law"]:
@@ -165,7 +172,7 @@ class Words:
         if self.content["swings"]:
             found.append(swing_words(self.content["swings"]))
         if self.content["by_condition"]:
-            found += by_condition_words(self.content["by_condition"], error["augmented"])
+            found += by_condition_words(self.content["by_condition"], error["augmented" if verdict.effects else "baseline"])
         found += constant_words(self.content["constants"], error["baseline"])
         if verdict.follows:
             found.append(
@@ -218,7 +225,6 @@ class Words:
                     f"What is left is more than chance ({self.chance}): something may be there that is small, or "
                     "that the library does not describe."
                 )
-                found += self._over_noise()
             elif not verdict.swing and (verdict.p_value <= LEVEL or verdict.effects):
                 found.append(f"Chance: {self.chance} (circularly shifted residuals, whole library).")
             if verdict.word != "nothing_missing" and not verdict.swing:
@@ -249,7 +255,7 @@ class Words:
         rows = self.content["channels"]
         name = max(rows, key=lambda one: rows[one]["augmented"] / max(rows[one]["floor"], 1e-300))
         row = rows[name]
-        kind = "the noise" if self.analysis.floor.source == "sensor" else "the floor"
+        kind = "its own noise (third differences)" if self.analysis.floor.source == "sensor" else "the floor"
         if any(row["baseline"] - row["augmented"] >= MOST_OF_IT * (row["baseline"] - row["floor"]) for row in rows.values()):
             if row["floor"] >= (1.0 - MOST_OF_IT) * row["augmented"]:
                 return []
@@ -284,8 +290,8 @@ class Words:
             return []
         return [
             f"{channel_label(name)} errs by {told(errs[name], rows[name]['unit'])}, {errs[name] / rows[name]['low']:.2g} times its "
-            f"noise. Alike moments differ by {told(rows[name]['value'], rows[name]['unit'])}: that is scatter of the rig, or something "
-            "that no input tells. A repeated test would tell which."
+            f"own noise (third differences). Near-replicates differ by {told(rows[name]['value'], rows[name]['unit'])}: that is "
+            "scatter of the rig, or something that no log tells. A repeated test would tell which."
         ]
 
     def _remains(self, name: str, row: Mapping[str, Any]) -> str:
@@ -307,7 +313,7 @@ class Words:
         """What a channel still errs by, and how many times its floor or noise that is."""
         from hjcamp.report.exploration import channel_label
 
-        times = f"{row['high'] / _least(row):.2g} times its {'noise' if row['value'] is None else 'floor'}"
+        times = f"{row['high'] / _least(row):.2g} times its {'own noise (third differences)' if row['value'] is None else 'floor'}"
         return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}, {times}"
 
     def telling(self) -> list[str]:
@@ -384,7 +390,7 @@ def print_diagnosis(console: Console, words: Words) -> None:
 
     analysis = words.analysis
     print_head(console, analysis)
-    beside = words.content["calibration_with_effects"]
+    beside = words.fitted_with
     table(console, calibrated(beside), calibration_table(words.content["calibration"], beside))
     style = "yellow" if words.far_off and words.verdict.word == "nothing_missing" else STYLES.get(words.verdict.word, "yellow")
     console.print(words.title, style=style, markup=False, highlight=False)
@@ -395,5 +401,5 @@ def print_diagnosis(console: Console, words: Words) -> None:
     console.print(f"error   {over_windows(analysis)}", markup=False)
     whole = words.content["whole_tests"]
     table(console, CHANNELS, channel_table(words.content["channels"], whole))
-    print_wrapped(console, [FLOORS[analysis.floor.source] + ".", *([WHOLE_NOTE] if whole else [])], 8)
+    print_wrapped(console, [floor_note(analysis), *([WHOLE_NOTE] if whole else [])], 8)
     print_wrapped(console, words.worst(), 8, "worst")

@@ -30,6 +30,18 @@ FLOORS = {
 }
 
 
+def floor_note(analysis: Analysis) -> str:
+    """Return in words what the floor is; without repetitions with the sensors' own noise, which may be far below it."""
+    from hjcamp.prediction.answer import floor_rows
+    from hjcamp.report.exploration import channel_label
+
+    source = analysis.floor.source
+    if source != "near_replicates":
+        return f"{FLOORS[source]}."
+    noise = ", ".join(f"{channel_label(name)} {told(row['low'], row['unit'])}" for name, row in floor_rows(analysis).items())
+    return f"{FLOORS[source]}. The sensors' own noise in that part (third differences): {noise}."
+
+
 def channel_table(rows: Mapping[str, Mapping[str, Any]], whole: Mapping[str, Mapping[str, Any]] | None = None) -> list[list[str]]:
     """Rows of a channel's error: before, after, floor, with the unit; then those of ``whole`` tests, where they are looked at."""
     from hjcamp.report.exploration import channel_label
@@ -174,7 +186,7 @@ def print_comparison(console: Console, found: Comparison) -> None:
 
     print_head(console, found.analysis)
     table(console, *comparison_table(found))
-    print_wrapped(console, [FLOORS[found.analysis.floor.source] + "."], 8)
+    print_wrapped(console, [floor_note(found.analysis)], 8)
     print_wrapped(console, notes_on(found), 8)
     worse = [one.name for one in (*found.models, found.calibrated) if any(one.explained < 0.0)]
     if worse:

@@ -22,6 +22,11 @@ from hjcamp.prediction.selection.scored import Follows, Scored
 Array = NDArray[np.float64]
 
 
+def mean_squares(features: Array, sensors: int) -> Array:
+    """Return the mean squares (sensors,) of features (windows, d)."""
+    return np.asarray(np.mean(features**2, axis=0).reshape(sensors, -1).mean(axis=1))
+
+
 @dataclass
 class Claims(Fits):
     """Models that are held against each other; ``claims`` is the level of all that is claimed together.
@@ -92,7 +97,7 @@ class Claims(Fits):
 
     def squares(self, features: Array) -> Array:
         """Return the mean squares (sensors,) of features (windows, d), in units of the sensors' noise."""
-        return np.asarray(np.mean(features**2, axis=0).reshape(len(self.windows.layout.measured.sensors), -1).mean(axis=1))
+        return mean_squares(features, len(self.windows.layout.measured.sensors))
 
     def ruled_out(self, rival: Scored, model: Scored) -> bool:
         """Whether a model beats a rival, and the rival errs more (rms, on chapters left out) in some sensor.
@@ -100,7 +105,8 @@ class Claims(Fits):
         A rival that errs less in each loses by the scores alone: by windows whose starts it knows less well, such as those of a lag
         behind a sensor, which on a linear plant does the same as one of its drive.
         """
-        one, other = (self.squares(each.features) for each in (rival, model))
+        sensors = len(self.windows.layout.measured.sensors)
+        one, other = (mean_squares(each.features, sensors) for each in (rival, model))
         return self.beats(model, rival) and bool(np.any(one > other))
 
     def follows_motion(self, model: Scored) -> Follows:

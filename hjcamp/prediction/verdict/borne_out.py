@@ -35,11 +35,14 @@ def not_borne_out(analysis: Analysis, first: Step, free: Scored) -> str:
     )
 
 
-def not_in_windows(analysis: Analysis, first: Step) -> str:
-    """Return in words that an effect takes most of the error of whole short tests, where windows show nothing; else nothing."""
+def not_in_windows(analysis: Analysis, first: Step, free: Scored | None = None) -> str:
+    """Return in words that an effect takes most of the error of whole short tests, where windows show none; else nothing.
+
+    Nothing, too, where a ``free`` law that windows show takes as much there.
+    """
     named = list(first.named)
-    before, *left = _left(analysis, [analysis.base, *named])
-    if not min(left, default=before) < (1.0 - MOST_OF_IT) * before:
+    before, law, *left = _left(analysis, [analysis.base, free or analysis.base, *named])
+    if not min(left, default=before) < min((1.0 - MOST_OF_IT) * before, law):
         return ""
     least = int(np.argmin(left))
     return (

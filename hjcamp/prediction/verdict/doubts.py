@@ -12,34 +12,76 @@ from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.levels import LEVEL, MATTERS, MOST_OF_IT
 from hjcamp.prediction.residuals.simulated import ZERO
 from hjcamp.prediction.selection.analysis import Analysis
-from hjcamp.prediction.selection.scored import Scored
+from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.verdict.borne_out import names_not_borne_out, not_in_windows
+
+# After so many times its time constant 95 % of a start are forgotten.
+FORGOTTEN = 3.0
 
 
 def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
     """Return in words why "nothing is missing" cannot be said; empty where it can.
 
-    So it is where the base left what it may be, or an effect takes a share that matters but is not shown to remember; and where no
-    floor is known, all of the error is more than chance, and either most of what a sensor errs by is more than its noise, a delay of
+    So it is where the base left what it may be, or an effect takes a share that matters but is not shown to remember. Without
+    repetitions it is so where most of what a sensor errs by is more than its own noise, whatever near-replicates differ by: what no
+    log tells makes them differ. Where these tell nothing either, and all of the error is more than chance, it is so where a delay of
     the base stands at its most, or whole short tests show an effect.
     """
     if doubt := held_by_bounds(analysis) or _without_memory(analysis):
         return doubt
-    if analysis.floor.source != "sensor" or p_value > LEVEL:
+    if analysis.floor.source == "repetitions":
         return ""
-    nearest = _nearest(analysis)
-    if doubt := _late(analysis, p_value) or ("" if nearest else not_in_windows(analysis, analysis.search.steps[0])):
+    shown = p_value <= LEVEL
+    nearest, doubt = _nearest(analysis) if shown else "", ""
+    if shown and analysis.floor.source == "sensor":
+        doubt = _late(analysis, p_value) or ("" if nearest else not_in_windows(analysis, analysis.search.steps[0]))
+    if doubt:
         return doubt
     sensors = analysis.measured.sensors
     over = np.sqrt(np.mean(analysis.base.features.reshape(-1, len(sensors), analysis.windows.layout.basis.shape[1]) ** 2, axis=(0, 2)))
     worst = int(np.argmax(over))
     if over[worst] * (1.0 - MOST_OF_IT) <= 1.0:
         return ""
+    chance = "which is more than chance" if shown else "though the library takes no more of it than chance"
     return (
-        f"{sensors[worst].quantity.replace('_', ' ')} errs by {over[worst]:.2g} times its noise, which is more than chance "
-        f"(p = {p_value:.2g}), but no effect and no unknown is shown to take it{nearest}; "
-        f"{len(analysis.windows.starts)} windows do not tell what is scatter: repeat a test, or make longer ones"
+        f"{sensors[worst].quantity.replace('_', ' ')} errs by {over[worst]:.2g} times its own noise (third differences), {chance} "
+        f"(p = {p_value:.2g}), and no effect and no unknown is shown to take it{nearest}; without repetitions "
+        f"{len(analysis.windows.starts)} windows do not tell whether that is scatter or what no log tells: repeat a test"
     )
+
+
+def doubt_of_outside(analysis: Analysis, free: Scored | None, p_value: float) -> str:
+    """Return in words why no effect of the library may be ruled out; empty where it may.
+
+    So it is where the base stands at a bound, and still does with a ``free`` law that was found; where windows are few times as long
+    as an effect remembers that takes a share in them; and where an effect takes most of the error of whole tests, more than that law.
+    """
+    first, model = analysis.search.steps[0], free or analysis.base
+    stands = [one.name for one in intervals(model.fitted, analysis.search.chapters) if not one.effect and one.at_bound]
+    held = held_by_bounds(analysis) if free is None or set(analysis.held) & set(stands) else ""
+    return held or _late(analysis, p_value, model) or _too_short(analysis, first) or not_in_windows(analysis, first, free)
+
+
+def _too_short(analysis: Analysis, first: Step) -> str:
+    """Return in words that windows are few times as long as an effect remembers that takes a share that matters; else nothing.
+
+    In half of a window the start is to be forgotten, of which 5 % are left after three times.
+    """
+    search, layout = analysis.search, analysis.windows.layout
+    if layout.memory:
+        return ""
+    width = layout.width * layout.measured.period
+    for model in first.named:
+        [name] = model.beyond(first.before)
+        own, effect = model.fitted.candidate.effects[name], search.library[name]
+        longest = max((own[key] for key, item in effect.parameters.items() if item.unit == "s" and key in own), default=0.0)
+        share = search.error_ratio(model, first.before)
+        if effect.states and width < 2.0 * FORGOTTEN * longest and share <= 1.0 - MATTERS:
+            return (
+                f"{name} takes {100.0 * (1.0 - share):.0f} % of the error, but windows of {width:.2g} s are only {width / longest:.2g} "
+                f"times its {longest:.2g} s and do not tell it from other laws: make longer tests"
+            )
+    return ""
 
 
 def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> str:
@@ -86,9 +128,9 @@ def _without_memory(analysis: Analysis) -> str:
     return ""
 
 
-def _late(analysis: Analysis, p_value: float) -> str:
-    """Return in words which input's delay stands at the most that the base may have; empty where none does."""
-    for one in intervals(analysis.base.fitted, analysis.search.chapters):
+def _late(analysis: Analysis, p_value: float, model: Scored | None = None) -> str:
+    """Return in words which input's delay stands at the most that the base, or a model, may have; empty where none does."""
+    for one in intervals((model or analysis.base).fitted, analysis.search.chapters):
         if not one.effect and one.name.startswith(DELAY) and one.at_bound and one.value > 0.0:
             name = one.name.removeprefix(DELAY).replace("_", " ")
             return (

@@ -17,7 +17,7 @@ from hjcamp.prediction.selection.scored import Scored, Step
 from hjcamp.prediction.selection.width import longest_width
 from hjcamp.prediction.verdict.borne_out import not_borne_out
 from hjcamp.prediction.verdict.by_condition import Differs, differs_by_condition
-from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing, held_by_bounds
+from hjcamp.prediction.verdict.doubts import doubt_of_names, doubt_of_nothing, doubt_of_outside, held_by_bounds
 from hjcamp.prediction.verdict.free_laws import forms_of, further_law, simpler
 from hjcamp.prediction.verdict.given_constants import Constant, constants_otherwise
 from hjcamp.prediction.verdict.rivals import confidence_set, ruled_out, taken
@@ -236,6 +236,9 @@ def _doubted(analysis: Analysis, verdict: Verdict) -> Verdict:
     """Return that these tests cannot tell, where something speaks against what would be said."""
     if verdict.word == NOTHING:
         doubt = doubt_of_nothing(analysis, verdict.p_value)
+    elif verdict.word == OUTSIDE:
+        # what swings by itself does so beside whatever base
+        doubt = "" if verdict.swing else doubt_of_outside(analysis, verdict.unknown, verdict.p_value)
     else:
         doubt = doubt_of_names(analysis, verdict.model, verdict.effects)
     if not doubt:
