@@ -80,7 +80,7 @@ def escape_latex(text: str) -> str:
 
 def escape_markdown(text: str) -> str:
     """Return ``text`` for a line or a cell of Markdown: no HTML, no link, picture or code of its own."""
-    plain = visible(text.replace("\n", " ").replace("\r", " "))
+    plain = visible(re.sub(r"\s", " ", text))
     return "".join(IN_MARKDOWN.get(character, character) for character in plain)
 
 

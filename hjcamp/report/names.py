@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from hjcamp.errors import visible
 from hjcamp.model.field_unit import FIELD_UNITS
 
 WORDS = {
@@ -20,7 +21,8 @@ def readable(name: str) -> str:
 
     ``sine_0p5hz__ffwd_pid/2`` is "sine 0.5 Hz, feedforward PID/2", ``frequency_hz=0.5__none`` is "frequency 0.5 Hz, none".
     """
-    condition, slash, repetition = name.partition("/")
+    # a dollar begins a formula where it is drawn
+    condition, slash, repetition = visible(name).replace("$", r"\$").partition("/")
     return ", ".join(map(_part, condition.split("__"))) + slash + repetition
 
 

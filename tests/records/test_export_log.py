@@ -13,7 +13,10 @@ from mcap.reader import make_reader
 from scipy.io import loadmat
 
 from hjcamp import cli
+from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
+from hjcamp.records.read import read_log
+from hjcamp.records.views.exporting import export_logs
 from hjcamp.records.write import write_log
 
 
@@ -83,3 +86,12 @@ def test_what_cannot_be_exported_leaves_nothing(logs: dict[str, TestLog], capsys
     assert [path.name for path in Path("out").iterdir()] == ["ramp__1.npz"] and Path(
         "out/ramp__1.npz"
     ).read_bytes() == b"mine"
+
+
+def test_a_damaged_log_among_others_says_what_is_whole(tmp_path: Path) -> None:
+    for name in "abcd":
+        write_log(tmp_path / f"{name}.mcap", make_log(samples=50))
+    (tmp_path / "c.mcap").write_bytes((tmp_path / "c.mcap").read_bytes()[:-40])
+    with pytest.raises(UsageError, match=r"c\.mcap.*; 2 tables of 4 logs before it, in .*out, are whole"):
+        export_logs(sorted(tmp_path.glob("*.mcap")), read_log, "csv", tmp_path / "out")
+    assert sorted(one.name for one in (tmp_path / "out").iterdir()) == ["a.csv", "a.json", "b.csv", "b.json"]

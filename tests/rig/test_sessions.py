@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -12,12 +13,14 @@ from nidaqmx._stubs import nidaqmx_pb2 as messages
 from nidaqmx._stubs.nidaqmx_pb2_grpc import NiDAQmxStub
 from session_pb2 import Session
 
+from hjcamp.errors import HjcampError
 from hjcamp.plants.pump_joint.rig.connection import Connection
 from hjcamp.plants.pump_joint.rig.tasks import RigTasks
 from hjcamp.plants.pump_joint.rig.wiring import read_wiring
+from hjcamp.plants.pump_joint.virtual_rig.bench import handle
 from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 from hjcamp.plants.pump_joint.virtual_rig.server import start_server
-from hjcamp.plants.pump_joint.virtual_rig.sessions import RESERVED, DeviceError, Tasks
+from hjcamp.plants.pump_joint.virtual_rig.sessions import MOST_TASKS, RESERVED, DeviceError, Tasks
 
 
 @pytest.fixture
@@ -63,3 +66,31 @@ def test_a_refusal_does_not_give_a_session_away() -> None:
     assert caught.value.code == RESERVED
     assert task.session not in str(caught.value)
     assert len({tasks.create("").session for _ in range(20)}) == 20
+
+
+def test_names_and_tasks_are_bounded() -> None:
+    tasks = Tasks()
+    with pytest.raises(DeviceError, match="and no more"):
+        tasks.create("x" * 1_000_000)
+    for number in range(MOST_TASKS):
+        tasks.create(f"task {number}")
+    with pytest.raises(DeviceError, match="keeps 64 tasks"):
+        tasks.create("")
+    tasks.clear("task 0")
+    tasks.create("")
+
+
+def test_who_only_makes_tasks_keeps_nobody_out(compose: Any, served: tuple[int, VirtualDevice]) -> None:
+    port, device = served
+    with grpc.insecure_channel(f"localhost:{port}") as channel:
+        stub = NiDAQmxStub(channel)
+        for number in range(3):
+            stub.CreateTask(messages.CreateTaskRequest(session_name=f"stranger {number}"))
+    device.arrange(compose(), 1, "me")
+    with pytest.raises(HjcampError, match="another client is at work"):
+        device.arrange(compose(), 1, "another")
+
+
+@pytest.mark.parametrize("request_", [b"[" * 5_000, b'{"config": {}, "seed": 1e999}', b'{"config": [], "seed": 1}', b"[]", b"1"])
+def test_what_cannot_be_arranged_is_refused(request_: bytes) -> None:
+    assert "error" in json.loads(handle(VirtualDevice(), request_))

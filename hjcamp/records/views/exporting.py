@@ -12,7 +12,7 @@ from typing import IO
 
 import numpy as np
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.model.field_unit import unit_of_field
 from hjcamp.records.log import TestLog
 from hjcamp.storage import check_place, whole_file
@@ -80,8 +80,12 @@ def export_logs(logs: Sequence[Path], read: Callable[[Path], TestLog], kind: str
     for target in targets:
         if target.exists():
             raise UsageError(f"{target} exists; it is left as it is. Give another folder (--into)")
-    for path, target in zip(logs, targets, strict=True):
-        log = read(path)
+    for done, (path, target) in enumerate(zip(logs, targets, strict=True)):
+        try:
+            log = read(path)
+        except UsageError as fault:
+            whole = f"; {counted(done, 'table')} of {len(logs)} logs before it, in {folder}, {'is' if done == 1 else 'are'} whole"
+            raise UsageError(f"{fault}{whole if done else ''}") from fault
         with whole_file(target) as stream:
             FORMATS[kind](log, stream)
         if kind == "csv":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -99,6 +100,11 @@ def write_figure(
     return files
 
 
+def drawn(name: str) -> str:
+    """Return the name of a condition as a figure shows it: a pgf figure is read by LaTeX."""
+    return re.sub(r"[\\{}^~%#&$]", " ", readable(name))
+
+
 def means_painter(conditions: Sequence[str], indicators: Sequence[str], kinds: Sequence[Dots]) -> Callable[[Any], None]:
     """Return what paints mean and deviation of every condition, two panels beside each other."""
 
@@ -124,7 +130,7 @@ def means_painter(conditions: Sequence[str], indicators: Sequence[str], kinds: S
             panel.set_xlabel(TITLES.get(indicator, readable(indicator)))
             panel.grid(True, axis="x", color=GRID, linewidth=0.4)
             panel.set_axisbelow(True)
-        panels[0, 0].set_yticks(range(len(conditions)), [readable(name) for name in conditions])
+        panels[0, 0].set_yticks(range(len(conditions)), [drawn(name) for name in conditions])
         panels[0, 0].set_ylim(len(conditions) - 0.4, -0.6)
         if len(kinds) > 1:
             figure.legend(

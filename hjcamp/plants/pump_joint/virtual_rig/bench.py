@@ -28,7 +28,7 @@ def handle(device: VirtualDevice, request: bytes) -> bytes:
             device.arrange(asked["config"], int(asked["seed"]), str(asked.get("owner", "")))
     except HjcampError as error:
         return as_bytes({"error": str(error)})
-    except (KeyError, ValueError, TypeError) as error:
+    except (KeyError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
         return as_bytes({"error": f"cannot arrange this: {type(error).__name__}: {error}"})
     return as_bytes({})
 

@@ -103,6 +103,7 @@ class VirtualDevice:
         wiring, plant = read_wiring(config), VirtualPlant(config, seed, self.hidden)
         with self.lock:
             self.owner = owner
+            self._last_call = time.monotonic()
             self.tasks = Tasks()
             self._clear()
             self.tests += 1

@@ -34,7 +34,8 @@ def call(method: Callable[..., Any]) -> Callable[..., Any]:
             if not context.is_active():
                 # Its client has given it up: what it asked for may be the opposite of what is right by now.
                 return context.abort(grpc.StatusCode.CANCELLED, "the call was given up")
-            self.device.called()
+            if self.device.tasks.holds(getattr(getattr(request, "task", None), "name", "")):
+                self.device.called()
             self.device.catch_up()
             try:
                 return method(self, request, context)

@@ -11,6 +11,8 @@ NO_SUCH_TASK = -200088
 NO_SUCH_CHANNEL = -200170
 NOT_RUNNING = -200983
 DUPLICATE_NAME = -200089
+NO_ROOM = -50352
+MOST_TASKS, LONGEST_NAME = 64, 256
 
 
 class DeviceError(Exception):
@@ -47,6 +49,8 @@ class Tasks:
 
     def create(self, name: str) -> Task:
         """Add a task; without a name it gets one."""
+        if len(self._tasks) >= MOST_TASKS or len(name) > LONGEST_NAME:
+            raise DeviceError(NO_ROOM, f"The device keeps {MOST_TASKS} tasks, with names of {LONGEST_NAME} letters, and no more.")
         if name in self._tasks:
             raise DeviceError(DUPLICATE_NAME, f"Specified task name '{name}' conflicts with an existing task name.")
         task = Task(name, name) if name else Task(f"_unnamedTask<{next(self._numbers)}>", uuid.uuid4().hex)
@@ -58,6 +62,10 @@ class Tasks:
         if session not in self._tasks:
             raise DeviceError(NO_SUCH_TASK, "Task specified is invalid or does not exist.")
         return self._tasks[session]
+
+    def holds(self, session: str) -> bool:
+        """Return whether the task of that session is there and has a terminal: who only asks or names is not at work."""
+        return bool(session in self._tasks and self._tasks[session].channels)
 
     def clear(self, session: str) -> Task:
         """Remove a task and give its terminals free."""

@@ -1,0 +1,74 @@
+"""Closed streams, a language without letters, and files of the user's that fail in odd ways: one sentence, the right code."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hjcamp.configuration.composer import Composer
+from hjcamp.errors import UsageError
+from hjcamp.model.user_file import load_module
+
+HJCAMP = [sys.executable, "-m", "hjcamp"]
+RUN = ["run", "campaign=controllers", "conditions=ramp_pos__pid", "repetitions=1", "workers=1"]
+
+
+def called(words: list[str], closed: str = "", **environment: str) -> subprocess.CompletedProcess[str]:
+    """Return what a call of the installed program gave, with the streams of some numbers closed before it begins."""
+    shell = f'exec "$@" {" ".join(f"{number}>&-" for number in closed)}'
+    given = {**os.environ, **environment}
+    text = {"text": True, "encoding": "utf-8", "errors": "replace"}
+    return subprocess.run(["sh", "-c", shell, "sh", *HJCAMP, *words], env=given, capture_output=True, timeout=300, **text)
+
+
+@pytest.mark.parametrize("closed", ["1", "012"])
+@pytest.mark.parametrize(("words", "code"), [(["explain", "floor"], 0), (["nosuch"], 2), (["plan", "x=1"], 2)])
+def test_a_stream_that_is_closed_changes_no_answer(empty_folder: Path, words: list[str], code: int, closed: str) -> None:
+    done = called(words, closed)
+    assert done.returncode == code
+    assert "Traceback" not in done.stdout + done.stderr and not list(empty_folder.iterdir())
+    if "2" not in closed:
+        assert len(done.stderr.splitlines()) == (code != 0)
+
+
+def test_a_run_without_streams_is_whole(empty_folder: Path) -> None:
+    assert called([*RUN, "run_dir=one"], "12").returncode == 0
+    [log] = Path("one").rglob("*.mcap")
+    assert b"hjcamp:" not in log.read_bytes() and called(["log", "verify", "one"]).returncode == 0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows names files in Unicode")
+@pytest.mark.parametrize(
+    "locale", [{"LC_ALL": "C"}, pytest.param({"LC_ALL": "C.UTF-8", "PYTHONIOENCODING": "latin-1"}, marks=pytest.mark.study)]
+)
+def test_a_language_without_letters_is_no_hindrance(empty_folder: Path, locale: dict[str, str]) -> None:
+    done = called([*RUN, "run_dir='r ä'"], PYTHONUTF8="0", PYTHONCOERCECLOCALE="0", **locale)
+    assert done.returncode == 0, done.stderr
+    assert [one.name for one in empty_folder.iterdir()] == ["r ä"] and len(list(Path("r ä").rglob("*.mcap"))) == 1
+
+
+FAILS = "class Mute(Exception):\n    def __str__(self):\n        raise ValueError('no text')\n\n    __repr__ = __str__\n\n\n"
+
+
+RAISED = ["raise Mute", "raise SystemExit(Mute())", "raise RuntimeError from Mute()", "raise TypeError(Mute())"]
+
+
+@pytest.mark.parametrize("raised", RAISED)
+def test_an_exception_that_cannot_say_itself_is_one_sentence(empty_folder: Path, raised: str) -> None:
+    (empty_folder / "effects").mkdir()
+    (empty_folder / "effects" / "mine.py").write_text(f"{FAILS}{raised}\n")
+    with pytest.raises(UsageError, match=r"effects/mine\.py: line 8: ") as told:
+        load_module(Path("effects/mine.py"))
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("group", ["controller", "trajectory"])
+def test_a_choice_that_puts_itself_elsewhere_is_named(empty_folder: Path, group: str) -> None:
+    (empty_folder / "conf" / group).mkdir(parents=True)
+    (empty_folder / "conf" / group / "mine.yaml").write_text("# @package _global_\na: 1\n")
+    with pytest.raises(UsageError, match=f"{group}=mine: this choice gives no '{group}'"):
+        Composer().compose([f"{group}=mine"])
