@@ -70,9 +70,37 @@ def test_kernels_are_cached_where_they_are_kept_and_the_page_is_uploaded() -> No
     assert sum("run/report.html" in one for one in uploads) == len(workflows()) and "site/html" in uploads
 
 
+@pytest.mark.parametrize("accepted", [False, True])
+@pytest.mark.parametrize("branch", ["main", "topic"])
+@pytest.mark.parametrize("check_passes", [True, False])
+def test_the_baseline_is_renewed_by_a_check_that_passes_or_by_who_accepts(
+    check_passes: bool, branch: str, accepted: bool
+) -> None:
+    flow = next(content for name, content in workflows().items() if name.startswith("docs/ci.md"))
+    assert flow["env"]["ACCEPT"] == "${{ inputs.accept || contains(github.event.head_commit.message, 'Accept-baseline') }}"
+    fine, renewed = True, False
+    for step in flow["jobs"]["campaign"]["steps"]:
+        # a step without always() runs where all before it passed
+        condition = step.get("if", "")
+        if ("always()" not in condition and not fine) or ("refs/heads/main" in condition and branch != "main"):
+            continue
+        renewed |= "cp -r run baseline" in step.get("run", "") and "rm -r" in step["run"]
+        if "--check" in step.get("run", ""):
+            assert step["continue-on-error"] == "${{ env.ACCEPT == 'true' }}"
+            fine = check_passes or accepted
+        if "summary.md" in step.get("run", "") and "--check" not in step["run"]:
+            assert "hashFiles('summary.md')" in condition
+    assert renewed is (branch == "main" and (check_passes or accepted))
+    assert fine is (check_passes or accepted)
+
+
 def test_what_the_steps_call_is_there() -> None:
     lines = [line for _, step in steps() for line in re.split(r"\n|&&", step.get("run", ""))]
+    page = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
+    other = [yaml.safe_load(text) for text in re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)]
+    lines += [line for flow in other for job in flow.values() if isinstance(job, dict) for line in job.get("script", [])]
     called = [shlex.split(line) for line in lines if line.strip()]
+    assert sum(words[0] == "hjcamp" and "--against" in words for words in called) == 2
     assert called
     for words in called:
         if words[0] == "hjcamp":
