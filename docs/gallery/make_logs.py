@@ -14,6 +14,7 @@ from pathlib import Path
 HERE = Path(__file__).parent
 TOUR = HERE.parents[1] / "hjcamp" / "plants" / "pump_joint" / "tour" / "spindle"
 PERIOD, SMALL = 0.01, 50
+FINE = 1000  # where nothing hides: what 50 steps a sample miss where the speed turns round would be seen
 GAIN = 0.02  # N m / V
 RPM = 60.0 / (2.0 * math.pi)
 SPINDLE = {"inertia": 3.2e-4, "coulomb": 0.012, "viscous": 2.2e-4}
@@ -55,11 +56,11 @@ def turned_round(rows: int) -> list[float]:
 
 
 def record(
-    path: Path, volts: Sequence[float], seed: int, law: Law = nothing, *, noise: float = 0.3,
+    path: Path, volts: Sequence[float], seed: int, law: Law = nothing, *, noise: float = 0.3, small: int = SMALL,
     inertia: float, coulomb: float, viscous: float,
 ) -> None:  # fmt: skip
     """Write one recording: time (ms), speed (rpm) with noise (rpm), voltage (V)."""
-    drawn, speed, h = random.Random(1000 + seed), 0.0, PERIOD / SMALL
+    drawn, speed, h = random.Random(1000 + seed), 0.0, PERIOD / small
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
@@ -67,7 +68,7 @@ def record(
         for row, voltage in enumerate(volts):
             writer.writerow([round(1e3 * PERIOD * row), f"{speed * RPM + drawn.gauss(0.0, noise):.1f}", f"{voltage:.2f}"])
             torque = GAIN * float(f"{voltage:.2f}")
-            for _ in range(SMALL):
+            for _ in range(small):
                 push = torque + law(speed) - viscous * speed
                 if speed == 0.0 and abs(push) <= coulomb:
                     continue
@@ -85,7 +86,7 @@ def main() -> None:
         ("other", nothing, OTHER_SPINDLE, (8,)),
     ):
         for number, seed in enumerate(seeds, start=1):
-            record(HERE / f"{name}_{number}.csv", steps(seed, 1500), seed, law, **spindle)
+            record(HERE / f"{name}_{number}.csv", steps(seed, 1500), seed, law, small=FINE if name == "plain" else SMALL, **spindle)
     record(HERE / "short.csv", steps(9, 300), 9, drag, **SPINDLE)
     record(HERE / "turns.csv", turned_round(1500), 10, pull, noise=3.0, **SPINDLE)
 
