@@ -39,9 +39,9 @@ def effects(
     ] = None,
     figure: Annotated[
         Path | None,
-        typer.Option("--figure", help="Where the picture goes (png, svg, pdf); effect_NAME.png if not given."),
+        typer.Option("--figure", help="Draw tests without and with the effect into this file (png, svg, pdf)."),
     ] = None,
-    no_figure: Annotated[bool, typer.Option("--no-figure", help="No picture.")] = False,
+    no_figure: Annotated[bool, typer.Option("--no-figure", hidden=True)] = False,
     plant: Annotated[
         str, typer.Option(help=f"Which plant's effects; {DEFAULT} if not given.", show_default=False)
     ] = "",
@@ -62,7 +62,7 @@ def effects(
     ] = None,
     json: AnswerFile = None,
 ) -> None:
-    """Show the effect library, or one effect with a picture; write and test an effect of one's own."""
+    """Show the effect library, or one effect, with --figure in a picture; write and test an effect of one's own."""
     from hjcamp.commands._session import check_answer_file, write_answer
 
     if on and (words or [])[:1] != ["new"]:
@@ -89,15 +89,18 @@ def effects(
             from hjcamp.known_plants import plant_called
 
             own = plant_called(plant or DEFAULT).room_of("effects")
-            pictured = not no_figure and is_pictured(name, plant or DEFAULT)
-            if not pictured and (figure or overrides) and not no_figure:
+            pictured, asked = is_pictured(name, plant or DEFAULT), bool(figure or overrides) and not no_figure
+            if asked and not pictured:
                 raise UsageError(f"effect {name}: pictures are of tests of {DEFAULT}; leave out --figure and overrides")
-            config = own.configured(overrides) if own and pictured else None
+            config = own.configured(overrides) if own and asked else None
             path = figure or Path(f"effect_{name}.png")
-            check_picture(path)
+            if asked:
+                check_picture(path)
             write_answer(json, show_effect(name, plant))
             if own and config is not None:
                 own.draw(name, config, path)
+            elif pictured and not no_figure:
+                print(f"  picture  hjcamp effects {name} --figure {path}")
 
 
 def write_catalogue(folder: Path) -> None:

@@ -26,7 +26,7 @@ def history(
     ],
     over: Annotated[str, typer.Option(help="commits (the newest run of each) or runs.")] = "commits",
     folder: Annotated[Path | None, typer.Option(help="Where to look; runs and multirun by default.")] = None,
-    figure: Annotated[Path, typer.Option(help="Where the picture goes (png, svg, pdf).")] = Path("history.png"),
+    figure: Annotated[Path | None, typer.Option(help="Draw it into this file (png, svg, pdf).")] = None,
     json: AnswerFile = None,
 ) -> None:
     """An indicator of a campaign over commits or runs: a table, a figure, and where it changed.
@@ -46,7 +46,8 @@ def history(
     if folder is not None and not folder.is_dir():
         raise UsageError(f"--folder {shown_path(folder)}: there is no such folder")
     filters, indicator = read_words(words)
-    check_picture(figure)
+    if figure is not None:
+        check_picture(figure)
     check_answer_file(json)
     runs = find_runs([folder] if folder else FOLDERS, filters)
     if not runs:
@@ -80,5 +81,6 @@ def history(
         console.print(f"  {none} no report: {', '.join(without[:3])}", markup=False, soft_wrap=True)
     labels = [row["commit"] if over == "commits" and row["commit"] else row["started"][:16] for row in rows]
     title = " ".join(filters)
-    draw_history(figure, f"{title}: {indicator}", indicator, rows, labels)
-    console.print(f"  picture  {figure}", markup=False, soft_wrap=True)
+    if figure is not None:
+        draw_history(figure, f"{title}: {indicator}", indicator, rows, labels)
+        console.print(f"  picture  {figure}", markup=False, soft_wrap=True)

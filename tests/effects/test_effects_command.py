@@ -74,9 +74,11 @@ def test_the_catalogue_names_every_effect(empty_folder: Path, capsys: pytest.Cap
 def test_one_effect_shows_equation_parameters_and_source(
     empty_folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    code, out, _ = answer(capsys, "cross_leakage", "--no-figure")
+    code, out, _ = answer(capsys, "cross_leakage")
     assert code == 0
     assert "q_{12} = G" in out and "m^3/(s*Pa)" in out and "Merritt" in out and "0 ... 1e-11" in out
+    # a picture is written where it is asked for alone
+    assert "hjcamp effects cross_leakage --figure effect_cross_leakage.png" in out
     assert not list(empty_folder.iterdir())
 
 
