@@ -55,8 +55,8 @@ $explorer
 <h2 id="tables">Tables</h2>
 $tables
 <h2 id="pictures">Conditions</h2>
-<p class="soft">Lines are means over the repetitions, bands run from the lowest to the highest of them,
-and of the samples that one point stands for.</p>
+<p class="soft">Lines are means over the repetitions where these move together; where they do not, one repetition is bold and the
+others are thin. Bands run from the lowest to the highest of them, and of the samples that one point stands for.</p>
 <nav>
 $links
 </nav>

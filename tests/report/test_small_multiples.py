@@ -53,3 +53,20 @@ def test_names_are_words_and_what_was_simulated_is_called_so() -> None:
 
 def test_one_test_that_swings_fast_has_its_range_in_the_large_picture() -> None:
     assert sine(66.667).banded and not sine(1.0).banded
+
+
+@pytest.mark.parametrize(("phase", "aligned"), [(0.0, True), (0.1, True), (2.0, False)])
+def test_a_mean_is_drawn_where_repetitions_align_and_one_of_them_where_they_do_not(phase: float, aligned: bool) -> None:
+    time = np.linspace(0.0, 4.0, 4000)
+    courses = [np.sin(6.0 * time + phase * k) for k in range(5)]
+    wanted = np.zeros(len(time))
+    logs = [TestLog({"time_s": time, "phase": np.full(len(time), 3.0), "arm_deg": one, "reference_deg": wanted}, {}) for one in courses]
+    found = gather("hunts", logs)
+    bold, others = found.lines("arm_deg")
+    assert found.aligned is aligned and len(others) == (0 if aligned else 4)
+    expected = np.mean(courses, axis=0) if aligned else courses[0]
+    assert bold == pytest.approx(np.interp(found.time, time, expected), abs=0.02)
+    # what was wanted is the same in all, and one line
+    assert found.lines("reference_deg")[1] == ()
+    drawn = draw_condition(found)
+    assert drawn.count("stroke-width: 0.4") >= (0 if aligned else 4) and ("stroke-width: 0.4" in drawn) is not aligned

@@ -18,6 +18,8 @@ from hjcamp.report.units import label
 from hjcamp.storage import whole_file
 
 FORMATS = ("pdf", "svg", "pgf")
+#: Name of the figure of all means.
+MEANS = "means"
 #: What measures the text of a pgf figure.
 LATEX = "pdflatex"
 NARROWEST_MM, WIDEST_MM = 40.0, 400.0
@@ -140,14 +142,39 @@ def means_painter(conditions: Sequence[str], indicators: Sequence[str], kinds: S
     return paint
 
 
+def means_caption(indicators: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return what the figure of means shows, and of how many tests."""
+    numbers = sorted({int(row["n"]) for row in rows})
+    tests = f"n = {numbers[0]}" if len(numbers) == 1 else f"n = {numbers[0]} to {numbers[-1]}"
+    shown = ", ".join(TITLES.get(name, readable(name)).removesuffix(" (deg)") for name in indicators)
+    return f"{shown} of every condition: mean and sample standard deviation of the tests ({tests}), with published values if any."
+
+
+def course_caption(condition: Condition) -> str:
+    """Return what the course of a condition shows: of how many tests, and whether a mean or one of them is drawn."""
+    tests = f"n = {condition.tests}"
+    if condition.tests < 2:
+        return f"{readable(condition.name)}: reference, {label(FOLLOWED)} and error of one test."
+    if condition.aligned:
+        return f"{readable(condition.name)}: reference, {label(FOLLOWED)} and error, mean and range of the tests ({tests})."
+    return (
+        f"{readable(condition.name)}: reference, {label(FOLLOWED)} and error, one test in bold, others thin, range of all ({tests}); "
+        "the tests do not move in phase, so no mean is drawn."
+    )
+
+
 def course_painter(condition: Condition) -> Callable[[Any], None]:
-    """Return what paints reference, mean and range of what follows it, and the error below."""
+    """Return what paints reference, mean (one repetition where they do not align) and range of what follows it, and the error below."""
 
     def paint(figure: Any) -> None:
         top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1.0])
         for panel, signal, text in ((top, FOLLOWED, f"{label(FOLLOWED)} ({UNIT})"), (bottom, ERROR, f"error ({UNIT})")):
             spread = condition.signals[signal]
-            panel.plot(condition.time, spread.mean, color=BLUE, label="mean")
+            bold, others = condition.lines(signal)
+            for number, one in enumerate(others):
+                thin = {"label": f"{len(others)} others"} if number == 0 else {}
+                panel.plot(condition.time, one, color=BLUE, linewidth=0.35, alpha=0.6, **thin)
+            panel.plot(condition.time, bold, color=BLUE, label="one repetition" if others else "mean")
             if condition.tests > 1:
                 panel.fill_between(
                     condition.time, spread.lowest, spread.highest, color=BLUE, alpha=0.25, linewidth=0.0, label="range"

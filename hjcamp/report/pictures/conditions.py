@@ -87,7 +87,7 @@ def own_settings(settings: Mapping[str, Any] = SETTINGS) -> Iterator[None]:
 
 
 def draw_condition(condition: Condition) -> str:
-    """Return the picture of one condition as SVG text: mean as a line, range of the repetitions as a band."""
+    """Return the picture of one condition as SVG text: lines as `Condition.lines` says, range of the repetitions as a band."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     with own_settings(SETTINGS | {"svg.hashsalt": condition.name}):
@@ -110,6 +110,7 @@ class Frame:
         self.figure.patch.set_visible(False)
         self._lines: dict[str, Any] = {}
         self._bands: dict[str, Any] = {}
+        self._others: dict[str, list[Any]] = {}
         known = panels_known()
         panels = [panel for panel in known.PANELS if any(curve.signal in signals for curve in panel.curves)]
         panels += panels_by_unit([name for name in signals if name not in known.SIGNALS])
@@ -135,6 +136,7 @@ class Frame:
             (line,) = axes.plot([], [], color=curve.colour, linewidth=1.2, linestyle=style,
                                 label=curve.label.format(observed=self._observed))  # fmt: skip
             self._lines[curve.signal] = line
+            self._others[curve.signal] = []
 
     def show(self, condition: Condition) -> None:
         """Fill the panels with one condition."""
@@ -145,7 +147,13 @@ class Frame:
             axes.dataLim.set(Bbox.null())
         for name, line in self._lines.items():
             spread = condition.signals[name]
-            line.set_data(time, spread.mean)
+            bold, others = condition.lines(name)
+            line.set_data(time, bold)
+            for one in self._others[name]:
+                one.remove()
+            self._others[name] = [
+                line.axes.plot(time, one, color=line.get_color(), linewidth=0.4, alpha=0.6, zorder=1.5)[0] for one in others
+            ]
             line.axes.update_datalim(line.get_xydata())
             if name in self._bands:
                 # As fill_between makes it: along the lower edge, back along the upper one.

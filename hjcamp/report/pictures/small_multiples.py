@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from html import escape
 
 import numpy as np
@@ -29,7 +30,11 @@ def small_multiples(conditions: Sequence[Condition], anchors: Mapping[str, str],
 
 def _small(condition: Condition, anchor: str, said: str) -> str:
     names = [name for name in (WANTED, FOLLOWED) if name in condition.signals] or list(condition.signals)[:1]
-    curves = {name: condition.signals[name] for name in names if len(condition.signals[name].mean)}
+    curves = {
+        name: replace(one, mean=condition.lines(name)[0], single=())
+        for name in names
+        if len((one := condition.signals[name]).mean)
+    }
     ends = [float(end) for one in curves.values() for end in (one.lowest.min(), one.highest.max())]
     low, high = (min(ends), max(ends)) if ends else (0.0, 1.0)
     lines = "".join(drawn(one, low, high, "wanted" if name == WANTED else "seen") for name, one in curves.items())
