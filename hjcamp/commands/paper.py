@@ -30,6 +30,9 @@ def paper(
     formats: Annotated[
         str | None, typer.Option(help="pdf,svg,pgf; by default all that can be made: pgf needs pdflatex.")
     ] = None,
+    only: Annotated[
+        str | None, typer.Option(help="Figures wanted, with commas: means, or names of conditions; all by default.")
+    ] = None,
     json: AnswerFile = None,
 ) -> None:
     """Write what a text needs of runs and answers: tables, figures, numbers as macros, BibTeX.
@@ -51,7 +54,8 @@ def paper(
     for path in paths:
         if not path.exists():
             raise UsageError(f"{shown_path(path)}: there is no such run, folder or answer; see: hjcamp ls")
-    made = write_paper(paths, folder, chosen, kinds, documented)
+    wanted = [name.strip() for name in (only or "").split(",") if name.strip()]
+    made = write_paper(paths, folder, chosen, kinds, documented, wanted)
     numbers = {
         name: {"value": one.value, "uncertainty": one.uncertainty, "unit": one.unit}
         for name, one in made.numbers.items()

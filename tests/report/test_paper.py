@@ -130,6 +130,9 @@ def test_the_folder_of_a_run_and_answers(run: Path, tmp_path: Path) -> None:
     svg = (out / "figures" / "means.svg").read_text()
     assert f'width="{80.0 / 25.4 * 72:.3f}'[:12] in svg and "ramp positive, PID" in svg
     assert r"my model & arm angle & 0.5 & 0.1 & 1.50 \\" in (out / "tables" / "models.tex").read_text()
+    main = (out / "main.tex").read_text()
+    assert re.search(r"\\caption\{RMSE1, .* of every condition: mean and sample standard deviation of the tests \(n = 1 to 3\)", main)
+    assert main.count(r"\begin{figure}") == main.count(r"\caption{") == 3 and r"\label{fig:ramp-pos--pid}" in main
     # A main file that was worked on stays; the rest is written again, byte for byte.
     (out / "main.tex").write_text("mine")
     before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
@@ -161,6 +164,14 @@ def test_bad_calls_are_one_message_and_write_nothing(run: Path, tmp_path: Path) 
     with pytest.raises(UsageError, match="is not what its schema"):
         paper([tmp_path / "c.json"], out)
     assert not list(out.rglob("*.tex"))
+
+
+def test_only_the_figures_that_are_wanted_are_drawn(run: Path, tmp_path: Path) -> None:
+    paper([run], tmp_path / "text", formats="svg", only="means, other", json=tmp_path / "made.json")
+    made = json.loads((tmp_path / "made.json").read_text())
+    assert made["figures"] == ["figures/means.svg", "figures/other.svg"] and made["numbers"]
+    with pytest.raises(UsageError, match=r"unknown figure 'mean' in --only; did you mean 'means'"):
+        paper([run], tmp_path / "text", formats="svg", only="mean")
 
 
 def test_pgf_is_refused_without_a_latex(monkeypatch: pytest.MonkeyPatch) -> None:

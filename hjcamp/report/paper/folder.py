@@ -7,15 +7,25 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, unknown
 from hjcamp.known_plants import DEFAULT
 from hjcamp.report.against_run import Tests, tests_of
 from hjcamp.report.declared import declared_tables
+from hjcamp.report.formats import escape_latex
 from hjcamp.report.indicators import INDICATORS, row_of
 from hjcamp.report.origin import read_origin
 from hjcamp.report.paper.answers import quantities_of, read_answer, sheet_of
 from hjcamp.report.paper.cite import bibliography
-from hjcamp.report.paper.figures import Style, course_painter, drawable, means_painter, write_figure
+from hjcamp.report.paper.figures import (
+    MEANS,
+    Style,
+    course_caption,
+    course_painter,
+    drawable,
+    means_caption,
+    means_painter,
+    write_figure,
+)
 from hjcamp.report.paper.names import MACROS, distinct, macro
 from hjcamp.report.paper.numbers import Quantity, macros, of_mean
 from hjcamp.report.paper.tables import paper_table
@@ -57,13 +67,16 @@ class Paper:
     tables: list[str] = field(default_factory=list)
     figures: list[str] = field(default_factory=list)
     numbers: dict[str, Quantity] = field(default_factory=dict)
+    captions: dict[str, str] = field(default_factory=dict)
     cite: list[str] = field(default_factory=list)
 
 
 def write_paper(
-    paths: Sequence[Path], folder: Path, style: Style, formats: Sequence[str], documented: Documented
+    paths: Sequence[Path], folder: Path, style: Style, formats: Sequence[str], documented: Documented, only: Sequence[str] = ()
 ) -> Paper:
     """Write the folder of runs and of answers (``.json`` files of compare, diagnose, calibrate); returns what is in it.
+
+    ``only`` names the figures that are wanted: ``means`` and conditions; all of them where none is named.
 
     Each file is written whole or not at all; ``main.tex`` stays as it is where there is one. `UsageError` for what is
     neither a run nor an answer.
@@ -73,11 +86,15 @@ def write_paper(
     paper = Paper(folder)
     used: set[str] = set()
     plants: set[str] = set()
+    there: dict[str, None] = {}
     for number, path in enumerate(runs):
         prefix = f"{_letter(number)}" if len(runs) > 1 else ""
-        tests = _write_run(paper, path, prefix, style, formats)
+        tests = _write_run(paper, path, prefix, style, formats, only, there)
         used |= {name for config in tests.configurations.values() for name in _effects(config)}
         plants |= {str((config.get("plant") or {}).get("name") or "") for config in tests.configurations.values()}
+    for name in only:
+        if name not in there:
+            raise unknown("figure", name, [*there], "--only")
     for path, answer in answers:
         _write_table(paper, sheet_of(answer, path.stem))
         paper.numbers |= quantities_of(answer, path.stem)
@@ -93,7 +110,10 @@ def write_paper(
     return paper
 
 
-def _write_run(paper: Paper, path: Path, prefix: str, style: Style, formats: Sequence[str]) -> Tests:
+def _write_run(
+    paper: Paper, path: Path, prefix: str, style: Style, formats: Sequence[str], only: Sequence[str], there: dict[str, None]
+) -> Tests:
+    """Write tables, figures (those of ``only``) and numbers of one run; ``there`` hears the names of all its figures."""
     tests, spreads, tables = _read(path)
     conditions = by_condition(tests.indicators)
     for sheet in [*tables, arrange_conditions(conditions)]:
@@ -104,14 +124,19 @@ def _write_run(paper: Paper, path: Path, prefix: str, style: Style, formats: Seq
     names = list(dict.fromkeys(str(row["condition"]) for row in rows))
     shown = [name for name in INDICATORS if any(one == name for kind in kinds for _, one in kind.values)]
     folder, tag = paper.folder / "figures", f"{prefix.lower()}_" if prefix else ""
-    files = []
-    if shown:
-        height = 0.25 + 0.07 * len(names) * -(-len(shown) // 2)
-        files += write_figure(folder, f"{tag}means", formats, style, height, means_painter(names, shown, kinds))
+    height = 0.25 + 0.07 * len(names) * -(-len(shown) // 2)
+    figures = {MEANS: (height, means_painter(names, shown, kinds), means_caption(shown, rows))} if shown else {}
     drawn = list(filter(drawable, spreads))
-    for one, stem in zip(drawn, file_names(["means", *(one.name for one in drawn)])[1:], strict=True):
-        files += write_figure(folder, f"{tag}{stem}", formats, style, 0.75, course_painter(one))
-    paper.figures += [file.relative_to(paper.folder).as_posix() for file in files]
+    stems = dict(zip([MEANS, *(one.name for one in drawn)], file_names([MEANS, *(one.name for one in drawn)]), strict=True))
+    figures |= {one.name: (0.75, course_painter(one), course_caption(one)) for one in drawn}
+    there.update(dict.fromkeys(figures))
+    for name, (tall, painter, caption) in figures.items():
+        if only and name not in only:
+            continue
+        files = write_figure(folder, f"{tag}{stems[name]}", formats, style, tall, painter)
+        shown_files = [file.relative_to(paper.folder).as_posix() for file in files]
+        paper.figures += shown_files
+        paper.captions |= dict.fromkeys(shown_files, caption)
     for name, base in zip(names, distinct(macro(prefix, name) for name in names), strict=True):
         paper.numbers |= _numbers(next(row for row in rows if row["condition"] == name), base)
     return tests
@@ -155,6 +180,12 @@ def _write_table(paper: Paper, sheet: Sheet, prefix: str = "") -> None:
     paper.tables.append(file)
 
 
+def _figure(name: str, caption: str) -> str:
+    label = Path(name).stem.replace("_", "-")
+    lines = [r"\begin{figure}", r"\centering", rf"\includegraphics{{{name}}}", rf"\caption{{{escape_latex(caption)}}}"]
+    return "\n".join([*lines, rf"\label{{fig:{label}}}", r"\end{figure}"])
+
+
 def _effects(config: Mapping[str, Any]) -> list[str]:
     model = config.get("controller_model")
     held = [config.get("effects"), model.get("effects") if isinstance(model, Mapping) else None]
@@ -169,7 +200,7 @@ def _main(paper: Paper) -> str:
     pictures = [name for name in paper.figures if name.endswith(".pdf")]
     filled = {
         "tables": "\n".join(rf"\input{{{name.removesuffix('.tex')}}}" for name in paper.tables),
-        "figures": "\n\n".join(rf"\noindent\includegraphics{{{name}}}" for name in pictures),
+        "figures": "\n\n".join(_figure(name, paper.captions[name]) for name in pictures),
         "numbers": "\n".join(rf"\item \texttt{{\char92 {name}}}: \{name}" for name in paper.numbers),
     }
     text = MAIN

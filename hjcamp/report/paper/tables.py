@@ -18,6 +18,7 @@ FITTED = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 VALUE = re.compile(r"(-?)(\d+)(?:\.(\d+))?(?: ([^\w\s].*))?")
 DEVIATION = "In a table, ± is the sample standard deviation s of the n tests, with the digits that were printed where it is published."
 UNIT = "unit"
+ANGLES = ("RMSE1", "RMSE2", "e|max", "SSE")
 
 
 def paper_table(sheet: Sheet, label: str) -> str:
@@ -28,8 +29,9 @@ def paper_table(sheet: Sheet, label: str) -> str:
     # What stands behind a number has a narrow column of its own: siunitx 2 and 3 make room for it in different ways.
     marked = {place for place in columns if formats[place] and any(_after(row[place]) for row in rows)}
     spec = "".join(_kind(formats[place], place in marked) for place in columns)
+    blocks = len(rows) < len(sheet.rows)
     heads = [
-        (f"{{{header(text)}}}" if formats[place] else header(text)) + (" &" if place in marked else "")
+        (f"{{{_heading(text, blocks)}}}" if formats[place] else _heading(text, blocks)) + (" &" if place in marked else "")
         for place, text in enumerate(sheet.headers)
     ]
     lines = [
@@ -57,6 +59,12 @@ def paper_table(sheet: Sheet, label: str) -> str:
     deviation = [DEVIATION] if any(" ± " in cell.text for row in rows for cell in row) else []
     lines += [rf"\par\footnotesize {escape_latex(note)}" for note in [*deviation, *sheet.notes]]
     return "\n".join([*lines, r"\end{table}", ""])
+
+
+def _heading(text: str, blocks: bool) -> str:
+    """Return the heading of a column with the unit of an angle's error; where a table has blocks these say it."""
+    angle = not blocks and text.strip("|") in ANGLES
+    return f"{header(text)} (deg)" if angle else header(text)
 
 
 def plain_sheet(
