@@ -80,8 +80,8 @@ CASES = (
         "nothing",
         "Nothing is missing",
         "The spindle is what the file says, but for the values of its constants.",
-        "No effect and no free function takes a tenth of the error on folds that were left out. That is a finding: it is said what "
-        "would have been seen.",
+        "No effect and no free function gains more than chance does, on folds that were left out. That is a finding: the "
+        "error is the sensor's noise.",
         "Use the constants that were estimated: `hjcamp calibrate LOGS --as NAME`.",
         ("plain_1", "plain_2"),
         "worst_test.svg",
@@ -177,7 +177,9 @@ def part_of(case: Case, folder: Path) -> str:
     """Return the part of the page for a case, and copy its picture."""
     picture = f"gallery_{case.name}.svg"
     shutil.copyfile(folder / case.verb / case.picture, IMAGES / picture)
-    data = ", ".join(f"`{name}.csv`" for name in case.logs)
+    inside = TOUR.relative_to(ROOT).as_posix()
+    places = {name: "gallery" if (HERE / f"{name}.csv").is_file() else f"../{inside}" for name in case.logs}
+    data = ", ".join(f"[{name}.csv]({place}/{name}.csv)" for name, place in places.items())
     box = f"$ hjcamp {' '.join(command(case))}\n{shown((folder / 'out.txt').read_text(encoding='utf-8'))}"
     return (
         f"\n## {case.title}\n\n**In the recordings** ({data}): {case.holds}\n\n```\n{box}\n```\n\n{case.means}\n\n"
