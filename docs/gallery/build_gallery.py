@@ -127,9 +127,14 @@ HEAD = """\
 # Gallery: one worked case of each answer
 
 Written by `make gallery`: every box is what the command printed (sentences that all cases share are left out), every picture is from
-its page. One machine, a spindle: a motor, a body, a bearing with friction
-([its equations](../hjcamp/plants/pump_joint/tour/spindle/plant.txt)). The recordings are made by [make_logs.py](gallery/make_logs.py),
-which shares no code with `hjcamp`; each holds something else. `hjcamp tour --plant` walks through the first case.
+its page. One machine, a spindle, is all in one file:
+
+```python
+{plant}
+```
+
+The recordings are made by [make_logs.py](gallery/make_logs.py), which shares no code with `hjcamp`; each holds something else.
+`hjcamp tour --plant` writes this file and the recordings of the first case, and walks through it.
 """
 
 
@@ -177,9 +182,8 @@ def part_of(case: Case, folder: Path) -> str:
     """Return the part of the page for a case, and copy its picture."""
     picture = f"gallery_{case.name}.svg"
     shutil.copyfile(folder / case.verb / case.picture, IMAGES / picture)
-    inside = TOUR.relative_to(ROOT).as_posix()
-    places = {name: "gallery" if (HERE / f"{name}.csv").is_file() else f"../{inside}" for name in case.logs}
-    data = ", ".join(f"[{name}.csv]({place}/{name}.csv)" for name, place in places.items())
+    inside = {name: (HERE / f"{name}.csv").is_file() for name in case.logs}
+    data = ", ".join(f"[{name}.csv](gallery/{name}.csv)" if ours else f"`{name}.csv`" for name, ours in inside.items())
     box = f"$ hjcamp {' '.join(command(case))}\n{shown((folder / 'out.txt').read_text(encoding='utf-8'))}"
     return (
         f"\n## {case.title}\n\n**In the recordings** ({data}): {case.holds}\n\n```\n{box}\n```\n\n{case.means}\n\n"
@@ -212,7 +216,8 @@ def main() -> None:
                 run(case, work / case.name)
         if set(asked.only) != {case.name for case in CASES}:
             return
-        page = HEAD + "".join(part_of(case, work / case.name) for case in CASES)
+        plant = (TOUR / "plant.txt").read_text(encoding="utf-8").strip()
+        page = HEAD.replace("{plant}", plant) + "".join(part_of(case, work / case.name) for case in CASES)
         (ROOT / "docs" / "gallery.md").write_text(page, encoding="utf-8")
         readme = ROOT / "README.md"
         text = readme.read_text(encoding="utf-8")
