@@ -24,7 +24,7 @@ PARTS = {
     "What was found": ("fidelity", "thesis_gap", "published_inconsistencies", "identification", "further_plants", "pump_cost"),
     "How well it works": ("benchmark", "any_plant", "foreign_machines", "next_value", "identification_recovery", "validation",
                           "convergence", "rig_faults", "bad_calls"),
-    "Reference": ("catalogue", "schemas/README", "decisions/README", "limits", "history/README", "changelog"),
+    "Reference": ("catalogue", "schemas/README", "decisions/README", "limits", "security", "history/README", "changelog"),
 }  # fmt: skip
 BODY = re.compile(r"</h1>(.*)</body>", re.DOTALL)
 
