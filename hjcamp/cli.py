@@ -21,7 +21,7 @@ from hjcamp.children import keep_children_safe
 from hjcamp.commands import COMPLETING, PLAIN, Commands
 from hjcamp.commands._page_end import CALL
 from hjcamp.commands._session import free_standard_output
-from hjcamp.commands._streams import begin_in_utf8, take_streams
+from hjcamp.commands._streams import begin_in_utf8, memory_is_short, take_streams
 from hjcamp.errors import HjcampError, text_of, visible
 from hjcamp.storage import shown_path
 
@@ -60,7 +60,11 @@ def main() -> None:
     take_streams()
     signal.signal(signal.SIGTERM, _terminated)
     keep_children_safe()
-    code = answer_bash() if os.environ.get(COMPLETING) == "complete_bash" else run()
+    try:
+        code = answer_bash() if os.environ.get(COMPLETING) == "complete_bash" else run()
+    except KeyboardInterrupt:  # once more, while the first was being answered
+        code = INTERRUPTED
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         sys.stdout.flush()
     except (BrokenPipeError, ValueError):
@@ -104,7 +108,8 @@ def run(arguments: list[str] | None = None) -> int:
         if type(error).__module__.startswith(("click", "typer._click")) and hasattr(error, "format_message"):
             command = getattr(getattr(error, "ctx", None), "command_path", "hjcamp")
             return _say(f"{error.format_message()}  (see {command} --help)", 2)
-        return _say(f"internal error: {type(error).__name__}: {text_of(error)}{_keep_traceback()}", 1)
+        what = "not enough memory" if memory_is_short() else "internal error"
+        return _say(f"{what}: {type(error).__name__}: {text_of(error)}{_keep_traceback()}", 1)
     finally:
         CALL.reset(token)
         free_standard_output()

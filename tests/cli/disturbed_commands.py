@@ -40,7 +40,7 @@ COMMANDS = {
 }  # fmt: skip
 LONGEST_S, OUT_S = 20.0, 60.0
 MEMORY_MB = (150, 300, 600, 1200, 2500)
-FILES = (4, 8, 12, 20, 40)
+FILES = (12, 16, 20, 30, 40)  # with fewer the interpreter itself does not begin
 DISK_BYTES = (0, 100, 4_000, 50_000, 300_000)
 
 

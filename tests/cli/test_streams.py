@@ -72,3 +72,23 @@ def test_a_choice_that_puts_itself_elsewhere_is_named(empty_folder: Path, group:
     (empty_folder / "conf" / group / "mine.yaml").write_text("# @package _global_\na: 1\n")
     with pytest.raises(UsageError, match=f"{group}=mine: this choice gives no '{group}'"):
         Composer().compose([f"{group}=mine"])
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="asks Linux")
+def test_little_memory_is_told_from_a_mistake() -> None:
+    code = "import resource, sys\nfrom hjcamp.commands._streams import LIBRARY_BYTES, memory_is_short\nassert not memory_is_short()\n"
+    code += "used = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
+    code += "resource.setrlimit(resource.RLIMIT_AS, (used + LIBRARY_BYTES // 2,) * 2)\nassert memory_is_short()\n"
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_a_second_interrupt_in_the_midst_of_the_first_ends_with_its_code() -> None:
+    code = (
+        "import os, signal, sys\nfrom hjcamp import cli\n"
+        "def once(text, code):\n    os.kill(os.getpid(), signal.SIGINT)\n"
+        "cli._say, cli.app = once, lambda **words: os.kill(os.getpid(), signal.SIGINT)\n"
+        "import atexit\natexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))\ncli.main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 130 and not done.stderr
