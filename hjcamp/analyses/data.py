@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -58,15 +59,40 @@ class Data:
         from hjcamp.prediction.measured.tests import measured_tests
 
         check_users_plant(self.plant)
-        doubtful = doubtful_lines(self.logs)
-        found = measured_tests(self.logs)
-        print(doubtful, end="", file=sys.stderr)
+        sound = sound_logs(self.logs)
+        found = measured_tests(sound.logs, sound.copies, sound.odd)
+        print(sound.doubtful, end="", file=sys.stderr)
         if note := other_period(self.plant, found.period):
             print(note, file=sys.stderr)
         return found
 
 
-def doubtful_lines(logs: Sequence[TestLog]) -> str:
+@dataclass(frozen=True)
+class Sound:
+    """The ``logs`` that count, a line for each field that is ``doubtful``, the ``copies`` that were left out with their originals, and
+    what makes any conclusion ``odd``: logs that differ from their repetitions.
+    """
+
+    logs: list[TestLog]
+    doubtful: str
+    copies: tuple[tuple[str, str], ...]
+    odd: tuple[str, ...]
+
+
+def sound_logs(logs: Sequence[TestLog]) -> Sound:
+    """Return the logs without copies, and what is doubtful in them, each and as a set; refuse what cannot be."""
+    from hjcamp.records.sets.look import refuse_odd
+
+    lines = _doubtful_lines(logs)
+    found = refuse_odd(logs)
+    left_out = {id(one.log) for one in found if one.original is not None}
+    copies = tuple((str(one.log.path), str(one.original.path)) for one in found if one.original is not None)
+    odd = tuple(f"{one.log.path}: {one.finding.text}" for one in found if one.odd)
+    lines += "".join(f"{one.line}\n" for one in found)
+    return Sound([log for log in logs if id(log) not in left_out], lines, copies, odd)
+
+
+def _doubtful_lines(logs: Sequence[TestLog]) -> str:
     """Return a line for each field that is doubtful in some log; refuse what cannot be."""
     from hjcamp.records.plausible import refuse_implausible, without_small_tests
 

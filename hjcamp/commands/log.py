@@ -56,7 +56,7 @@ def info(paths: Paths, json: AnswerFile = None) -> None:
 
 
 def verify(paths: Paths, json: AnswerFile = None) -> None:
-    """Check that logs are whole, meet the contract and are plausible; exit code 1 where one is not."""
+    """Check that logs are whole, meet the contract and are plausible, each and as a set; exit code 1 where one is not."""
     from collections import Counter
 
     from hjcamp.commands._answers import log_rows
@@ -64,16 +64,14 @@ def verify(paths: Paths, json: AnswerFile = None) -> None:
     from hjcamp.known_plants import DEFAULT
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import span
-    from hjcamp.records.recover import verify_log
+    from hjcamp.records.recover import verify_logs
 
     check_answer_file(json)
     damaged, implausible, doubtful = 0, 0, 0
-    rows = []
     kinds: Counter[tuple[str, float, tuple[str, ...]]] = Counter()
     logs = find_logs(paths)
-    for path in logs:
-        found = verify_log(path)
-        rows.append(found)
+    rows = verify_logs(logs)
+    for path, found in zip(logs, rows, strict=True):
         damaged += not found.whole
         if found.whole and found.plant != DEFAULT:
             kinds[found.plant, found.period, found.fields] += 1

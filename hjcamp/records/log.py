@@ -10,6 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from hjcamp.errors import UsageError
 from hjcamp.known_plants import usual_plant
 from hjcamp.model.field_table import FieldTable
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, period_of, table_of
@@ -70,18 +71,38 @@ class TestLog:
 
     @cached_property
     def command_phase(self) -> dict[str, np.ndarray]:
-        """The columns in phase 3 (command and control) alone; all rows where the log has no ``phase``."""
+        """The columns in phase 3 (command and control) alone; all rows where the log has no ``phase``.
+
+        Raises ``UsageError`` where the phase is no single stretch.
+        """
         if "phase" not in self.columns:
             return dict(self.columns)
+        if fault := parted(self.columns):
+            raise UsageError(f"{self._where}: {fault}")
         rows = np.flatnonzero(self.columns["phase"] == COMMAND_PHASE)
-        if len(rows) and rows[-1] - rows[0] + 1 == len(rows):
-            return {name: values[rows[0] : rows[-1] + 1] for name, values in self.columns.items()}
-        return {name: values[rows] for name, values in self.columns.items()}
+        return {name: values[rows[0] : rows[-1] + 1] if len(rows) else values[:0] for name, values in self.columns.items()}
 
     @property
     def condition_key(self) -> str:
         """Equal for repetitions of one test: ``condition``, else the choices, else the name of the file alone."""
         return condition_key(self.metadata, self.path)
+
+
+def parted(columns: Mapping[str, np.ndarray]) -> str:
+    """Return in words that the command phase is no single stretch of time; empty where it is, or where there are no phases."""
+    phase, time = columns.get("phase"), columns["time_s"]
+    if phase is None:
+        return ""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], phase == COMMAND_PHASE, [0]])))
+    first, last = edges[::2], edges[1::2] - 1
+    if len(first) < 2:
+        return ""
+    shown = [f"{time[a]:.6g} to {time[b]:.6g} s" for a, b in zip(first[:3], last[:3], strict=True)]
+    more = f" and {len(first) - 3} more" if len(first) > 3 else ""
+    return (
+        f"the command phase (phase 3) comes in {len(first)} stretches ({', '.join(shown)}{more}), which are several tests "
+        "or one with a hole; make one log of each stretch (hjcamp log export, then hjcamp import of its rows)"
+    )
 
 
 def condition_key(metadata: Mapping[str, str], path: Path | None = None) -> str:

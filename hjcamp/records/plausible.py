@@ -17,7 +17,7 @@ from hjcamp.model.parameter import Input, State
 from hjcamp.model.plant import Plant
 from hjcamp.records.glitch_words import MISSING, told_glitches, told_no_readings
 from hjcamp.records.glitches import FEW, ROW
-from hjcamp.records.log import TestLog
+from hjcamp.records.log import TestLog, parted
 from hjcamp.records.of_plant import plant_of
 from hjcamp.records.units import units_of
 from hjcamp.yaml_file import yaml_values
@@ -76,8 +76,9 @@ def findings(log: TestLog) -> list[Finding]:
             found += _outside(name, log, table, low, high, refused=False)
     found += _dead_inputs(log, plant)
     found += _untypical(log, plant, {one.field for one in found})
-    found += _geared(log, plant, {one.field for one in found})
+    found += [] if parted(log.columns) else _geared(log, plant, {one.field for one in found})
     found += _configuration(log.attachments)
+    found += [Finding("phase", fault, True)] if (fault := parted(log.columns)) else []
     return sorted(found, key=lambda one: not one.refused)
 
 

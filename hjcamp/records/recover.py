@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from hjcamp.records.mcap.scan import load, metadata_of
 from hjcamp.records.mcap.schema import descriptor_set
 from hjcamp.records.of_plant import PLANT_KEY, USUAL_PERIOD_S, period_of, table_of
 from hjcamp.records.plausible import Finding, findings
-from hjcamp.records.read import attachments_of, read_samples
+from hjcamp.records.read import attachments_of, read_log, read_samples
 from hjcamp.records.write import CHUNK_BYTES
 from hjcamp.storage import whole_file
 
@@ -98,6 +99,18 @@ def verify_log(path: str | Path) -> Verification:
         samples = Samples({}, np.empty(0, np.uint64))
     result.problems = list(dict.fromkeys([problem, *result.problems]))
     return _verification(source, False, samples, result)
+
+
+def verify_logs(paths: Sequence[Path]) -> list[Verification]:
+    """Return a report on each log, whole ones looked at as a set as well."""
+    from hjcamp.records.sets.look import look_at
+
+    found = {path: verify_log(path) for path in paths}
+    whole = {read_log(path): path for path, own in found.items() if own.whole}
+    for one in look_at(list(whole)):
+        own = found[whole[one.log]]
+        found[own.path] = replace(own, findings=(*own.findings, one.finding))
+    return list(found.values())
 
 
 def _remarks(samples: Samples, period: float) -> list[str]:

@@ -19,12 +19,12 @@ from hjcamp.prediction.comparison import answer as answer_of_comparison
 from hjcamp.prediction.comparison import compared
 from hjcamp.prediction.fitting.intervals import intervals
 from hjcamp.prediction.measured.ends import ends_of, within
-from hjcamp.prediction.measured.noise import step_of
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.next.truth import bench_of
 from hjcamp.prediction.next.wanted import Wanted
 from hjcamp.prediction.selection.analysis import calibrated
 from hjcamp.prediction.verdict.verdict import agreed
+from hjcamp.records.noise import step_of
 
 CHANCE = np.random.default_rng(3)
 AT = np.arange(2000)

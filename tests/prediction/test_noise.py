@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from carriage import COUNT, measured_log
 
-from hjcamp.prediction.measured.noise import noise_of, step_of
+from hjcamp.prediction.measured.noise import noise_of
 from hjcamp.prediction.measured.tests import measured_tests
 from hjcamp.prediction.selection.analysis import calibrated
+from hjcamp.records.noise import step_of
 
 TIME = np.linspace(0.0, 10.0, 5000)
 DRAWN = np.random.default_rng(1).normal(0.0, 1.0, 12000)

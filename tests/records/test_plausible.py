@@ -34,6 +34,11 @@ def still(name: str, value: float) -> Callable[[Columns], object]:
     return lambda columns: columns.update({name: np.full(len(columns[name]), value)})
 
 
+def noisy(columns: Columns) -> None:
+    """Give a log noise of its own, as another test has."""
+    columns["pressure1_mpa"] = columns["pressure1_mpa"] + np.random.default_rng(8).normal(0.0, 7e-4, len(columns["time_s"]))
+
+
 def spoilt(*changes: Callable[[Columns], object], samples: int = 1200) -> TestLog:
     """Return a log that moves by more than 20 deg, with changes."""
     log = make_log(samples)
@@ -133,12 +138,13 @@ def test_what_must_be_refused_comes_first_and_is_counted() -> None:
 
 def test_verify_names_errors_and_warnings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_log(tmp_path / "good.mcap", spoilt())
-    write_log(tmp_path / "rad.mcap", spoilt(scaled("arm_deg", np.pi / 180)))
+    other = replace(spoilt(scaled("arm_deg", np.pi / 180), noisy), metadata={"condition": "other"})
+    write_log(tmp_path / "rad.mcap", other)
     assert cli.run(["log", "verify", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert "rad.mcap: warning: 'arm_deg' moves" in said
     assert "2 logs, 2 whole, 0 not; 0 with what cannot be, 1 with warnings" in said
-    write_log(tmp_path / "pa.mcap", spoilt(scaled("pressure1_mpa", 1e6)))
+    write_log(tmp_path / "pa.mcap", replace(spoilt(scaled("pressure1_mpa", 1e6)), metadata={"condition": "pa"}))
     found = verify_log(tmp_path / "pa.mcap")
     assert found.refused and found.whole
     assert cli.run(["log", "verify", str(tmp_path)]) == 1
@@ -148,7 +154,7 @@ def test_verify_names_errors_and_warnings(tmp_path: Path, capsys: pytest.Capture
 
 def test_analyses_refuse_errors_and_say_warnings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for number in (1, 2):
-        write_log(tmp_path / f"rep_{number}.mcap", spoilt(scaled("arm_deg", np.pi / 180)))
+        write_log(tmp_path / f"rep_{number}.mcap", spoilt(scaled("arm_deg", np.pi / 180), *[noisy] * (number - 1)))
     evidence_of([tmp_path])
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "looks like rad" in said and "(and so in 1 more log)" in said

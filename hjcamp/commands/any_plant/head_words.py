@@ -29,7 +29,9 @@ def print_head(console: Console, analysis: Analysis) -> None:
         markup=False,
     )  # fmt: skip
     for again, first in measured.twice:
-        console.print(f"note    {again} holds the same test as {first}: it is looked at once", markup=False)
+        console.print(f"note    {again} is a copy of {first}: both count once", markup=False)
+    for line in measured.odd:
+        console.print(f"note    {line}", markup=False)
     for path, samples in measured.short:
         console.print(f"note    {path} is left out: {samples} samples; at least {FEWEST_SAMPLES} are needed", markup=False)
 

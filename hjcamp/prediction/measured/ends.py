@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.prediction.levels import ENDS
-from hjcamp.prediction.measured.noise import SAME, noise_beyond
+from hjcamp.prediction.measured.noise import noise_beyond
+from hjcamp.records.noise import SAME
 
 Array = NDArray[np.float64]
 # Fewer readings within the ends say nothing of noise.

@@ -7,19 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.prediction.levels import LEVEL
+from hjcamp.records.noise import step_of, white_noise
 
 Array = NDArray[np.float64]
 BANDS = 8
 # A band's mean is known from the median of its L lines to 1.2 / sqrt(L) of itself; three times that is no chance.
 MEDIAN_ERROR, BEYOND_CHANCE = 1.2, 3.0
-# Readings are whole counts but for how they were printed. A gap is within 0.1 of whole smallest ones by chance in one case of five:
-# two gaps that are, beside the two that tell the step, is less than chance allows a claim.
-WHOLE, NEARLY_ALL = 0.1, 0.99
-FEWEST = 2 + math.ceil(math.log(LEVEL) / math.log(2.0 * WHOLE))
-SMALL = 5.5
-# Of the readings' range: readings that differ by less are the same.
-SAME = 1e-9
 # Of this order a difference hardly holds motion of more than six samples a period, whatever noise it holds.
 ORDER = 8
 # Of the readings' spread: what is smaller is no noise that an analysis could see.
@@ -36,7 +29,7 @@ def noise_of(values: Array, step: float | None = None) -> float:
     """
     step = step_of(values) if step is None else step
     least = LEAST * float(np.std(values)) + 1e-300
-    thirds = float(np.median(np.abs(np.diff(values, 3)))) / (0.6745 * math.sqrt(20.0))
+    thirds = white_noise(values)
     quiet, error = _quietest_band(values)
     white = quiet if quiet * (1.0 + BEYOND_CHANCE * error) < thirds else thirds
     return max(step / math.sqrt(12.0), white, least)
@@ -53,19 +46,6 @@ def without_passed(values: Array, inputs: Array, most: int) -> Array:
     columns = np.concatenate(late, axis=1)
     weights = np.linalg.lstsq(np.diff(columns, 3, axis=0), np.diff(values, 3), rcond=None)[0]
     return np.asarray(values - columns @ weights)
-
-
-def step_of(values: Array) -> float:
-    """Return the step of which all readings (n,) are whole multiples about one of them; 0 where there is none."""
-    gaps = np.diff(np.unique(values))
-    gaps = gaps[gaps > SAME * (np.ptp(values) + 1e-300)]
-    if not len(gaps):
-        return 0.0
-    small = gaps[gaps < SMALL * gaps.min()]
-    step = float(np.sum(small) / np.sum(np.round(small / gaps.min())))
-    counts = gaps / step
-    whole = float(np.mean(np.abs(counts - np.round(counts)) < WHOLE))
-    return step if len(gaps) >= FEWEST and whole > NEARLY_ALL else 0.0
 
 
 def noise_beyond(values: Array, step: float) -> float:

@@ -15,11 +15,13 @@ from hjcamp.model.parameter import finite_number
 from hjcamp.model.plant import ALWAYS, Plant
 from hjcamp.prediction.measured.at_once import may_be_late, passed_to
 from hjcamp.prediction.measured.ends import ends_of, within
-from hjcamp.prediction.measured.noise import noise_of, step_of, without_passed
+from hjcamp.prediction.measured.noise import noise_of, without_passed
 from hjcamp.prediction.measured.repetitions import apart_by_course
 from hjcamp.records.find import refuse_mixed_plants
 from hjcamp.records.log import TestLog
+from hjcamp.records.noise import step_of
 from hjcamp.records.of_plant import plant_of
+from hjcamp.records.sets.copies import counted_once
 
 Array = NDArray[np.float64]
 RATE_TOLERANCE = 1e-3
@@ -70,7 +72,8 @@ class MeasuredTest:
 class Measured:
     """All tests of one plant, ``period`` s between samples; tests of one condition and one course are repetitions.
 
-    ``twice`` names each test that was left out, and the one that it is the same as: it would pass for a repetition without scatter.
+    ``twice`` names each test that was left out, and the one that it is a copy of: it would pass for a repetition without scatter.
+    ``odd`` says which logs differ from their repetitions by more than these do from each other: nothing is concluded with them.
     ``short`` names each log that was left out for its few samples, and their number.
     """
 
@@ -81,6 +84,7 @@ class Measured:
     tests: tuple[MeasuredTest, ...]
     twice: tuple[tuple[str, str], ...] = ()
     short: tuple[tuple[str, int], ...] = ()
+    odd: tuple[str, ...] = ()
 
     @cached_property
     def conditions(self) -> dict[str, list[int]]:
@@ -160,8 +164,11 @@ class Measured:
         return np.clip(true, *self.ends.T)
 
 
-def measured_tests(logs: Sequence[TestLog]) -> Measured:
-    """Return the tests of all logs that are long enough; refuse logs of several plants or periods, and one that lacks a reading."""
+def measured_tests(logs: Sequence[TestLog], twice: tuple[tuple[str, str], ...] = (), odd: tuple[str, ...] = ()) -> Measured:
+    """Return the tests of all logs that are long enough; refuse logs of several plants or periods, and one that lacks a reading.
+
+    ``twice`` and ``odd`` are what is known of the logs as a set already, as in `Measured`.
+    """
     if not logs:
         raise UsageError("no tests: give a run folder, a folder of logs, or log files")
     refuse_mixed_plants(logs)
@@ -186,13 +193,11 @@ def measured_tests(logs: Sequence[TestLog]) -> Measured:
     units = [unit_of_field(name, f"plant {plant.name}") for name in present]
     sensors = tuple(Sensor(name, unit.shown, unit.scale) for name, unit in zip(present, units, strict=True))
     columns = tuple(list(plant.measured).index(name) for name in present)
-    known: dict[bytes, MeasuredTest] = {}
-    twice = []
-    for test in (_test(log, plant, sensors) for log in logs):
-        other = known.setdefault(test.inputs.tobytes() + test.readings.tobytes(), test)
-        if other is not test:
-            twice.append((str(test.log.path or test.name), str(other.log.path or other.name)))
-    return Measured(plant, period, sensors, columns, apart_by_course(list(known.values())), tuple(twice), short)
+    if not twice:
+        logs, found = counted_once(logs)
+        twice = tuple((_where(one.log), _where(one.original)) for one in found)
+    tests = [_test(log, plant, sensors) for log in logs]
+    return Measured(plant, period, sensors, columns, apart_by_course(tests), twice, short, odd)
 
 
 def _long_enough(logs: Sequence[TestLog]) -> tuple[Sequence[TestLog], tuple[tuple[str, int], ...]]:

@@ -92,7 +92,7 @@ class Analysis:
 
 def what_lacks(measured: Measured, layout: Layout) -> list[str]:
     """Return in words what these tests lack for a verdict; empty where nothing does."""
-    found = []
+    found = list(measured.odd)
     chapters = len(np.unique(chapters_of(layout)))
     if chapters < FEWEST or len(layout.of_test) < 3 * FEWEST:
         asked = (

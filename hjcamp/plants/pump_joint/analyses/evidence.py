@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
-from hjcamp.analyses.data import Data, doubtful_lines
+from hjcamp.analyses.data import Data, sound_logs
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
@@ -31,7 +31,7 @@ def evidence_of(paths: Sequence[Path], logs: Sequence[TestLog] | None = None) ->
 
     logs = read_logs(list(paths)) if logs is None else logs
     refuse_unanalysed(logs, "the diagnosis")
-    doubtful = doubtful_lines(logs)
-    evidence = prepare(logs)
-    print(doubtful, end="", file=sys.stderr)
+    sound = sound_logs(logs)
+    evidence = prepare(sound.logs, sound.odd)
+    print(sound.doubtful, end="", file=sys.stderr)
     return evidence

@@ -48,10 +48,14 @@ def calibrated_in_words(found: Comparison) -> list[str]:
 
 
 def places_in_words(one: Compared) -> list[str]:
-    """Return the sentences of one model's places; without repetitions nothing says how much of the error is left."""
+    """Return the sentences of one model's places; without repetitions nothing says how much of the error is left.
+
+    Logs that differ from their repetitions are named in place of them.
+    """
     from hjcamp.plants.pump_joint.answers.where_words import where_sentences
 
-    said = where_sentences(one.places, one.score if one.replay.evidence.repeated else None)
+    evidence = one.replay.evidence
+    said = list(evidence.odd) or where_sentences(one.places, one.score if evidence.repeated else None)
     return [*worse_than_mean(one.errors), *said]
 
 

@@ -101,6 +101,8 @@ class Told(Diagnosed):
 
     def where(self) -> list[str]:
         """Return where the error is before the effects, and where what is left is after them."""
+        if odd := self.found.features.evidence.odd:
+            return list(odd)
         error = self.content["error"] if self.judging.scale.repeated else {"baseline": None, "augmented": None}
         said = where_sentences(self.judging.places(self.found.baseline), error["baseline"])
         if self.found.final is not self.found.baseline:

@@ -123,9 +123,13 @@ def _loudest(values: Array) -> Array:
 
 @dataclass(frozen=True)
 class Evidence:
-    """All tests one after the other; tests of equal ``condition`` are repetitions of each other."""
+    """All tests one after the other; tests of equal ``condition`` are repetitions of each other.
+
+    ``odd`` says which logs differ from their repetitions by more than these do from each other: nothing is concluded with them.
+    """
 
     tests: tuple[TestEvidence, ...]
+    odd: tuple[str, ...] = ()
 
     @cached_property
     def edges(self) -> NDArray[np.int64]:
@@ -207,14 +211,14 @@ class Evidence:
 
     def only(self, keep: Sequence[int]) -> Evidence:
         """Return the evidence of the tests at these positions."""
-        return Evidence(tuple(self.tests[index] for index in keep))
+        return Evidence(tuple(self.tests[index] for index in keep), self.odd)
 
 
-def prepare(logs: Sequence[TestLog]) -> Evidence:
+def prepare(logs: Sequence[TestLog], odd: tuple[str, ...] = ()) -> Evidence:
     """Return the evidence of all logs; refuse logs of mixed hardware and an empty list."""
     from hjcamp.records.find import refuse_mixed_hardware
 
     if not logs:
         raise UsageError("no tests: give a run folder, a folder of logs, or log files")
     refuse_mixed_hardware(list(logs))
-    return Evidence(tuple(prepare_test(log) for log in logs))
+    return Evidence(tuple(prepare_test(log) for log in logs), odd)
