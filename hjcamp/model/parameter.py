@@ -25,7 +25,8 @@ class Parameter:
     ``off`` is the value at which the effect that owns it vanishes, if there is one. ``each_test`` marks what a test begins
     with and no rig repeats: every measured test then has a value of its own, told by its lines, and the parameter is their mean.
     A plant's ``base`` parameter is another one on each rig: it is calibrated before anything is called missing. One that is
-    ``given`` stands in the metadata of each test, under that name (a mass, a supply pressure).
+    ``given`` stands in the metadata of each test, under that name (a mass, a supply pressure). One that is ``placed`` is a place on a
+    scale whose zero means nothing: any value is allowed, and default and bounds are counted from the middle of where tests were.
     """
 
     unit: str
@@ -38,6 +39,7 @@ class Parameter:
     each_test: bool = False
     base: bool = False
     given: str = ""
+    placed: bool = False
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -58,7 +60,7 @@ class Parameter:
     def checked(self, value: object, path: str) -> float:
         """Return ``value`` as a float; ``UsageError`` where it is no number or not within the bounds."""
         number = finite_number(value)
-        low, high = self.bounds
+        low, high = (-math.inf, math.inf) if self.placed else self.bounds
         # files of models have seven digits: a value at its bound may stand beyond it by the last of them
         if number is None or not (low <= number <= high or any(math.isclose(number, one, rel_tol=1e-6) for one in self.bounds)):
             within = f"a number from {low:g} to {high:g}" if math.isfinite(high - low) else "a finite number"

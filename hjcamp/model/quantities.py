@@ -20,7 +20,7 @@ from hjcamp.model.plant import Plant
 from hjcamp.model.port import Port
 from hjcamp.model.vocabulary import Vocabulary, read_vocabulary
 
-PERIOD = "period"
+PERIOD, PLACE = "period", "position"
 DRAWS = 64
 
 
@@ -53,7 +53,8 @@ class Quantities:
             return replace(item)
         low, high = sorted(bound * size for bound in item.bounds)
         off = None if item.off is None else item.off * size
-        return replace(item, unit=unit, default=item.default * size, bounds=(low, high), off=off)
+        placed = item.unit == PLACE and item.shape and item.prior == "uniform"
+        return replace(item, unit=unit, default=item.default * size, bounds=(low, high), off=off, placed=placed)
 
     def state(self, item: State) -> State:
         """Return a generic state in SI units."""

@@ -57,7 +57,7 @@ def without(name: str) -> Callable[[Samples], object]:
 )
 def test_spoilt_samples(call: Call, spoil: Callable[[Samples], object], told: str) -> None:
     last = good(Path("logs"))[-1]
-    samples = rows(make_columns(400))
+    samples = rows(make_columns(400, seed=8))
     spoil(samples)
     names = list(samples[0])
     write_json(last, {name: np.array([sample[name] for sample in samples]) for name in names})
@@ -82,7 +82,7 @@ def test_mixed_hardware(call: Call) -> None:
     folder = Path("logs")
     folder.mkdir()
     for number, tubing in ((1, "ldpe_300mm"), (2, "hdpe_300mm")):
-        write_json(folder / f"rep_{number}.mcap", make_columns(400), metadata=METADATA | {"tubing": tubing})
+        write_json(folder / f"rep_{number}.mcap", make_columns(400, seed=number), metadata=METADATA | {"tubing": tubing})
     check_refused(call, "mixed hardware: tubing is 'ldpe_300mm'")
 
 

@@ -20,10 +20,10 @@ METADATA = {"campaign": "bench", "condition": "ramp", "repetition": "1", "starte
 ATTACHMENTS = {"config.yaml": b"pump: pump2\n"}
 
 
-def make_columns(samples: int = 600, before: int = 0) -> dict[str, np.ndarray]:
-    """Return every field of a test whose command phase starts after ``before`` samples."""
+def make_columns(samples: int = 600, before: int = 0, seed: int = 7) -> dict[str, np.ndarray]:
+    """Return every field of a test whose command phase starts after ``before`` samples; each ``seed`` has its own noise."""
     time = (np.arange(samples) - before) * 0.001
-    noise = np.random.default_rng(7).normal(0.0, 7e-4, (2, samples))
+    noise = np.random.default_rng(seed).normal(0.0, 7e-4, (2, samples))
     return {
         "time_s": time,
         "phase": np.where(time < -1e-9, 2.0, 3.0),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 from hjcamp.model.effect import Effect
 from hjcamp.model.parameter import Parameter
@@ -15,6 +17,28 @@ Range = tuple[float, float]
 def visited_shapes(effect: type[Effect], plant: type[Plant], ranges: Mapping[str, Range]) -> dict[str, Range]:
     """Return for each shape of a bound effect that has the unit of a name of its place the range of that in the tests, SI."""
     return {name: range_ for name, (item, range_) in _visited(effect, plant, ranges).items() if item.shape}
+
+
+def about_visited(effect: type[Effect], plant: type[Plant], ranges: Mapping[str, Range]) -> type[Effect]:
+    """Return a bound effect whose places (parameters that are ``placed``) lie about the middle of what the tests visit, SI.
+
+    The zero of their scale, to which bounds are declared, means nothing.
+    """
+    moved = dict(effect.parameters)
+    for name, (_, (low, high)) in _visited(effect, plant, ranges).items():
+        item, middle = moved[name], 0.5 * (low + high)
+        if item.placed:
+            bounds = (item.bounds[0] + middle, item.bounds[1] + middle)
+            moved[name] = replace(item, default=item.default + middle, bounds=bounds)
+    if moved == effect.parameters:
+        return effect
+    groups = {"terms": effect.terms, "rates": effect.rates, "updates": effect.updates, "starts": effect.starts}
+    made: Any = type(effect)
+    found: type[Effect] = made(
+        effect.__name__, (effect,), {"__doc__": effect.__doc__, "__module__": effect.__module__, **groups}
+    )
+    found.parameters = moved
+    return found
 
 
 def largest_commands(effect: type[Effect], plant: type[Plant], ranges: Mapping[str, Range]) -> dict[str, float]:

@@ -117,7 +117,7 @@ def neighbours_of(
 
 def _is_log(item: Parameter) -> bool:
     low, high = item.bounds
-    return item.prior != "uniform" or (low > 0.0 and high / low > 30.0)
+    return not item.placed and (item.prior != "uniform" or (low > 0.0 and high / low > 30.0))
 
 
 def _tried(item: Parameter, visited: Mapping[str, Range]) -> list[float]:
@@ -197,6 +197,8 @@ def far_off(item: Parameter) -> bool:
 
 
 def _reach(item: Parameter) -> float:
+    if item.placed:
+        return 0.5 * (item.bounds[1] - item.bounds[0])
     finite = [abs(one) for one in item.bounds if math.isfinite(one) and one != 0.0]
     return min(finite) if finite else 1.0
 
@@ -319,7 +321,8 @@ def free_of_effect(effect: type[Effect]) -> list[Free]:
     for name, item in effect.parameters.items():
         low, high = item.bounds
         log = item.prior != "uniform" and low > 0.0
-        found.append(Free(effect.name, name, abs(item.default) or _reach(item) * 0.1, low, high, log))
+        size = 0.1 * _reach(item) if item.placed or item.default == 0.0 else abs(item.default)
+        found.append(Free(effect.name, name, size, low, high, log))
     return found
 
 

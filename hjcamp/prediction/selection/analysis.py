@@ -18,6 +18,7 @@ from hjcamp.model.effect import Effect
 from hjcamp.prediction.fitting.chapters import FEWEST, chapters_of
 from hjcamp.prediction.fitting.gauss_newton import SETTLED, TURNS_OF_BASE, Fitted, Free, settled
 from hjcamp.prediction.laws.unknowns import courses_of, ranges_of, unknowns_of
+from hjcamp.prediction.laws.visited import about_visited
 from hjcamp.prediction.levels import LEVEL, MATTERS
 from hjcamp.prediction.measured.at_once import may_be_late
 from hjcamp.prediction.measured.floor import MOTION_ORDERS, Floor, floor_of, moves, repeatability_of
@@ -181,6 +182,7 @@ def calibrated(
     states = _filled(windows, fitted.candidate)
     courses = courses_of(plant, fitted.candidate.base, states, layout.inputs, layout.time)
     search.ranges = ranges_of(courses, layout.time)
+    search.library = {name: about_visited(effect, plant, search.ranges) for name, effect in search.library.items()}
     windows.spare(fitted.candidate)
     search.admit(unknowns_of(plant, search.ranges, courses) if unknowns else {})
     scored = search.scored(fitted)

@@ -35,7 +35,7 @@ def counted_once(logs: Sequence[TestLog]) -> tuple[list[TestLog], list[Copy]]:
 
 
 def copies(courses: Sequence[Course]) -> list[Copy]:
-    """Return the courses that are copies of an earlier one: every reading equal within half its last digit, for most of both.
+    """Return the courses that are copies of an earlier one: every reading equal within half its last digit, for most of the shorter.
 
     So are readings that differ by less than a millionth of what they do, and a copy that lacks rows at an end.
     """

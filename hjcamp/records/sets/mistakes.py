@@ -15,17 +15,16 @@ from hjcamp.records.units import units_of
 
 @dataclass(frozen=True)
 class Mistake:
-    """A log's ``columns`` with a mistake in ``fields`` undone, said as "agrees ..."; ``fitted`` where a number was chosen for it."""
+    """A log's ``columns`` with a mistake in ``fields`` undone, said as "agrees ...".
+
+    ``fitted`` says that a number was chosen for it, ``skipped`` how many samples its repetitions have before it.
+    """
 
     text: str
     columns: dict[str, Array]
     fields: tuple[str, ...]
     fitted: bool = False
-
-
-def of_another_condition(name: str) -> str:
-    """Return in words that a log belongs to another condition."""
-    return f"agrees with the tests of condition '{name}': its condition is wrong"
+    skipped: int = 0
 
 
 def mistakes(one: Course, rest: Sequence[Course], far: Sequence[str]) -> Iterator[Mistake]:
@@ -38,6 +37,10 @@ def mistakes(one: Course, rest: Sequence[Course], far: Sequence[str]) -> Iterato
         if units[a] == units[b] and (a in far or b in far):
             yield Mistake(f"with '{a}' and '{b}' exchanged", {**own, a: own[b], b: own[a]}, (a, b))
     yield Mistake("backwards in time", {name: values[::-1] for name, values in own.items()}, tuple(far))
+    for times, text in ((2, "with every second row lost"), (0.5, "with every row written twice")):
+        rows = np.arange(0.0, one.samples - 1, 1.0 / times)
+        moved = {name: np.interp(rows, np.arange(one.samples), values) for name, values in own.items()}
+        yield Mistake(f"{text}, or with a period {times:g} times as long", moved, tuple(far))
     for name in far:
         for unit, known in units_of(one.log.table.field(name)).items():
             if not known.shift and known.factor != 1.0:
@@ -55,18 +58,18 @@ def _fitted(one: Course, rest: Sequence[Course], far: Sequence[str], units: dict
         if (square := float(np.sum(own[:length] ** 2))) > 0.0:
             times = float(np.sum(usual * own[:length])) / square
             yield Mistake(f"times {times:.3g}", {**one.columns, name: times * own}, (name,), True)
-        late = _late(own[:length], usual)
-        if late > 0:
-            moved = {key: np.roll(values, -late)[: max(one.samples - late, 2)] for key, values in one.columns.items()}
-            yield Mistake(f"{span(late * one.log.period)} earlier", moved, tuple(far), True)
+        if late := _late(own[:length], usual):
+            text = f"begun {span(abs(late) * one.log.period)} {'earlier' if late > 0 else 'later'}"
+            moved = {key: values[max(late, 0) :] for key, values in one.columns.items()}
+            yield Mistake(text, moved, tuple(far), True, max(-late, 0))
 
 
 def _late(own: Array, usual: Array) -> int:
-    """Return by how many samples ``own`` (n,) comes later than ``usual``, a quarter of them at most."""
+    """Return by how many samples ``own`` (n,) comes later than ``usual``, a quarter of them at most: where both differ least."""
     count = len(own)
-    a, b = own - own.mean(), usual - usual.mean()
-    common = np.fft.irfft(np.fft.rfft(a, 2 * count) * np.conj(np.fft.rfft(b, 2 * count)), 2 * count)
-    most = count // 4
-    lags = np.concatenate([common[: most + 1], common[-most:]]) if most else common[:1]
-    best = int(np.argmax(lags))
-    return best if best <= most else best - len(lags)
+    common = np.fft.irfft(np.fft.rfft(own, 2 * count) * np.conj(np.fft.rfft(usual, 2 * count)), 2 * count)
+    a, b = (np.concatenate([[0.0], np.cumsum(one**2)]) for one in (own, usual))
+    lags = np.arange(-(count // 4), count // 4 + 1)
+    first, last = np.maximum(lags, 0), count + np.minimum(lags, 0)
+    squares = a[last] - a[first] + b[last - lags] - b[first - lags] - 2.0 * common[lags]
+    return int(lags[np.argmin(squares / (last - first))])
