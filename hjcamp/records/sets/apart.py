@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,7 +26,8 @@ class Apart:
 
     ``outside``: it is farther from each repetition than these are from each other, by more than a tenth of what the column does.
     What a single repetition would differ by is not ``known``. ``turned`` is by how much the ratio falls by chance where two tests do
-    not repeat at all and one is changed; ``spread`` the standard deviation that chance gives the logarithm of the ratio.
+    not repeat at all and one is changed; ``spread`` the standard deviation that chance gives the logarithm of the ratio,
+    ``whole`` the ratio of the readings themselves.
     """
 
     ratio: float
@@ -35,6 +36,7 @@ class Apart:
     known: bool
     turned: float
     spread: float
+    whole: float = 0.0
 
     @property
     def far(self) -> bool:
@@ -63,7 +65,7 @@ def apart(name: str, columns: dict[str, Array], rest: Sequence[Course], level: f
         steps = each[:, step:] - each[:, :-step]
         looks.append(_apart(own[step:] - own[:-step], steps, 2.0 * least, level, float(np.var(steps))))
         looks.append(_apart(own[:step], each[:, :step], least, level, size))
-    return max(looks, key=lambda one: (one.outside, one.ratio / one.allowed))
+    return replace(max(looks, key=lambda one: (one.outside, one.ratio / one.allowed)), whole=looks[0].ratio)
 
 
 def _apart(own: Array, each: Array, least: float, level: float, moves: float) -> Apart:

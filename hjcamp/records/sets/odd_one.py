@@ -86,12 +86,14 @@ def _odd(
         field = worst if worst in mistake.fields else mistake.fields[0]
         first = apart(field, mistake.columns, rest, level, mistake.skipped)
         best = explained.get(mistake.fitted, (math.inf,))[0]
-        if not first.ratio * first.turned < before[field].ratio:
+        if not first.ratio * first.turned < before[field].ratio or first.whole > before[field].whole:
             continue
         after = {name: apart(name, mistake.columns, rest, level, mistake.skipped) for name in before}
-        if first.ratio < best and not any(
-            far(name, each) or (each.outside and not each.known) for name, each in after.items()
-        ):
+        worse = (
+            far(name, each) or (each.outside and not each.known and not before[name].outside)
+            for name, each in after.items()
+        )
+        if first.ratio < best and not any(worse):
             explained[mistake.fitted] = first.ratio, first.turned, field, mistake
     plain, fitted = explained.get(False), explained.get(True)
     if plain and not (fitted and fitted[0] * fitted[1] < plain[0]):
