@@ -23,21 +23,24 @@ with all fields of a plant. An example of MAP.yaml:
   plant: axis              # USUAL where it is absent
   period_s: 0.001          # or sampling_hz; not needed where time_s is mapped
   resample_s: 0.005        # brings rows that are uneven all along to this period
-  gaps: interpolate        # cells without a value; they are refused where it is absent
+  gaps: interpolate        # cells without a value, up to three lost rows in turn; they are refused where it is absent
+  missing: [-9999, "---"]  # what stands for no reading, as it is in the file: a gap
   spikes: interpolate      # readings that jump out and back; they are kept, and told, where it is absent
   topic: /motor/state      # MCAP alone
-  skip_lines: 2            # CSV alone: also comment; separator and decimal_comma are read off the file
+  skip_lines: 2            # CSV alone: also comment; separator, header and decimal_comma are read off the file
   fields:
     time_s: {column: t, unit: ms}
     position_m: {column: x, unit: mm, scale: 1, offset: 0, sign: -1}
-    voltage_v: u
+    angle_rad: {column: n, unit: turn, scale: 1.5e-5, unwrap: 65536}   # a counter or an angle that begins again
+    voltage_v: {column: u, topic: /motor/command}                      # MCAP: of another topic
   metadata: {condition: "{file}", mass_kg: 95}   # {file}: the file's name
   files:                   # metadata of single files; then every file stands here
     train.csv: {condition: train}
     pulses.csv: {condition: pulses, mass_kg: 120}
 
-A column is a CSV or Parquet column (1, 2, 3, ... where a table of text has no header), a MATLAB variable (q, data.q, q(:,2)), or a
-name in a message (q, pose.x). Dates and times that are written out are read as seconds.
+A column is a CSV or Parquet column (1, 2, 3, ... where a table of text has no header), a MATLAB variable (q, data.q, q(:,2),
+rec.Y(2).Data), or a name in a message (q, pose.x, position[0], header.stamp); with brackets, colons or quotes it is quoted. Times are
+read as they are written (12:00:00,5, 31.01.2026 12:00:00.5, 5-Mar-2026 ...), days of a spreadsheet with unit: day.
 """.replace("USUAL", DEFAULT)
 
 

@@ -13,13 +13,34 @@ import numpy as np
 import polars
 import pytest
 import yaml
-from foreign_truth import FIELDS, ROWS, TIME, U, X, imported, is_truth, mapped
+from foreign_truth import CASES, FIELDS, ROWS, TIME, U, X, imported, is_truth, mapped
 from mcap.writer import CompressionType, Writer
 from scipy.io import savemat
 
 from hjcamp.errors import UsageError
 
 BEGAN = datetime(2024, 2, 29, 23, 59, 58)
+
+
+@pytest.mark.parametrize("case", sorted(one.name for one in CASES.iterdir() if (one / "expect.json").exists()))
+def test_a_file_that_was_met_is_read_or_refused_with_what_helps(folder: Path, case: str) -> None:
+    expect = json.loads((CASES / case / "expect.json").read_text())
+    try:
+        one, columns = imported(CASES / case / expect["input"], CASES / case / "map.yaml")
+    except UsageError as refusal:
+        said = str(refusal).replace(case, "")
+        assert "\n" not in said and any(word in said for word in expect["say"])
+        return
+    told = " ".join(finding.line for finding in one.doubtful)
+    if "warn" in expect:
+        assert any(word.lower() in told.lower() for word in expect["warn"])
+    elif "period" in expect:
+        assert np.ptp(columns["time_s"]) / (len(columns["time_s"]) - 1) == pytest.approx(expect["period"], rel=1e-3)
+    elif "near" in expect:
+        rows = len(columns["time_s"])
+        assert told and np.abs(1e3 * columns["position_m"] - X[:rows]).max() <= expect["near"]
+    else:
+        is_truth(columns)
 
 
 def structures(*signals: np.ndarray, name: str = "values") -> np.ndarray:

@@ -9,7 +9,7 @@ import pytest
 from hjcamp.errors import UsageError
 from hjcamp.model.field import Field
 from hjcamp.model.field_table import fields_of
-from hjcamp.model.field_unit import FIELD_UNITS
+from hjcamp.model.field_unit import FIELD_UNITS, MEANT, unit_of_field
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.records.units import conversion_to_field, deg_from_rad, mpa_from_pa, pa_from_mpa, rad_from_deg, units_of
 
@@ -51,6 +51,30 @@ def test_every_conversion_agrees_with_pint(registry: pint.UnitRegistry, shown: s
 )
 def test_a_unit_may_be_written_in_more_than_one_way(shown: str, written: str) -> None:
     conversion_to_field(Field("x", shown, True, ""), written, "here")
+
+
+@pytest.mark.parametrize(
+    ("name", "si", "meant"),
+    [
+        ("speed_mps", "m/s", "speed_m_per_s"), ("wheel_speed_MPS", "", "wheel_speed_m_per_s"), ("speed_kmh", "m/s", "speed_km_per_h"),
+        ("rate_dps", "rad/s", "rate_deg_per_s"), ("level_lpm", "m^3/s", "level_l_per_min"), ("acc_mps2", "m/s^2", "acc_m_per_s2"),
+        ("angle_degrees", "rad", "angle_deg"), ("drive_volts", "V", "drive_v"), ("duty_pct", "1", "duty_percent"),
+    ],
+)  # fmt: skip
+def test_the_unit_that_people_mean_is_offered(name: str, si: str, meant: str) -> None:
+    with pytest.raises(UsageError, match=f"'{name}' ends with no unit; did you mean '{meant}'"):
+        unit_of_field(name, "here", si)
+    assert not si or unit_of_field(meant, "here").si == si
+
+
+@pytest.mark.parametrize("unit", MEANT)
+def test_what_people_mean_is_a_unit_and_no_unit_of_its_own(unit: str) -> None:
+    assert MEANT[unit] in FIELD_UNITS and unit not in FIELD_UNITS
+
+
+def test_units_of_what_is_measured_alone_are_offered() -> None:
+    with pytest.raises(UsageError, match=r"speed_xyz.*Allowed: speed_km_per_h, speed_m_per_s, speed_mm_per_s$"):
+        unit_of_field("speed_xyz", "here", "m/s")
 
 
 def test_to_si_and_back() -> None:

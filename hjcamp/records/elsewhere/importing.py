@@ -57,18 +57,20 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
     """Write each of ``files`` as the test log of ``outs`` by the YAML file ``mapping``, and return what was written.
 
     A column becomes a field as ``sign * (scale * column + offset)`` in ``unit``. The end of a file's name says what it
-    is: ``.mat`` (a column is a variable: ``q``, ``data.q``, ``q(:,2)``), ``.parquet``, ``.mcap`` (a column is a name in
-    the messages on ``topic``: ``q``, ``pose.x``; JSON or protobuf), anything else is a table of text::
+    is: ``.mat`` (a column is a variable: ``q``, ``data.q``, ``q(:,2)``, ``rec.Y(2).Data``), ``.parquet``, ``.mcap`` (a column
+    is a name in the messages on ``topic``: ``q``, ``pose.x``, ``position[0]``; JSON or protobuf), anything else is a table of
+    text::
 
         plant: axis             # the usual one where it is absent; its fields: hjcamp plants axis
-        skip_lines: 2           # before the header; also: comment, and separator, decimal_comma where the file misleads
+        skip_lines: 2           # before the header; also: comment, and separator, header, decimal_comma where the file misleads
         period_s: 0.001         # or sampling_hz; neither is needed where time_s is mapped
-        gaps: interpolate       # cells without a value; refused where it is absent
+        gaps: interpolate       # cells without a value, single lost rows; refused where it is absent
+        missing: [-9999]        # what stands for no reading, as it is in the file
         spikes: interpolate     # readings that jump out and back; kept, and told, where it is absent
         fields:
           time_s: {column: t, unit: ms}
           position_m: {column: x, unit: mm, sign: -1, offset: 12.5}
-          voltage_v: {column: u_raw, scale: 2.5}
+          voltage_v: {column: u_raw, scale: 2.5}    # also: unwrap, after how much a counter begins again; topic
         metadata: {condition: "{file}", mass_kg: 95}      # {file}: the name of the file without its ending
         files:                  # metadata of single files, where they differ; then every file is named
           train.csv: {condition: train}

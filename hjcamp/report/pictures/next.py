@@ -52,7 +52,8 @@ def draw_predictions(tests: Sequence[Prediction], bars: Sequence[Bar], labels: L
     from matplotlib.figure import Figure
 
     buffer = io.BytesIO()
-    FigureCanvasAgg(predictions_figure(tests, bars, labels, Figure)).print_png(buffer)
+    with own_settings():
+        FigureCanvasAgg(predictions_figure(tests, bars, labels, Figure)).print_png(buffer)
     return buffer.getvalue()
 
 
@@ -60,7 +61,6 @@ def predictions_figure(
     tests: Sequence[Prediction], bars: Sequence[Bar], labels: Labels, kind: Callable[..., Any]
 ) -> Any:
     """Return the picture as a figure of matplotlib, made by ``kind``."""
-
     shown = list(tests)[:COLUMNS]
     below = 1.0 + 0.24 * len(bars)
     with own_settings():
