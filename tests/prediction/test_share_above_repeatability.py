@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hjcamp.prediction.levels import MATTERS
+from hjcamp.prediction.fitting.chapters import advantages, critical, ratio_t, told_apart
+from hjcamp.prediction.levels import LEVEL, MATTERS
 from hjcamp.prediction.measured.floor import Floor, Repeatability, repeatability_of, unknown_repeatability
 from hjcamp.prediction.selection.claims import Claims
 from hjcamp.prediction.shares import left_above, left_of, share_of
@@ -78,3 +79,33 @@ def test_a_row_says_of_what_its_share_is() -> None:
     # an answer of before has no such key; what lies no higher than the floor has no share above it
     for row in ({"heldout_error_ratio": 0.6}, {"heldout_error_ratio": 0.6, "left_above_repeatability": None}, {"left": 0.6}):
         assert (left_of(row), share_of(row, "repetitions")) == (0.6, "the error")
+
+
+CANDIDATES, FITTED = 40, 6
+
+
+def claimed(seed: int, excess: float, old: bool = False) -> int | None:
+    """The candidate that is claimed of 40 responses, of which the first is there by so many times the scatter; None where none is."""
+    layout, features, _ = repeated_tests(10.0, 0.0, seed)
+    generator, rows = np.random.default_rng([seed, 1]), np.repeat(np.arange(16), WINDOWS // 16 + 1)[:WINDOWS]
+    responses = [10.0 * np.tile(generator.standard_normal((WINDOWS, SIZE)), (TESTS, 1)) for _ in range(CANDIDATES)]
+    features, blocks = features + excess * responses[0], np.tile(rows, TESTS)
+    known = unknown_repeatability(1) if old else repeatability_of(layout, features)  # type: ignore[arg-type]
+    search = search_of(layout, known)
+    for k in sorted(range(CANDIDATES), key=lambda k: -abs(np.sum(responses[k] * features)))[:FITTED]:
+        z, out = responses[k], features.copy()
+        for block in np.unique(blocks):
+            rest = blocks != block
+            out[~rest] -= z[~rest] * np.sum(z[rest] * features[rest]) / np.sum(z[rest] ** 2)
+        fitted = features - z * np.sum(z * features) / np.sum(z**2)
+        t, count = ratio_t(advantages(out, features, blocks), told_apart(fitted, features, blocks))
+        if t > critical(count, LEVEL / FITTED) and search.share_left(out, features) <= 1.0 - MATTERS:
+            return k
+    return None
+
+
+def test_where_nothing_is_missing_nothing_is_claimed_and_what_scatter_hides_is_found() -> None:
+    assert [claimed(seed, 0.0) for seed in range(20)] == [None] * 20
+    # 7 % of the rms, which all of the rms would refuse
+    assert [claimed(seed, 0.4) for seed in range(20)].count(0) >= 16
+    assert [claimed(seed, 0.4, old=True) for seed in range(20)].count(None) >= 16

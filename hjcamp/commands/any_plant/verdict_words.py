@@ -161,7 +161,7 @@ class Words:
             found.append(
                 f"{with_article(free_law(first), begins=True)}, of a form that no effect of the library has, predicts better: "
                 f"it leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.floor.source)}. Its curve is on the page, "
-                "drawn for the parameters that the table has with what was found."
+                "and holds with the parameters in the column 'with what was found'."
             )
             found += over_time_words(first, self.analysis.measured.repeated, verdict.p_value)
         if beside := self.content["follows_motion"]["beside_law"]:
@@ -216,7 +216,7 @@ class Words:
         if verdict.word != "cannot_tell":
             found.append(
                 f"Normalised error on chapters left out: {error['baseline']:.2f} calibrated"
-                + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects else ".")
+                + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects or verdict.unknown else ".")
             )
             if verdict.word == "nothing_missing" and (far := self.far_off):
                 found.append(self._remains(*far))
