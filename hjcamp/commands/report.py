@@ -34,6 +34,9 @@ def report(
     ] = None,
     junit: Annotated[Path | None, typer.Option(help="Write the check as JUnit XML to this file; with --check.")] = None,
     output: Annotated[Path | None, typer.Option(help="Another folder for tables and page.")] = None,
+    template: Annotated[
+        Path | None, typer.Option(help="Make the page by this template of yours (docs/templates.md).")
+    ] = None,
     repetition: Annotated[
         int | None, typer.Option(help="Draw this repetition of each condition alone, into repetition_N of the folder.")
     ] = None,
@@ -65,7 +68,7 @@ def report(
     tolerances = None if check is None else read_tolerances(check, beside)
     logs = None if repetition is None else of_repetition(path, repetition)
     target = output or (None if repetition is None else own_folder(path / f"repetition_{repetition}"))
-    made = build_report(path, against=against, output=target, logs=logs, further=further_pictures)
+    made = build_report(path, against=against, output=target, logs=logs, further=further_pictures, template=template)
     console = make_console()
     console.print(FittedSheet(made.conditions))
     for sheet in made.sheets:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from html import escape
 from pathlib import Path
 
-from hjcamp.report import explorer
 from hjcamp.report.explorer import library
+from hjcamp.report.template import page_of
 
 HERE = Path(__file__).parent
-# by its place: the module that builds the report's page imports half of the program
-STYLE = explorer.HERE / "page.css"
 #: It may speak to its own server, and to nobody else.
 POLICY = (
     "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
@@ -20,22 +18,8 @@ POLICY = (
 
 def page_html(title: str) -> str:
     """Return the page."""
-    style = "\n".join(
-        [STYLE.read_text(encoding="utf-8"), library("uPlot.min.css"), (HERE / "live.css").read_text(encoding="utf-8")]
-    )
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-{POLICY}
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="data:,">
-<title>{escape(title)}</title>
-<style>
-{style}</style>
-</head>
-<body class="live">
-<header>
+    style = f"\n{library('uPlot.min.css')}\n{(HERE / 'live.css').read_text(encoding='utf-8')}"
+    content = f"""<header>
 <h1 id="name">{escape(title)}</h1>
 <span id="state" class="pill" role="status">waiting</span>
 <p id="facts" class="soft"></p>
@@ -60,7 +44,5 @@ def page_html(title: str) -> str:
 </main>
 <noscript><p>This page needs JavaScript.</p></noscript>
 <script>{library("uPlot.iife.min.js")}</script>
-<script>{(HERE / "live.js").read_text(encoding="utf-8")}</script>
-</body>
-</html>
-"""
+<script>{(HERE / "live.js").read_text(encoding="utf-8")}</script>"""
+    return page_of(title, content, kind="live", style=style, policy=POLICY, head='<link rel="icon" href="data:,">\n')

@@ -74,12 +74,14 @@ def build_report(
     output: Path | None = None,
     logs: Sequence[TestLog] | None = None,
     further: Pictures | None = None,
+    template: Path | None = None,
 ) -> Report:
     """Write ``tables/`` and ``report.html`` of a run folder, or of a folder of logs, each file whole or not at all.
 
     With ``against="published"`` the published values stand beside, with a path those of that run. ``output`` is another
     folder for the files, ``logs`` are the logs where they have been read already, ``further`` gives more pictures for the
-    page. The logs of the folder are read one after the other. `UsageError` where there is no log, a log that cannot be
+    page, ``template`` is a file that the page is made by (docs/templates.md).
+    The logs of the folder are read one after the other. `UsageError` where there is no log, a log that cannot be
     read, an unknown ``against`` or table, or a baseline that has no condition of this run.
     """
     from hjcamp.records.find import refuse_mixed_plants, tell
@@ -142,7 +144,7 @@ def build_report(
     said = compared.verdict if compared else verdict(comparison, differs) if against else ""
     dots = _dots(conditions, found)
     refitted = beside_refit(conditions) if against in AGAINST and _as_printed(found) else None
-    page = _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out, shown, dots, refitted)
+    page = _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out, shown, dots, refitted, template)
     replace_file(target / "report.html", page)
     return Report(
         run_dir,
@@ -266,6 +268,7 @@ def _page(
     shown: Exploration,
     dots: Sequence[Dots],
     beside: Sheet | None,
+    template: Path | None,
 ) -> Iterator[str]:
     tests = Counter(log.condition_key for log in logs)
     pictures = {}
@@ -295,6 +298,7 @@ def _page(
         origin=[*origin_facts(origin, logs), *(("left out", text) for text in left_out)],
         command=origin.command,
         configuration=origin.config_text,
+        template=template,
     )
 
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
-from hjcamp.report.explorer import NOTHING_FETCHED
 from hjcamp.report.glossary import glossed, words_of
-from hjcamp.report.page import STYLE, shaded
+from hjcamp.report.page import shaded
 from hjcamp.report.pictures.conditions import tidy
+from hjcamp.report.template import page_of
 
 PLACES = 8
 
@@ -18,12 +18,7 @@ def discrepancy_page(title: str, lead: str, parts: Sequence[str]) -> str:
     """Return the HTML; ``lead`` is the answer in one line, ``parts`` are blocks made by the functions below."""
     said = f'<p class="verdict">{glossed(lead)}</p>\n' if lead else ""
     body = "\n".join(part for part in parts if part)
-    return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">\n{NOTHING_FETCHED}\n'
-        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{escape(title)}</title>\n'
-        f"<style>\n{STYLE.read_text(encoding='utf-8')}</style></head>\n<body>\n<h1>{escape(title)}</h1>\n"
-        f"{said}{body}\n{words_of(said + body)}\n</body>\n</html>\n"
-    )
+    return page_of(title, f"<h1>{escape(title)}</h1>\n{said}{body}\n{words_of(said + body)}")
 
 
 def heading(text: str) -> str:

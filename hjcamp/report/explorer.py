@@ -11,11 +11,6 @@ from pathlib import Path
 from hjcamp.report.exploration import Exploration
 
 HERE = Path(__file__).parent
-#: What a page may load: itself. A browser holds it to that.
-NOTHING_FETCHED = (
-    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
-    "script-src 'unsafe-inline'; img-src data:\">"
-)
 KEYS = (
     "Drag: zoom, double click: back. Keys: left and right arrow, other test; + and -, zoom; 0, whole test; "
     "1 to 9, models; m, what was {observed}; r, repetitions."

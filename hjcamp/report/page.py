@@ -7,17 +7,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from string import Template
+from typing import Any
 
-from hjcamp.report.explorer import NOTHING_FETCHED
 from hjcamp.report.names import readable
 from hjcamp.report.pictures import conditions as figures
 from hjcamp.report.pictures.conditions import tidy
 from hjcamp.report.pictures.small_multiples import small_multiples
 from hjcamp.report.sheet import BESIDE, Cell, Sheet
 from hjcamp.report.spread import Condition
+from hjcamp.report.template import html, pieces_of
 
-STYLE = Path(__file__).with_name("page.css")
 #: The page's own shades, which follow light and dark, in place of the colours of the drawing.
 SHADES = {
     figures.INK: "currentColor",
@@ -33,45 +32,6 @@ SHADES = {
 #: Pixels of the screen for a point of the drawing, whose smallest letters have 7 points.
 READABLE = 1.2
 OVERVIEW = "every condition: mean and standard deviation of each indicator, published values beside"
-ABOVE = Template("""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-$policy
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$title</title>
-<style>
-$style</style>
-</head>
-<body>
-<h1>$title</h1>
-<p class="soft">$facts</p>
-$verdict
-$further
-$overview
-$small
-$beside
-$explorer
-<h2 id="tables">Tables</h2>
-$tables
-<h2 id="pictures">Conditions</h2>
-<p class="soft">Lines are means over the repetitions where these move together; where they do not, one repetition is bold and the
-others are thin. Bands run from the lowest to the highest of them, and of the samples that one point stands for.</p>
-<nav>
-$links
-</nav>
-""")
-BELOW = Template("""
-<h2 id="origin">Where this comes from</h2>
-<div class="scroll"><table>
-$origin
-</table></div>
-$again
-$configuration
-<script>addEventListener("beforeprint", () => { for (const one of document.querySelectorAll("details")) one.open = true; });</script>
-</body>
-</html>
-""")
 
 
 @dataclass(frozen=True)
@@ -80,6 +40,23 @@ class Picture:
 
     caption: str
     draw: Callable[[], str]
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """A condition as a template has it: its place in the page, and its picture when that is asked for."""
+
+    name: str
+    anchor: str
+    picture: Picture
+
+    @property
+    def title(self) -> str:
+        return readable(self.name)
+
+    def html(self) -> Any:
+        told = "angle, error, pressures, command"
+        return html(picture_html(self.name, self.anchor, self.picture.draw(), self.picture.caption, told))
 
 
 def build_page(
@@ -97,43 +74,40 @@ def build_page(
     origin: Sequence[tuple[str, str]],
     command: str,
     configuration: str,
+    template: Path | None = None,
 ) -> Iterator[str]:
     """Yield the HTML of the report piece by piece, one picture after the other; every text is escaped.
 
     ``overview`` is the SVG of all conditions, ``small`` are those drawn small, ``beside`` is a table that stands open
     below them, ``explorer`` is a block of HTML.
+    ``template`` is a file of the user's (docs/templates.md).
     ``pictures`` are those of the conditions by name, ``further`` those of the campaign itself, heading -> (SVG, caption), which
     come first; ``origin`` are name and value of what made the run, ``command``
     runs it again.
     """
-    numbered = {name: f"condition-{number}" for number, name in enumerate(pictures, start=1)}
-    again = f"<h3>Run it again</h3>\n<pre>{escape(command)}</pre>" if command else ""
-    shown = f"<details><summary>Configuration as asked</summary>\n<pre>{escape(configuration)}</pre></details>"
-    yield ABOVE.substitute(
-        title=escape(title),
-        style=STYLE.read_text(encoding="utf-8"),
-        facts=escape(" · ".join(facts)),
-        verdict=f'<p class="verdict">{escape(verdict)}</p>' if verdict else "",
-        policy=NOTHING_FETCHED,
-        beside=table_html(beside) if beside else "",
-        further="\n".join(
-            picture_html(name, f"campaign-{number}", *drawn) for number, (name, drawn) in enumerate((further or {}).items(), start=1)
-        ),
-        overview=f"<figure>{shaded(tidy(overview), OVERVIEW)}</figure>" if overview else "",
-        small=small_multiples(small, numbered, {}) if small else "",
-        explorer=explorer,
-        tables="\n".join(folded(sheet) for sheet in sheets),
-        links="\n".join(f'<a href="#{anchor}">{escape(readable(name))}</a>' for name, anchor in numbered.items()),
-    )
-    for number, (name, picture) in enumerate(pictures.items()):
-        told = "angle, error, pressures, command"
-        yield ("\n" if number else "") + picture_html(name, numbered[name], picture.draw(), picture.caption, told)
-    yield BELOW.substitute(
-        origin="\n".join(
-            f'<tr><td>{escape(name)}</td><td class="fact">{escape(value)}</td></tr>' for name, value in origin
-        ),
-        again=again,
-        configuration=shown if configuration else "",
+    drawn = [_Drawn(name, f"condition-{number}", one) for number, (name, one) in enumerate(pictures.items(), start=1)]
+    numbered = {one.name: one.anchor for one in drawn}
+    first = [
+        picture_html(name, f"campaign-{number}", *one)
+        for number, (name, one) in enumerate((further or {}).items(), start=1)
+    ]
+    return pieces_of(
+        "report.html",
+        title,
+        template,
+        facts=facts,
+        verdict=verdict,
+        further=html("\n".join(first)),
+        overview=html(f"<figure>{shaded(tidy(overview), OVERVIEW)}</figure>" if overview else ""),
+        small=html(small_multiples(small, numbered, {}) if small else ""),
+        beside=html(table_html(beside) if beside else ""),
+        explorer=html(explorer),
+        tables=[html(folded(sheet)) for sheet in sheets],
+        sheets=sheets,
+        pictures=drawn,
+        origin=origin,
+        command=command,
+        configuration=configuration,
     )
 
 

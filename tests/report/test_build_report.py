@@ -90,7 +90,7 @@ def test_the_page_is_self_contained_and_well_formed(tmp_path: Path) -> None:
     assert "<script>alert" not in page and "default-src 'none'" in page
     assert "a &lt;b&gt; &amp; c" in page
     assert "$title ${style}" in page
-    assert "&#x27;x=$(rm)&#x27; repetitions=2" in page
+    assert "&#39;x=$(rm)&#39; repetitions=2" in page
     assert "prefers-color-scheme: dark" in page
     # five conditions, the same five small, and the picture of them all
     assert page.count("<svg ") == 11 and page.index("every condition: mean") < page.index('id="explorer"') < page.index("<details>")

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, Protocol
 
-from hjcamp.report.page import SHADES, STYLE
+from hjcamp.report.page import SHADES
 from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, RED, SETTINGS, own_settings, tidy
+from hjcamp.report.template import page_of
 
 COLOURS = (BLUE, RED, GREEN, INK)
 SIZE = (7.4, 3.4)
@@ -92,13 +93,11 @@ def identification_page(
     pictures = "\n".join(f"<h3>{heading}</h3>\n<figure>{svg}</figure>" for heading, svg in drawn)
     head = "".join(f'<th scope="col">{name}</th>' for name in HEADINGS)
     listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
-    return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">\n'
-        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{escape(title)}</title>\n'
-        f"<style>\n{STYLE.read_text(encoding='utf-8')}</style></head>\n<body>\n<h1>{escape(title)}</h1>\n"
-        f'<p class="soft">{escape(" · ".join(facts))}</p>\n<div class="scroll"><table>\n'
+    return page_of(
+        title,
+        f'<h1>{escape(title)}</h1>\n<p class="soft">{escape(" · ".join(facts))}</p>\n<div class="scroll"><table>\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{table}\n</tbody></table></div>\n"
-        f'<ul class="notes">{listed}</ul>\n{pictures}\n</body>\n</html>\n'
+        f'<ul class="notes">{listed}</ul>\n{pictures}',
     )
 
 
