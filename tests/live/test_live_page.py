@@ -188,7 +188,9 @@ def test_one_line_for_a_condition() -> None:
     file, tests = io.StringIO(), [SimpleNamespace(id=one.test, condition="a__b", log="x") for one in ended]
     plan = SimpleNamespace(tests=tests, conditions=[], repetitions=4)
     ends = Ends(
-        cast(Any, SimpleNamespace(plan=plan, path=Path())), cast(Any, tests), Console(file=file, soft_wrap=True)
+        cast(Any, SimpleNamespace(plan=plan, path=Path(), note=print)),
+        cast(Any, tests),
+        Console(file=file, soft_wrap=True),
     )
     for outcome in ended:
         assert file.getvalue() == ""

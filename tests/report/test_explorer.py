@@ -194,11 +194,11 @@ def test_the_list_of_tests_is_not_cut_and_residuals_say_of_what(page: Any) -> No
 
     opened("cycloid_neg__pid/1", ["published", "published, calibrated"])
     assert page.evaluate("(one => one.scrollWidth - one.clientWidth)(document.querySelector('#explorer .list'))") == 0
-    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: model − measured (m)"
+    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: model − measured (mm)"
     opened("a", ["reference"])
-    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: reference − measured (m)"
+    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: reference − measured (mm)"
     opened("a", ["reference"], "simulated")
-    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: reference − simulated (m)"
+    assert page.locator("#explorer .title b").nth(1).inner_text() == "a: reference − simulated (mm)"
     assert page.locator("button[data-of=simulated]").count() == 1 and "what was simulated" in page.inner_text(".keys")
 
 
