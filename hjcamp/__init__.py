@@ -7,13 +7,15 @@ and the others of ``dir(hjcamp)``; each does what the command of that name does,
 import importlib
 import sys
 import types
+from collections.abc import Callable
+from typing import cast
 
 __version__ = "0.1.0"
 _NOTEBOOK = "hjcamp.notebook"
 #: What there is in Python besides the modules: functions of ``hjcamp.notebook``.
 _FUNCTIONS = (
-    "add", "calibrate", "command", "compare", "diagnose", "effects", "import_logs", "load", "new_effect", "new_plant", "plan",
-    "plants", "report", "resume", "run", "runs", "simulate",
+    "add", "budget", "calibrate", "command", "compare", "diagnose", "diff", "effects", "explain", "export", "history", "import_logs",
+    "load", "new_effect", "new_plant", "next", "paper", "plan", "plants", "report", "resume", "run", "runs", "simulate", "tune",
 )  # fmt: skip
 
 
@@ -30,15 +32,29 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_FUNCTIONS})
+    own = {name for name in globals() if name.startswith("__") or isinstance(globals()[name], _CalledModule)}
+    return sorted({*own, *_FUNCTIONS})
 
 
 class _CalledModule(types.ModuleType):
     """A package that shares its name with a function, such as ``hjcamp.effects``: called, it is the function."""
 
     def __call__(self, *words: object, **options: object) -> object:
-        function = getattr(importlib.import_module(_NOTEBOOK), self.__name__.rpartition(".")[2])
-        return function(*words, **options)
+        return _function_of(self)(*words, **options)
+
+    @property
+    def __doc__(self) -> str | None:  # type: ignore[override]
+        return _function_of(self).__doc__
+
+    @property
+    def __signature__(self) -> object:
+        from inspect import signature
+
+        return signature(_function_of(self))
+
+
+def _function_of(package: types.ModuleType) -> Callable[..., object]:
+    return cast("Callable[..., object]", getattr(importlib.import_module(_NOTEBOOK), package.__name__.rpartition(".")[2]))
 
 
 class _Package(types.ModuleType):

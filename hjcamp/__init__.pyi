@@ -1,3 +1,5 @@
+from pathlib import Path
+
 from hjcamp.notebook import add as add
 from hjcamp.notebook import calibrate as calibrate
 from hjcamp.notebook import command as command
@@ -15,5 +17,22 @@ from hjcamp.notebook import resume as resume
 from hjcamp.notebook import run as run
 from hjcamp.notebook import runs as runs
 from hjcamp.notebook import simulate as simulate
+from hjcamp.notebook.any_command import Said as _Said
 
 __version__: str
+
+def budget(*words: str | Path, **options: object) -> _Said: ...
+
+def diff(*words: str | Path, **options: object) -> _Said: ...
+
+def explain(*words: str | Path, **options: object) -> _Said: ...
+
+def export(*words: str | Path, **options: object) -> _Said: ...
+
+def history(*words: str | Path, **options: object) -> _Said: ...
+
+def next(*words: str | Path, **options: object) -> _Said: ...
+
+def paper(*words: str | Path, **options: object) -> _Said: ...
+
+def tune(*words: str | Path, **options: object) -> _Said: ...

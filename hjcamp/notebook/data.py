@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -38,9 +39,12 @@ class Data(Read, Result):
     @cached_property
     def frame(self) -> pl.DataFrame:
         """One row for each test: its name, condition, repetition, samples, duration (s), file."""
+        repetitions: dict[str, Any] = {name: log.metadata.get("repetition") for name, log in self._named.items()}
+        if all(one is None or one.isdecimal() for one in repetitions.values()):
+            repetitions = {name: None if one is None else int(one) for name, one in repetitions.items()}
         rows = [
             {
-                "test": name, "condition": log.condition_key, "repetition": log.metadata.get("repetition"),
+                "test": name, "condition": log.condition_key, "repetition": repetitions[name],
                 "samples": log.samples, "duration_s": log.duration, "log": str(log.path),
             }
             for name, log in self._named.items()
@@ -55,11 +59,30 @@ class Data(Read, Result):
 
         return indicators_frame(self.logs).drop(STANDING)
 
-    def samples(self, test: str | int = 0) -> pl.DataFrame:
-        """Return the samples of one test, by name or place: time (s) and every field, in the units of their names."""
+    def samples(self, test: str | int = 0, *, condition: str | None = None) -> pl.DataFrame:
+        """Return the samples of one test, by name or place: time (s) and every field, in the units of their names.
+
+        With a ``condition`` (its name or a pattern, ``"*"`` for all) those of all its tests, one below the other, with the columns
+        test, condition and repetition in front; a field that a test does not have is null there. ``UsageError`` for one without tests.
+
+        >>> data.samples(condition="*").columns
+        ['test', 'condition', 'repetition', 'time_s', 'position_m', 'voltage_v']
+        """
         import polars as pl
 
-        return pl.DataFrame(self._log(test)[1].columns)
+        if condition is None:
+            return pl.DataFrame(self._log(test)[1].columns)
+        rows = [one for one in self.frame.iter_rows(named=True) if fnmatchcase(one["condition"], condition)]
+        if not rows:
+            raise unknown("condition", condition, dict.fromkeys(self.frame["condition"]))
+        keys = ("test", "condition", "repetition")
+        long = [
+            pl.DataFrame(self._named[one["test"]].columns).select(
+                *(pl.lit(one[key], dtype=self.frame.schema[key]).alias(key) for key in keys), pl.all()
+            )
+            for one in rows
+        ]
+        return pl.concat(long, how="diagonal")
 
     def plot(self, test: str | int = 0) -> Picture:
         """Return one test over time, a panel for each unit."""

@@ -17,6 +17,9 @@ from matplotlib.figure import Figure
 import hjcamp
 from hjcamp import cli, notebook
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.notebook.any_command import COMMANDS, _typed
+from hjcamp.records.log import TestLog
+from hjcamp.records.write import write_log
 
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "notebook.ipynb"
 
@@ -151,3 +154,42 @@ def test_importing_is_light_and_packages_stay_packages() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stdout.strip()) == (0, "nothing"), done.stderr
+
+
+def test_the_samples_of_many_tests_are_one_long_frame(tmp_path: Path) -> None:
+    time = np.arange(200) * 1e-3
+    for name, condition, repetition, further in (("a", "up", "1", {}), ("b", "up", "2", {}), ("c", "down", "1", {"dither_v": time})):
+        columns = {"time_s": time, "phase": np.full(200, 3.0), "arm_deg": time, **further}
+        lines = {"pressure1_mpa": time + 0.2, "pressure2_mpa": time + 0.3, "pump_deg": time}
+        write_log(tmp_path / f"{name}.mcap", TestLog(columns | lines, {"condition": condition, "repetition": repetition}))
+    data = hjcamp.load(tmp_path)
+    assert sorted(data.frame["repetition"]) == [1, 1, 2]
+    up, every = data.samples(condition="up"), data.samples(condition="*")
+    assert up.columns[:3] == ["test", "condition", "repetition"] and up.height == 400 and set(up["repetition"]) == {1, 2}
+    assert every.height == 600 and every["dither_v"].null_count() == 400 and data.samples(0).height == 200
+    for name in data.frame["test"]:
+        assert every.filter(pl.col("test") == name)["arm_deg"].equals(data.samples(name)["arm_deg"])
+    with pytest.raises(UsageError, match="unknown condition 'upp'; did you mean 'up'"):
+        data.samples(condition="upp")
+
+
+def test_commands_without_a_function_of_their_own_are_functions_that_say_and_answer(stage: Path) -> None:
+    said = hjcamp.explain("floor")
+    assert said.text.startswith("  floor: ") and said.answer is not None and list(said.answer["words"]) == ["floor"]
+    made = hjcamp.export("logs", into="tables")
+    assert made.answer is not None and made.answer["files"] == ["tables/train.parquet"] and "tables/train.parquet" in made.text
+    with pytest.raises(UsageError, match="hjcamp explain --help"):
+        hjcamp.explain("floor", colour=True)
+    for name, words in COMMANDS.items():
+        function = getattr(hjcamp, name)
+        assert name in dir(hjcamp) and function.__name__ == name and f"hjcamp {' '.join(words)}" in function.__doc__
+    assert _typed({"all": True, "workers": 2, "model": ["a", "b"], "as_": "x", "seed": None, "json": False}) == [
+        "--all", "--workers", "2", "--model", "a", "--model", "b", "--as", "x",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["effects", "plants", "report"])
+def test_a_called_package_has_the_documentation_of_its_function(name: str) -> None:
+    function = getattr(notebook, name)
+    assert getattr(hjcamp, name).__doc__ == function.__doc__ and inspect.signature(getattr(hjcamp, name)) == inspect.signature(function)
+    assert not {"sys", "types", "importlib"} & set(dir(hjcamp))
