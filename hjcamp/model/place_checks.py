@@ -220,7 +220,7 @@ class PlaceBench:
 def units_fit(bench: PlaceBench) -> str:
     """Refuse an effect with a term or rate in a wrong unit."""
     check_units(bench.effect, bench.plant)
-    return f"{len(bench.effect.terms) + len(bench.effect.rates) + len(bench.effect.updates)} methods"
+    return counted(len(bench.effect.terms) + len(bench.effect.rates) + len(bench.effect.updates), "method")
 
 
 def finite_everywhere(bench: PlaceBench) -> str:

@@ -114,7 +114,7 @@ def test_what_it_would_run_can_be_planned(
 
 #: What has to be there before the lines of a page, and the exit code of a line where the page says that it is not 0.
 BEFORE = {
-    "ci.md": [f"run campaign=controllers conditions=ramp_* repetitions=2 run_dir={name}" for name in ("run", "baseline")],
+    "ci.md": ["run campaign=robustness_vertical run_dir=baseline"],
     "next.md": ["run campaign=friction repetitions=2 run_dir=runs/friction_sweep/20261121T101500Z"],
 }
 CODES = {"localhost:31763": 3}

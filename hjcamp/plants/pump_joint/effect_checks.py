@@ -100,7 +100,7 @@ class EffectBench:
 def units_fit(bench: EffectBench) -> str:
     """Refuse an effect with a term or rate in a wrong unit."""
     check_units(bench.effect, bench.plant)
-    return f"{len(bench.effect.terms) + len(bench.effect.rates) + len(bench.effect.updates)} methods"
+    return counted(len(bench.effect.terms) + len(bench.effect.rates) + len(bench.effect.updates), "method")
 
 
 def finite_everywhere(bench: EffectBench, draws: int = 8) -> str:

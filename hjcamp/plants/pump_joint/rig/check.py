@@ -135,7 +135,7 @@ class RigCheck:
         before = self.pressures
         self.drive(lambda: self.travel() >= PUMP_TRAVEL, FORWARD, 2 * PUMP_TRAVEL)
         first, second = ((now - then) * 1e-6 for now, then in zip(self.pressures, before, strict=True))
-        text = f"pump at {self.travel():.2f} mm, line 1 {first:+.3f} MPa, line 2 {second:+.3f} MPa"
+        text = f"at {self.travel():.2f} mm, line 1 {first:+.3f} MPa, line 2 {second:+.3f} MPa"
         if self.travel() < 0.5 * PUMP_TRAVEL:
             return Finding("pump", False, f"{text}: the encoder does not follow; wrong sign, wiring or drive disabled")
         if first < RISE_MPA or second > -RISE_MPA:
