@@ -53,8 +53,8 @@ STEPS = (
     Step(
         "What is missing?",
         "This joint is not the published one, so friction, stiffness and mass are calibrated first: they are not "
-        "called missing. Then every effect of the library is tried. Twins, simulated tests in which nothing is "
-        "missing, tell how much of an improvement is mere chance (p). Look at the line in capitals, at 'posterior' (how "
+        "called missing. Then every effect of the library is tried. Simulated tests in which nothing is missing "
+        "show how much of an improvement is mere chance (p). Look at the line in capitals, at 'posterior' (how "
         "sure it is of this effect and no other), and at the errors: they are of tests that the fit has not seen. "
         "'Where' on the page tells which part of the rig is to blame once friction is right.",
         _diagnose,
@@ -70,7 +70,7 @@ STEPS = (
     Step(
         "Compare again, both models",
         "The same tests, two models. Look at the bars, then at the page: in the overlay the new model lies on the "
-        "measurement, and in the last picture its error is born no larger than the floor. The row of the pump is as "
+        "measurement, and in the last picture its error stays at the repeatability level from the start. The row of the pump is as "
         "before: how it follows its command is a part of the model that nothing was added to.",
         _compare_both,
         BOTH,
@@ -78,7 +78,7 @@ STEPS = (
     Step(
         "Open the sealed answer",
         "What really hides in the rig, next to what step 2 found. The rig is another program with other equations, so "
-        "the numbers need not agree to the last digit; 95 % is what the diagnosis thinks of its own.",
+        "the numbers need not agree to the last digit; the 95 % interval is the diagnosis' own.",
         Tour.open_words,
     ),
 )
