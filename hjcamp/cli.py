@@ -108,11 +108,24 @@ def run(arguments: list[str] | None = None) -> int:
         if type(error).__module__.startswith(("click", "typer._click")) and hasattr(error, "format_message"):
             command = getattr(getattr(error, "ctx", None), "command_path", "hjcamp")
             return _say(f"{error.format_message()}  (see {command} --help)", 2)
+        if _comes_from_interrupt(error):
+            return _say("interrupted", INTERRUPTED)
         what = "not enough memory" if memory_is_short() else "internal error"
         return _say(f"{what}: {type(error).__name__}: {text_of(error)}{_keep_traceback()}", 1)
     finally:
         CALL.reset(token)
         free_standard_output()
+
+
+def _comes_from_interrupt(error: BaseException | None) -> bool:
+    """Return whether Ctrl-C was the reason: a library that is being loaded says something else instead."""
+    seen: set[int] = set()
+    while error is not None and id(error) not in seen:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        seen.add(id(error))
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def _say(text: str, code: int) -> int:

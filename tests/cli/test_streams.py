@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from hjcamp import cli
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 from hjcamp.model.user_file import load_module
@@ -92,3 +93,16 @@ def test_a_second_interrupt_in_the_midst_of_the_first_ends_with_its_code() -> No
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.returncode == 130 and not done.stderr
+
+
+def test_an_interrupt_that_a_library_turns_into_another_error_is_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def loads(**words: object) -> None:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as reason:
+            raise ImportError("initialization failed") from reason
+
+    monkeypatch.setattr(cli, "app", loads)
+    assert cli.run(["ls"]) == 130 and capsys.readouterr().err == "hjcamp: interrupted\n"
