@@ -221,7 +221,7 @@
       if (state.off.has(name)) return;
       const now = state.sort && state.sort.column === k - 1;
       const cell = make("th", top, { scope: "col", tabindex: 0, "aria-sort": now ? (state.sort.way > 0 ? "ascending" : "descending") : "none" },
-        name + (now ? (state.sort.way > 0 ? " ↑" : " ↓") : ""));
+        (name === REFERENCE ? "rms error" : name) + (now ? (state.sort.way > 0 ? " ↑" : " ↓") : ""));
       const sort = () => { state.sort = { column: k - 1, way: now ? -state.sort.way : k ? -1 : 1 }; table(); };
       cell.addEventListener("click", sort);
       cell.addEventListener("keydown", (event) => { if (event.key === "Enter") sort(); });

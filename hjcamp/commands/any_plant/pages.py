@@ -53,9 +53,10 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
     if verdict.effects:
         shown["with what was found"] = verdict.model.fitted.candidate
     pictures["windows"] = draw_windows(*_worst(analysis, shown), observed=observed(test.log for test in analysis.measured.tests))
+    sentences = words.sentences()
     parts = [
         page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
-        page.bullets(words.sentences()),
+        page.bullets(sentences[1:]),
         next_steps(following),
         equations_of(verdict.effects, library),
     ]
@@ -87,7 +88,7 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
     pictures |= drawn
     parts += [*known, links(folder), made_from(test.log for test in analysis.measured.tests)]
     write_effect_pages(folder, [row["effect"] for row in words.content["candidates"]], library)
-    return _written(folder, pictures, page.discrepancy_page(words.title, "", parts))
+    return _written(folder, pictures, page.discrepancy_page(words.title, "".join(sentences[:1]), parts))
 
 
 def write_comparison(found: PlantComparison, folder: Path, following: Sequence[str] = ()) -> list[Path]:

@@ -64,10 +64,10 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path, 
     answer = told.answer()
     scale = told.judging.scale
     scores = " -> ".join(f"{value:.2f} ({name})" for name, value in told.scores())
-    fall = [f"{over(scale).capitalize()}: {scores}.", *told.further_off()]
+    lead = f"{answer[0]} {over(scale).capitalize()}: {scores}." if scores else answer[0]
     parts = [
         page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
-        page.bullets([*answer[1:], *fall]),
+        page.bullets([*answer[1:], *told.further_off()]),
         next_steps(following),
         equations_of(told.content["effects"], told.library),
         page.picture("Error before and after", pictures["errors"]),
@@ -105,4 +105,4 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path, 
         parts += [page.note("Cosine: between the responses that the base parameters cannot take up; 1 is the same.")]
     parts += [page.heading("Calibrated first"), page.table_of(CALIBRATED, told.calibration(every=True))]
     parts += [*known, links(folder), made_from(test.log for test in told.found.features.evidence.tests)]
-    return page.discrepancy_page(told.title, answer[0], parts)
+    return page.discrepancy_page(told.title, lead, parts)
