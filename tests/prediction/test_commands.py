@@ -100,7 +100,7 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     [test] = head["tests"]
     assert {one["model"] for one in test["curves"]} == {-1, 0, 1, 2, 3}
     assert [row["position_m"] for row in test["rms"][:2]] == pytest.approx(
-        [one["error"]["position_m"]["rms"] for one in (declared, added)]
+        [1e3 * one["error"]["position_m"]["rms"] for one in (declared, added)]  # in the unit of tables, mm
     )
     # without its spring the model is about as wrong as the declared one
     assert test["rms"][3]["position_m"] > 5.0 * test["rms"][1]["position_m"]
