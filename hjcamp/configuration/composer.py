@@ -183,7 +183,10 @@ class Composer:
         refuse_unfit(chosen["controller"], chosen["plant"])
 
     def refuse_bundles(self, overrides: Sequence[str]) -> None:
-        """Raise ``UsageError`` for a group that is given a list or a mapping in the place of one choice."""
+        """Raise ``UsageError`` for a group that is given a list or a mapping in the place of one choice, and for two campaigns."""
+        campaigns = dict.fromkeys(line for line in overrides if line.startswith("campaign="))
+        if len(campaigns) > 1:
+            raise UsageError(f"{' '.join(campaigns)}: a run is of one campaign; run them one after the other")
         for line in overrides:
             key, _, value = line.partition("=")
             group = key.lstrip("+")

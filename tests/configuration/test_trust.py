@@ -224,3 +224,9 @@ def test_a_reference_to_a_key_and_one_on_the_command_line_are_read(
     config = Composer().compose(["payload=friend", "pump.bore_mm=${oc.env:SECRET_TOKEN}"]).config
     assert config["payload"]["mass_g"] == config["payload"]["radius_mm"] == 8.5
     assert float(config["pump"]["bore_mm"]) == 7.5
+
+
+def test_two_campaigns_are_not_one(call: Callable[..., tuple[int, str]]) -> None:
+    for command in ("plan", "run"):
+        code, said = call(command, "campaign=controllers", "campaign=leakage")
+        assert code == 2 and "a run is of one campaign" in said and len(said.splitlines()) == 1
