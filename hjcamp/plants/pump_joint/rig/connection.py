@@ -10,7 +10,7 @@ from typing import Any
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.json_text import json_values
 
-CALL_TIMEOUT_S = 60.0  # a virtual rig may have to compile its kernel first
+CALL_TIMEOUT_S = 300.0  # a virtual rig may have to compile its kernel first: two and a half minutes on a busy computer
 OWNER = uuid.uuid4().hex
 _in_process: list[Any] = []
 
