@@ -265,6 +265,8 @@ def test_the_answer_can_be_opened_at_any_time(call: Call) -> None:
     answer = call("tour", "--open")
     assert answer.code == 0 and "hidden      leakage" in answer.out and "nothing yet" in answer.out
     assert not Path("tour").exists()
+    answer = call("tour", "--plant", "--open")
+    assert answer.code == 0 and "hidden      quadratic_drag" in answer.out and "nothing yet: hjcamp tour --plant" in answer.out
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def open_answer(console: Console, tour: Tour) -> None:
     kind = tour.kind
     done = {number: tour.answer(number) for number in (kind.diagnosing, kind.adding) if tour.answer_file(number).is_file()}
     try:
-        print_answer(console, done.get(kind.diagnosing), kind.sealed)
+        print_answer(console, done.get(kind.diagnosing), kind.sealed, " ".join(["hjcamp tour", *kind.option]))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise tour.again(kind.diagnosing) from error
     if kind.adding not in done:

@@ -21,14 +21,14 @@ VERDICTS = {
 }
 
 
-def print_answer(console: Console, diagnosis: dict[str, Any] | None, sealed: Path = SEALED) -> None:
+def print_answer(console: Console, diagnosis: dict[str, Any] | None, sealed: Path = SEALED, tour: str = "hjcamp tour") -> None:
     """Print the sealed answer; ``diagnosis`` is the answer of the step that diagnoses, None where it has not been done."""
     from rich.table import Table
 
     hidden = sealed_answer(sealed)
     console.print(f"hidden      {', '.join(hidden['effects'])}", style="bold", markup=False)
     if diagnosis is None:
-        console.print("diagnosed   nothing yet: hjcamp tour", markup=False)
+        console.print(f"diagnosed   nothing yet: {tour}", markup=False)
     else:
         console.print(f"diagnosed   {said(diagnosis)}   {judged(hidden, diagnosis)}", style="bold", markup=False)
     table = Table(box=None, pad_edge=False, header_style="dim")
