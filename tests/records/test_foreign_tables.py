@@ -258,6 +258,15 @@ STAMPS: dict[str, Callable[[timedelta], str]] = {
 }
 
 
+@pytest.mark.parametrize(("row", "cell"), [(0, "09:59:"), (300, "09:5x:58.0"), (599, "")])
+def test_the_row_that_is_no_time_is_named(folder: Path, row: int, cell: str) -> None:
+    stamp = STAMPS["of a day"]
+    rows = text("t;x;u", lambda k: f"{cell if k == row else stamp(timedelta(milliseconds=10 * k))};{X[k]:.6f};{U[k]:.3f}")
+    Path("table.csv").write_text(rows)
+    with pytest.raises(UsageError, match=f"'t' is no time in row {row + 1}: '{cell}'"):
+        imported(Path("table.csv"), mapped())
+
+
 @pytest.mark.parametrize("case", STAMPS)
 def test_a_time_is_read_as_people_write_it(folder: Path, case: str) -> None:
     stamp = STAMPS[case]

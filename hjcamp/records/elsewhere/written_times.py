@@ -31,16 +31,20 @@ COLON_DIGITS = (3, 6, 9)
 
 
 def seconds_of(column: polars.Series, where: str) -> np.ndarray | None:
-    """Return a column of texts (rows,) as seconds since the first; None where one of them is no time.
+    """Return a column of texts (rows,) as seconds since the first; None where they are no times.
 
     A time without a date goes on behind midnight, and one of minutes and seconds behind the hour. Raises UsageError where
-    a time can be read in two ways.
+    one of many is no time, or can be read in two ways.
     """
     import polars
 
     parts = column.str.extract_groups(TIME).struct.unnest()
-    if not len(column) or parts["first"].null_count():
+    strange = parts["first"].is_null()
+    if 2 * strange.sum() >= len(column):
         return None
+    if strange.any():
+        row = int(strange.arg_max() or 0)
+        raise UsageError(f"{where} is no time in row {row + 1}: {column[row] or ''!r:.60}")
     number = {name: parts[name].cast(polars.Int64).fill_null(0).to_numpy() for name in ("first", "second", "third")}
     short = parts["third"].null_count()
     around = parts.select("before", "after", "zone").fill_null("").with_columns(polars.all().str.strip_chars())
