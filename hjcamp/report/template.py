@@ -73,7 +73,7 @@ def _own(path: Path, values: dict[str, Any]) -> Iterator[str]:
     try:
         yield from _environment().from_string(path.read_text(encoding="utf-8")).generate(values)
     except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"the template {path} cannot be read: {error}") from error
+        raise UsageError(f"the template {path} cannot be read: {getattr(error, 'strerror', None) or error}") from error
     except (TemplateError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise UsageError(f"the template {path}{_line(error)}: {str(error) or type(error).__name__}") from error
 
