@@ -14,7 +14,7 @@ DOCUMENTED := $(VENV)/.documented
 unexport PYTHONDONTWRITEBYTECODE
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help say-setup say-demo say-test setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines unmoved unmoved-long next_value thesis_gap tour_data gallery pump_cost convergence fidelity validation faults kills damage recovery bad_calls disturbed dist clean
+.PHONY: help say-setup say-demo say-test setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines unmoved unmoved-long next_value thesis_gap tour_data gallery pump_cost convergence fidelity validation faults kills damage recovery bad_calls wrong_logs disturbed dist clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
@@ -42,6 +42,7 @@ help:
 	@echo "make validation  errors against an independent solution; the result is docs/validation.md"
 	@echo "make faults    every fault of the rig at the start, middle and end of a test; docs/rig_faults.md"
 	@echo "make kills     200 kills at random moments, then resume;   make damage  10 000 damaged log files"
+	@echo "make wrong_logs  seventy logs that are wrong on purpose, and what is said of them; docs/wrong_logs.md"
 	@echo "make disturbed  every long command killed, interrupted twice, short of memory, files and disk"
 	@echo "make bad_calls  a thousand bad calls over every option and file; docs/bad_calls.md"
 	@echo "make dist    wheel and sdist in dist/, opened and checked as a stranger would (docs/release.md); five minutes"
@@ -173,6 +174,9 @@ damage: $(WARM)
 
 disturbed: $(WARM)
 	$(BIN)/python tests/cli/disturbed_commands.py 4
+
+wrong_logs: $(INSTALLED)
+	$(BIN)/python tests/records/write_wrong_logs.py
 
 bad_calls: $(WARM)
 	$(BIN)/python tests/cli/bad_calls.py 600 --page docs/bad_calls.md

@@ -35,6 +35,7 @@ from hjcamp.report.varied import frame_with_varied
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
+    from hjcamp.records.sets.look import InSet
 
 AGAINST = ("published",)
 INTERNAL = pl.selectors.ends_with("_decimals", "_printed") | pl.selectors.starts_with("_")
@@ -98,6 +99,7 @@ def build_report(
     if origin.plan and target == run_dir:
         refuse_links_out(target)
     left_out: list[str] = []
+    doubtful: list[str] = []
 
     def leave_out(text: str) -> None:
         left_out.append(text.replace(f"{run_dir}{os.sep}", ""))
@@ -110,7 +112,15 @@ def build_report(
     found = in_plan_order(found, origin)
     shown = Exploration(len(found), [REFERENCE], observed=observed(found))
     baseline = read_tests(Path(against)) if against is not None and against not in AGAINST else None
-    indicators, spreads = _condensed(found, origin, run_dir, shown)
+    indicators, spreads, in_sets = _condensed(found, origin, run_dir, shown)
+    for one in in_sets:
+        line = f"{one.log.path} {one.finding.text}"
+        if counts_not(one):
+            leave_out(line)
+            found.remove(one.log)
+        elif one.odd:
+            tell(line)
+            doubtful.append(line.replace(f"{run_dir}{os.sep}", ""))
     beside: str | RunComparison | None = against
     if baseline is not None:
         beside = runs = RunComparison(tests_of(str(run_dir), indicators, found), baseline)
@@ -144,7 +154,8 @@ def build_report(
     said = compared.verdict if compared else verdict(comparison, differs) if against else ""
     dots = _dots(conditions, found)
     refitted = beside_refit(conditions) if against in AGAINST and _as_printed(found) else None
-    page = _page(run_dir, origin, found, spreads, all_sheets, said, more, left_out, shown, dots, refitted, template)
+    notes = [*(("left out", text) for text in left_out), *(("doubtful", text) for text in doubtful)]
+    page = _page(run_dir, origin, found, spreads, all_sheets, said, more, notes, shown, dots, refitted, template)
     replace_file(target / "report.html", page)
     return Report(
         run_dir,
@@ -197,26 +208,38 @@ def in_plan_order(logs: Sequence[TestLog], origin: RunOrigin) -> list[TestLog]:
 
 def _condensed(
     logs: Sequence[TestLog], origin: RunOrigin, folder: Path, shown: Exploration
-) -> tuple[pl.DataFrame, list[Condition]]:
-    """Return the indicators of all logs and the spread of each condition, and fill what is ``shown``.
+) -> tuple[pl.DataFrame, list[Condition], list[InSet]]:
+    """Return the indicators of all logs, the spread of each condition, what its logs say as a set, and fill what is ``shown``.
 
-    Each log is used once and let go.
+    Copies are left out. The logs of one condition are read once and let go.
     """
+    from hjcamp.records.sets.look import look_at
+    from hjcamp.records.stored import kept
+
     names = names_of(logs)
     groups: dict[str, list[int]] = {}
     for place, log in enumerate(logs):
         groups.setdefault(log.condition_key, []).append(place)
     rows: dict[int, dict[str, Any]] = {}
     spreads = []
+    in_sets: list[InSet] = []
     for name, places in groups.items():
-        gathering = Gathering(name)
-        for place in places:
-            rows[place] = row_of(logs[place], folder)
-            gathering.add(logs[place])
-            shown.add_log(names[place], logs[place])
+        gathering, group = Gathering(name), [logs[place] for place in places]
+        with kept(group):
+            found = look_at(group)
+            for place in (place for place in places if not any(one.log is logs[place] and counts_not(one) for one in found)):
+                rows[place] = row_of(logs[place], folder)
+                gathering.add(logs[place])
+                shown.add_log(names[place], logs[place])
+        in_sets += found
         spreads.append(gathering.condition())
-    attached = [log.attachments.get("config.yaml", b"") for log in logs]
-    return frame_with_varied([rows[place] for place in range(len(logs))], attached, origin.axes), spreads
+    attached = [logs[place].attachments.get("config.yaml", b"") for place in sorted(rows)]
+    return frame_with_varied([rows[place] for place in sorted(rows)], attached, origin.axes), spreads, in_sets
+
+
+def counts_not(one: InSet) -> bool:
+    """Whether a log is a copy of another one; repetitions of a simulation without scatter keep their rows."""
+    return one.original is not None and not one.simulated
 
 
 def _dots(conditions: pl.DataFrame, logs: Sequence[TestLog]) -> list[Dots]:
@@ -264,7 +287,7 @@ def _page(
     sheets: Sequence[Sheet],
     verdict_text: str,
     more: dict[str, tuple[str, str]],
-    left_out: Sequence[str],
+    notes: Sequence[tuple[str, str]],
     shown: Exploration,
     dots: Sequence[Dots],
     beside: Sheet | None,
@@ -282,8 +305,8 @@ def _page(
     repetitions = {log.metadata.get("repetition", "") for log in logs}
     if len(repetitions) == 1 and (one_alone := repetitions.pop()) not in ("", "1"):
         facts.insert(1, f"repetition {one_alone} alone")
-    if left_out:
-        facts.append(f"{len(left_out)} log{'s' if len(left_out) > 1 else ''} left out, see below")
+    for kind in dict.fromkeys(kind for kind, _ in notes):
+        facts.append(f"{counted(sum(kind == one for one, _ in notes), 'log')} {kind}, see below")
     return build_page(
         title=campaign,
         facts=[*facts, *filter(None, [str(origin.plan.get("description") or "")])],
@@ -295,7 +318,7 @@ def _page(
         beside=beside,
         pictures=pictures,
         further=more,
-        origin=[*origin_facts(origin, logs), *(("left out", text) for text in left_out)],
+        origin=[*origin_facts(origin, logs), *notes],
         command=origin.command,
         configuration=origin.config_text,
         template=template,

@@ -15,6 +15,8 @@ from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
 from hjcamp.records.sets.copies import counted_once
 from hjcamp.records.sets.look import look_at, refuse_odd
+from hjcamp.records.write import write_log
+from hjcamp.report.build import build_report
 
 Change = Callable[[list[TestLog]], list[TestLog]]
 
@@ -127,3 +129,14 @@ def test_tests_that_do_not_repeat_accuse_none(carriages: list[TestLog]) -> None:
 
 def test_the_mistakes_are_as_many_as_asked() -> None:
     assert len(joint_mistakes()) >= 30 and len(carriage_mistakes()) >= 39 and wrong.JOINT
+
+
+def test_a_report_counts_a_copy_once_and_names_a_log_unlike_its_repetitions(joint: list[TestLog], tmp_path: Path) -> None:
+    made = named(joint_mistakes(), "copied without the first row")(joint[:3])
+    made = wrong.changed(wrong.scaled("arm_deg", -1.0), at=2)(made)
+    for log in made:
+        write_log(tmp_path / "logs" / f"{log.path}", log)
+    found = build_report(tmp_path / "logs", output=tmp_path / "page")
+    assert len(found.indicators) == 3 and found.by_condition["n"].to_list() == [3]
+    page = found.page.read_text(encoding="utf-8")
+    assert "1 log left out" in page and "is a copy of" in page and "agrees with them with the other sign" in page

@@ -310,6 +310,10 @@ def carriage_mistakes() -> list[Wrong]:
             changed(lambda c: c.update({"current_a": np.clip(c["current_a"], -0.7, 0.7)})),
         ),
         Wrong(
+            "current with a hum of its own size",
+            changed(lambda c: c.update({"current_a": c["current_a"] + np.sin(2.0 * np.pi * 50.0 * c["time_s"])})),
+        ),
+        Wrong(
             "two tests one after the other",
             changed(
                 lambda c: (

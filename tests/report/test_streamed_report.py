@@ -66,7 +66,8 @@ def files(folder: Path) -> dict[str, bytes]:
 def test_each_log_is_read_once_and_let_go(run: Path, reader: Reader) -> None:
     assert build_report(run, against="published").indicators.height == 12
     assert len(reader.read) == len(set(reader.read)) == 12
-    assert reader.most_alive == 0
+    # the three repetitions of a condition are held against each other, no more
+    assert reader.most_alive == 2
 
 
 def test_the_report_is_that_of_logs_in_memory(run: Path, tmp_path: Path) -> None:

@@ -20,11 +20,12 @@ CLOSE = 0.02
 
 @dataclass(frozen=True)
 class Copy:
-    """A log that is no test of its own, and the ``original`` that is counted for it."""
+    """A log that is no test of its own, and the ``original`` that counts for it; ``simulated`` with another seed, without scatter."""
 
     log: TestLog
     original: TestLog
     text: str
+    simulated: bool = False
 
 
 def counted_once(logs: Sequence[TestLog]) -> tuple[list[TestLog], list[Copy]]:
@@ -45,7 +46,7 @@ def copies(courses: Sequence[Course]) -> list[Copy]:
             continue
         lag = _lag(one, other)
         if lag is not None:
-            found[id(other.log)] = Copy(other.log, one.log, _text(one, other, lag))
+            found[id(other.log)] = Copy(other.log, one.log, _text(one, other, lag), _simulated(one, other))
     return list(found.values())
 
 
@@ -121,7 +122,7 @@ def _begins(one: Array, other: Array, within: float) -> list[int]:
 
 def _text(one: Course, other: Course, lag: int) -> str:
     """Return in words that ``other`` is no test of its own."""
-    if one.simulated and other.simulated and one.log.metadata.get("seed") != other.log.metadata.get("seed"):
+    if _simulated(one, other):
         return f"is {one.where} again: without scatter every repetition of a simulation is the same; they count once"
     cut = (
         ""
@@ -129,3 +130,8 @@ def _text(one: Course, other: Course, lag: int) -> str:
         else f", of which it has {other.samples} of {one.samples} samples"
     )
     return f"is a copy of {one.where}{cut}: readings differ by less than their last digit; both count once"
+
+
+def _simulated(one: Course, other: Course) -> bool:
+    """Whether two courses are repetitions of a simulation, which differ by their seeds alone."""
+    return one.simulated and other.simulated and one.log.metadata.get("seed") != other.log.metadata.get("seed")

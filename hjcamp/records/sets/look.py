@@ -17,13 +17,14 @@ from hjcamp.records.sets.odd_one import odd_ones
 @dataclass(frozen=True)
 class InSet:
     """What is wrong with a log among others: ``odd`` where it differs from its repetitions, so that nothing can be concluded with it,
-    and the ``original`` that it is a copy of, where it is no test of its own.
+    and the ``original`` that it is a copy of, where it is no test of its own, or is ``simulated`` again without any scatter.
     """
 
     log: TestLog
     finding: Finding
     odd: bool = False
     original: TestLog | None = None
+    simulated: bool = False
 
     @property
     def line(self) -> str:
@@ -46,7 +47,7 @@ def _of_one_plant(logs: Sequence[TestLog]) -> list[InSet]:
     left_out = {id(one.log) for one in same}
     own: list[Course] = [one for one in courses if id(one.log) not in left_out]
     found = [InSet(one.log, Finding(one.field, one.text, one.explained), odd=True) for one in odd_ones(own)]
-    found += [InSet(one.log, Finding("", one.text, False), original=one.original) for one in same]
+    found += [InSet(one.log, Finding("", one.text, False), original=one.original, simulated=one.simulated) for one in same]
     return [*found, *_lacking(logs)]
 
 
