@@ -73,16 +73,18 @@ def _apart(own: Array, each: Array, least: float, level: float, moves: float) ->
 
     deviation, count = own - each.mean(axis=0), len(each)
     size = count / (count + 1) * float(np.mean(deviation**2))
-    freedom, scatter = _freedom(deviation), 0.0
+    least_freedom = freedom = _freedom(deviation)
+    scatter = 0.0
     outside = size > MATTERS**2 * moves
     if count > 1:
         scatter = float(np.mean(np.var(each, axis=0, ddof=1)))
-        # few repetitions say little of their own spectrum: the fewest degrees of freedom are taken
-        freedom = min(freedom, *(_freedom(one) for one in each - each.mean(axis=0)))
+        # by chance a deviation is as those of the others, of which few say little: the fewest degrees of freedom are taken
+        usual = min(_freedom(one) for one in each - each.mean(axis=0))
+        freedom, least_freedom = usual, min(freedom, usual)
         between = max(float(np.mean((one - other) ** 2)) for k, one in enumerate(each) for other in each[:k])
         outside &= float(np.min(np.mean((own - each) ** 2, axis=1))) > between
     others = max(count - 1, 1) * freedom
-    allowed, turned = float(fdtri(freedom, others, 1.0 - level)), float(fdtri(freedom, freedom, 1.0 - LEVEL))
+    allowed, turned = float(fdtri(freedom, others, 1.0 - level)), float(fdtri(least_freedom, least_freedom, 1.0 - LEVEL))
     return Apart(
         size / max(scatter, least), allowed, bool(outside), count > 1, turned, math.sqrt(2.0 / freedom + 2.0 / others)
     )
