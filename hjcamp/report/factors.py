@@ -10,7 +10,7 @@ import polars as pl
 
 from hjcamp.report.indicators import INDICATORS
 from hjcamp.report.origin import RunOrigin
-from hjcamp.report.sheet import TITLES, Cell, Sheet
+from hjcamp.report.sheet import TITLES, Cell, Sheet, with_own_deviation
 from hjcamp.report.varied import SEPARATOR, labels_of
 from hjcamp.report.welch import SIGNIFICANT, Sample, contrast, holm
 
@@ -115,6 +115,5 @@ def _cell(row: Mapping[str, Any] | None) -> Cell:
     if row is None:
         return Cell("–")
     difference, half = row["difference"], row["half_interval_95"]
-    digits = 2 if half >= 0.01 else 4
     mark = "" if row["p_holm"] >= SIGNIFICANT else "▲" if difference > 0 else "▼"
-    return Cell(f"{difference:+.{digits}f} ± {half:.{digits}f}", mark=mark)
+    return Cell(("+" if difference > 0 else "") + with_own_deviation(difference, half), mark=mark)
