@@ -68,9 +68,16 @@ def test_the_kernels_left_are_counted_down_whoever_compiles(
     assert (kernels.missing(), kernels.words()) == ([], "")
 
 
-def test_a_rig_and_a_faulty_configuration_need_no_kernel_of_ours(composer: Composer) -> None:
+def test_a_rig_needs_its_control_law_and_a_virtual_one_its_joint(composer: Composer) -> None:
+    config = {**configured(composer), "backend": {"name": "nidaqmx"}}
+    law, *_, joint = kernels_of([config]).needed
+    assert law == "the control law for the rig" and joint.startswith("the virtual rig with ")
+    real = {**config, "rig": {**config["rig"], "connection": {"kind": "driver"}}}
+    assert not any("virtual" in words for words in kernels_of([real]).needed)
+
+
+def test_a_faulty_configuration_needs_no_kernel_of_ours(composer: Composer) -> None:
     config = configured(composer)
-    assert kernels_of([{**config, "backend": {"name": "nidaqmx"}}]).needed == {}
     assert kernels_of([{**config, "effects": {"nothing_such": {}}}, {**config, "pump": 3}, {}]).needed == {}
 
 
