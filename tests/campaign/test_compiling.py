@@ -164,7 +164,7 @@ def test_the_picture_of_an_effect_says_what_is_compiled(
 ) -> None:
     monkeypatch.setattr("hjcamp.plants.pump_joint.simulation.run_test", lambda config, seed: ({}, {}))
     monkeypatch.setattr("hjcamp.plants.pump_joint.figures.effect.draw_effect", lambda *given: None)
-    assert cli.run(["effects", "leakage"]) == 0
+    assert cli.run(["effects", "leakage", "--figure", "leakage.svg"]) == 0
     out = capfd.readouterr().out
     assert "2 of 2 kernels left: the test loop with no effect; the test loop with leakage" in out
     assert out.index("Seen as") < out.index("kernels left") < out.index("picture")
