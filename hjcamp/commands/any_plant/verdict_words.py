@@ -175,8 +175,9 @@ class Words:
             found += by_condition_words(self.content["by_condition"], error["augmented" if verdict.effects else "baseline"])
         found += constant_words(self.content["constants"], error["baseline"])
         if verdict.follows:
+            above = " above repeatability" if self.analysis.floor.source == "repetitions" else ""
             found.append(
-                f"{100.0 * verdict.follows:.0f} % of the error can be told from the motion and the inputs of its moment (a "
+                f"{100.0 * verdict.follows:.0f} % of the error{above} can be told from the motion and the inputs of its moment (a "
                 f"regression, on chapters left out), but {self._not_enough()}: it may depend on several, or on what was before."
             )
             told_most = [one.replace("_", " ") for one in self.content["follows_motion"]["quantities"]]
