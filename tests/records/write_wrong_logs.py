@@ -16,7 +16,8 @@ HEAD = """# Logs that are wrong on purpose, and what is said of them
 
 Written by `make wrong_logs`. One log of a set of sound ones is spoilt, or a spoilt copy is put beside them; the sentence is that of
 `hjcamp log verify`, `import`, `compare`, `diagnose`, `add` and `next`. An *error* is refused by every analysis; after a *warning* a
-log that differs from its repetitions is named in place of a conclusion, and a copy counts once. Nothing is said of the sound sets.
+log that differs from its repetitions is named, by `compare` of the joint in place of a conclusion, and a copy counts once.
+Nothing is said of the sound sets.
 
 * *joint*: five conditions of the tour's bench with three repetitions each; the wrong log is the second of `triangle_slow`.
 * *carriage*: a motor that pushes a carriage, three conditions with three repetitions each, friction that scatters by 3 %; the wrong

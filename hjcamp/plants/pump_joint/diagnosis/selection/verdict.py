@@ -163,7 +163,7 @@ def law_of(named: Sequence[type[Effect]]) -> float:
 def lacks(evidence: Evidence) -> list[str]:
     """Return everything that the tests lack for any verdict, each with what is needed."""
     moving = [test for test in evidence.tests if np.ptp(test.arm) > TRAVEL]
-    found = list(evidence.odd)
+    found = []
     if len(evidence.tests) < LEAST_TESTS:
         found.append(
             f"{len(evidence.tests)} test(s); at least {LEAST_TESTS} are needed, better several conditions with 3 repetitions each"
