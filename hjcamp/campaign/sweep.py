@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,7 @@ from hjcamp.campaign.objective import Objective, read_objectives
 from hjcamp.campaign.planning import check_call
 from hjcamp.campaign.values import look_up
 from hjcamp.configuration import optuna_sweeper
-from hjcamp.configuration.search_space import asked_of, ends_of, space_of
+from hjcamp.configuration.search_space import asked_of, count_of, ends_of, space_of
 from hjcamp.errors import UsageError, unknown
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 BASIC = "basic"
 CHECKED_JOBS = 50
+MOST_JOBS = 100_000
 #: Where the sweepers of Hydra (optuna, nevergrad, ax) keep how many jobs they make.
 COUNTS = ("n_trials", "optim.budget", "ax_config.max_trials")
 INSTALL = {"optuna": "pip install 'hjcamp[sweep]'"}
@@ -88,6 +90,8 @@ def _product(lines: Sequence[Override]) -> list[list[str]]:
                 "list them with commas"
             )
         space_of(line)  # refuses an empty range
+    if (count := math.prod(map(count_of, lines))) > MOST_JOBS:
+        raise UsageError(f"{count} jobs; a sweep has at most {MOST_JOBS}: give fewer values, or hydra/sweeper=optuna")
     batches = BasicSweeper.split_arguments(list(lines), None)
     return [list(job) for batch in batches for job in batch]
 

@@ -1,7 +1,7 @@
 """Run a campaign: every condition, every repetition, then tables and report. All of Hydra's command line.
 
 hjcamp run campaign=NAME [GROUP=CHOICE ...] [PARAMETER=VALUE ...] [-m] [--cfg job] [--config-dir DIR]
-           [--keep-going | --fail-fast] [--live [PORT]] [--no-browser]
+           [--keep-going | --fail-fast] [--yes] [--live [PORT]] [--no-browser]
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ SEARCH_PATH = "hydra.searchpath"
 # The keys may be absent from a user's own configuration, so they are set or added.
 SWITCHES = {"--keep-going": "keep_going=true", "--fail-fast": "fail_fast=true"}
 # With these Hydra would begin with a configuration, or a pickled job, from anywhere.
+YES = "--yes"
+#: Jobs of a sweep that begin without a question; what takes hours is asked before.
+UNASKED_JOBS = 1000
 NOT_OURS = ("config-path", "config-name", "experimental-rerun")
 PASS_EVERYTHING = {"ignore_unknown_options": True, "allow_extra_args": True, "help_option_names": []}
 
@@ -43,10 +46,10 @@ def run(
 
     left, asked = take_live(arguments or [])
     with live(asked):
-        call_hydra([SWITCHES.get(word, word) for word in left])
+        call_hydra([SWITCHES.get(word, word) for word in left if word != YES], YES in left)
 
 
-def call_hydra(arguments: list[str]) -> None:
+def call_hydra(arguments: list[str], yes: bool = False) -> None:
     """Give the arguments to Hydra, flags before overrides, and raise what its job or Hydra itself reports."""
     # With it Hydra raises what goes wrong instead of printing it and exiting.
     os.environ["HYDRA_FULL_ERROR"] = "1"
@@ -78,7 +81,7 @@ def call_hydra(arguments: list[str]) -> None:
         # Of what belongs to Hydra only a further folder changes which files are read.
         own = [line for line in lines if not line.is_hydra_override() or line.key_or_group == SEARCH_PATH]
         if parsed.multirun:
-            read_sweep(lines, Composer(folder=folder))
+            confirm(read_sweep(lines, Composer(folder=folder)).count, yes)
             fixed = [key_of(line) for line in own if not line.is_sweep_override()]
         else:
             # Hydra reads the same files: what it would stumble over is said here.
@@ -103,6 +106,16 @@ def call_hydra(arguments: list[str]) -> None:
         raise jobs.JobEnd.error
     if jobs.SweepFolder.path is not None:
         tell_of_sweep(jobs.SweepFolder.path, jobs.SweepFolder.directions, fixed)
+
+
+def confirm(jobs: int | None, yes: bool) -> None:
+    """Ask before a sweep of so many jobs that nobody meant it; raise ``UsageError`` where nobody can answer or says no."""
+    if yes or jobs is None or jobs <= UNASKED_JOBS:
+        return
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise UsageError(f"{jobs} jobs: {YES} begins a sweep of more than {UNASKED_JOBS}, or give fewer values")
+    if not typer.confirm(f"{jobs} jobs. Begin?"):
+        raise UsageError(f"nothing was run: {jobs} jobs were not confirmed")
 
 
 def tell_of_sweep(folder: Path, directions: tuple[str, ...], fixed: list[str]) -> None:

@@ -21,7 +21,7 @@ from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.default_element import GroupDefault, InputDefault
 from hydra.core.object_type import ObjectType
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from hydra.core.override_parser.types import IntervalSweep, Override
+from hydra.core.override_parser.types import Glob, Override
 from hydra.core.utils import setup_globals
 from hydra.errors import HydraException
 from hydra.plugins.config_source import ConfigResult
@@ -232,8 +232,7 @@ class Composer:
         """Let parsed overrides know the choices of the groups; ``glob(*)`` among their values asks for them."""
         for line in lines:
             line.config_loader = self._loader
-            listed = line.is_sweep_override() and not isinstance(line.value(), IntervalSweep)
-            if listed and next(line.sweep_string_iterator(), None) is None:
+            if isinstance(line.value(), Glob) and next(line.sweep_string_iterator(), None) is None:
                 group = line.key_or_group
                 allowed = f"'{group}' is no group of choices: list its values with commas"
                 if self.is_group(group):

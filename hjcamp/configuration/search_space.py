@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from hydra.core.override_parser.types import IntervalSweep, Override, RangeSweep
+from hydra.core.override_parser.types import ChoiceSweep, IntervalSweep, Override, RangeSweep
 
 from hjcamp.configuration.composer import key_of
 from hjcamp.configuration.overrides import parse_overrides
@@ -56,6 +56,14 @@ def ends_of(line: Override) -> tuple[str, str]:
     return (f"{line.get_key_element()}={ends[0]}", f"{line.get_key_element()}={ends[1]}")
 
 
+def count_of(line: Override) -> int:
+    """Return how many values an override goes through, 1 for a fixed one, without writing them out."""
+    value = line.value()
+    if isinstance(value, RangeSweep):
+        return _count(*_numbers(line, value.start, value.stop, value.step))
+    return len(value.list) if isinstance(value, ChoiceSweep) else 1
+
+
 def _interval(line: Override, value: IntervalSweep) -> Interval:
     low, high = _numbers(line, value.start, value.end)
     if low >= high:
@@ -69,12 +77,16 @@ def _range(line: Override, value: RangeSweep) -> Interval:
     start, stop, step = _numbers(line, value.start, value.stop, value.step)
     if "log" in value.tags:
         _refuse(line, "has steps of its own; logarithmic ones belong to tag(log, interval(a,b))")
-    # Hydra leaves its last number out, and adds as decimals
-    count = math.ceil((Decimal(stop) - Decimal(start)) / Decimal(step)) if step else 0
+    count = _count(start, stop, step)
     if count < 1:
         _refuse(line, f"holds no number: it goes from {start:g} to below {stop:g} in steps of {step:g}")
     last = start + (count - 1) * step
     return Interval(min(start, last), max(start, last), abs(step))
+
+
+def _count(start: float, stop: float, step: float) -> int:
+    # Hydra leaves its last number out, and adds as decimals
+    return math.ceil((Decimal(stop) - Decimal(start)) / Decimal(step)) if step else 0
 
 
 def _numbers(line: Override, *given: Any) -> list[float]:

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import hjcamp.backends
+from hjcamp.commands import run
+from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
     from conftest import Call
@@ -140,3 +142,36 @@ def test_a_range_that_holds_no_number_is_refused_in_one_sentence(
         code, _, err = tuned(command, "-m", *SMALL, "hydra/sweeper=optuna", f"{KP}={values}", "objective=rmse1_deg")
         assert code == 2 and why in err and f"{KP}={values}" in err and err.count("\n") == 1, err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (("seed=1,2", "controller.positive.kp=range(1,2,0.001)"), 2, "2000 jobs: --yes begins a sweep of more than 1000"),
+        (("seed=range(1,100000000)",), 2, "99999999 jobs; a sweep has at most 100000"),
+        (("--yes", "seed=range(1,100000000)"), 2, "99999999 jobs; a sweep has at most 100000"),
+    ],
+)
+def test_a_sweep_of_thousands_is_not_begun_without_a_word(
+    tuned: Call, tmp_path: Path, words: tuple[str, ...], code: int, said: str
+) -> None:
+    got, _, err = tuned("run", "-m", *SMALL, *words)
+    assert got == code and said in err and err.count("\n") == 1, err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("answer", "begins"), [(True, True), (False, False)])
+def test_a_terminal_is_asked_before_a_sweep_of_thousands(monkeypatch: pytest.MonkeyPatch, answer: bool, begins: bool) -> None:
+    asked: list[str] = []
+    for name in ("stdin", "stdout"):
+        monkeypatch.setattr(getattr(run.sys, name), "isatty", lambda: True)
+    monkeypatch.setattr(run.typer, "confirm", lambda question: asked.append(question) or answer)
+    run.confirm(run.UNASKED_JOBS, False)
+    run.confirm(10**6, True)
+    assert asked == []
+    if begins:
+        run.confirm(1001, False)
+    else:
+        with pytest.raises(UsageError, match="nothing was run"):
+            run.confirm(1001, False)
+    assert asked == ["1001 jobs. Begin?"]
