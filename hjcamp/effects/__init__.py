@@ -90,7 +90,9 @@ def chosen_effects(
         if name not in library.effects and name not in {*library.unfit, *library.names}:
             raise unknown("effect", str(name), library.effects, where)
         effect = library.find(name)
-        given = {} if values[name] is None else values[name]
+        given = values[name]
+        if given is None:
+            raise UsageError(f"{where}.{name} is null; write {{}} for its defaults, or leave {name} out")
         if not isinstance(given, Mapping):
             raise UsageError(f"{where}.{name} is {shown(given)}; give its parameters as {where}.{name}.PARAMETER=VALUE")
         effects.append(effect)

@@ -35,6 +35,8 @@ class Mine(Effect):
         ("++effects.leakage.conductence=1", "did you mean 'conductance'"),
         ("++effects.leakage.conductance=-1", "effects.leakage.conductance is -1; a number from 0"),
         ("++effects.leakage=3", "effects.leakage is 3"),
+        ("++effects.leakage=null", "effects.leakage is null; write {} for its defaults, or leave leakage out"),
+        ("++model.effects.leakage=null", "model.effects.leakage is null"),
         ("++model.parameters.masss=1", "did you mean 'moving_mass'"),
         ("++model.effects.nothing.x=1", "unknown effect 'nothing'"),
         ("controller.name=pud", "unknown controller 'pud'; did you mean 'pid'"),

@@ -13,6 +13,7 @@ from hjcamp.schema import Group, between, needs
 
 COUNTS = (4, 10_000_000)  # one pulse read four times; beyond the finest ring encoders
 RANGE_V = (-10.0, 10.0)  # of the analog outputs
+LEAST_SCALE = 1e-5  # with less, 10 V of a card of 16 bits are nothing that can be measured or moved
 
 
 def _is_sign(value: int) -> int:
@@ -94,8 +95,8 @@ class PressureSettings(Group):
 
     @model_validator(mode="after")
     def _has_a_slope(self) -> PressureSettings:
-        if self.mpa_per_v == 0.0:
-            raise needs("a slope other than 0", "mpa_per_v")
+        if abs(self.mpa_per_v) < LEAST_SCALE:
+            raise needs(f"a slope other than 0, of {LEAST_SCALE:g} or more up or down,", "mpa_per_v")
         if self.lowest_v >= self.highest_v:
             raise needs("lowest_v must be below highest_v")
         return self
@@ -136,8 +137,8 @@ class OutputSettings(Group):
             raise needs(f"{safe if safe == 'hold' else 0}, at which its drive stands still,", "safe_v")
         if safe == 0.0 and not self.lowest_v <= 0.0 <= self.highest_v:
             raise needs("lowest_v <= safe_v <= highest_v is needed")
-        if getattr(self, self.scale()) == 0.0:
-            raise needs("a scale other than 0", self.scale())
+        if abs(getattr(self, self.scale())) < LEAST_SCALE:
+            raise needs(f"a scale other than 0, of {LEAST_SCALE:g} or more either way (with less nothing moves),", self.scale())
         return self
 
     def allowed_safe(self) -> float | str:
@@ -154,7 +155,7 @@ class PumpOutput(OutputSettings):
 
     quantity: Literal["position", "voltage"]
     v_per_deg: float | None = between(-10.0, 10.0, default=None)
-    loop_v_per_deg: float = between(1e-5, 10.0, default=1 / 36)
+    loop_v_per_deg: float = between(LEAST_SCALE, 10.0, default=1 / 36)
     sign: Sign = 1
 
     def allowed_safe(self) -> float | str:
