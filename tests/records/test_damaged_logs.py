@@ -132,6 +132,8 @@ STREAM_BOMB = zstandard.ZstdCompressor(level=1, write_content_size=False).compre
         (wrapped(struct.pack("<BQ", 6, 2**62)), "longer than what holds it"),
         (wrapped(record(12, struct.pack("<II", 0, 2**32 - 1))), "cannot be decoded"),
         (wrapped(record(12, bytes(4) + struct.pack("<I", 17 * 2**20) + bytes(17 * 2**20))), "more than 16 MiB"),
+        (wrapped(record(12, bytes(4) + struct.pack("<I", 2 * 2**20) + bytes(2 * 2**20))), "more than 1 MiB"),
+        (wrapped(*[record(12, bytes(4) + struct.pack("<I", 10**5) + bytes(10**5))] * 11), "more than 1 MiB"),
         (wrapped(record(5, b"short")), "shorter than its own header"),
         (wrapped(record(5, bytes(40))), "belongs to no channel"),
         (wrapped(), "no topic /test/sample; found: no channel"),

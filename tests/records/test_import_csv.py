@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import polars
 import pytest
 import yaml
 
@@ -201,6 +202,18 @@ def test_a_value_that_is_not_known_is_refused_with_what_would_fill_it_in(tmp_pat
     with pytest.raises(UsageError, match=r"is (nan|-?inf) at sample 499") as refused:
         import_file(source, rules, tmp_path / "out.mcap")
     assert ("gaps: interpolate" in str(refused.value)) is said
+
+
+@pytest.mark.parametrize("separator", [";", ",", "\t", " "])
+def test_a_table_of_more_columns_than_anybody_measures_is_refused(tmp_path: Path, separator: str) -> None:
+    source, rules = write_case(tmp_path, table(1000))
+    source.write_text("".join(separator.join(["1.5"] * 20_001) + "\n" for _ in range(3)))
+    with pytest.raises(UsageError, match="20001 columns; a table has at most 20000"):
+        import_file(source, rules, tmp_path / "out.mcap")
+    wide = tmp_path / "wide.parquet"
+    polars.DataFrame({f"c{k}": [1.5] for k in range(20_001)}).write_parquet(wide)
+    with pytest.raises(UsageError, match="20001 columns"):
+        import_file(wide, rules, tmp_path / "out.mcap")
 
 
 def test_files_that_cannot_be_used(tmp_path: Path) -> None:

@@ -18,13 +18,14 @@ import numpy as np
 from hjcamp.errors import UsageError, unknown
 from hjcamp.records.elsewhere.import_map import ImportMap
 from hjcamp.records.elsewhere.map_values import GAPS_HINT
-from hjcamp.records.elsewhere.text_table import BLANKS, dialect_of, table_of, with_whole_quotes
+from hjcamp.records.elsewhere.text_table import BLANKS, dialect_of, most_cells, table_of, with_whole_quotes
 from hjcamp.records.elsewhere.written_times import seconds_of, time_of_day
 
 if TYPE_CHECKING:
     import polars
 
 LOOKED_AT = 4096
+MOST_COLUMNS = 20_000
 # A value within what a row holds: pose.x, position[0].
 WITHIN = re.compile(r"\.?(?P<name>[^.[]+)|\[(?P<at>\d+)\]")
 # What is on or off, as programs write it.
@@ -71,7 +72,10 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
         if b"\0" in stream.read(LOOKED_AT):
             listed = ", ".join(READERS)
             raise UsageError(f"{source}: this is no table of text in UTF-8; those, {listed} can be read")
-    lines = table_of(_text_of(source).split("\n")[rules.skip_lines :], names, rules.comment)
+    lines = _text_of(source).split("\n")[rules.skip_lines :]
+    # a line of so few characters has no more cells
+    _check_width(source, max((most_cells(line) for line in lines if len(line) > MOST_COLUMNS), default=0))
+    lines = table_of(lines, names, rules.comment)
     try:
         found = dialect_of(lines, rules.comment, rules.separator, rules.header)
     except UsageError as fault:
@@ -103,6 +107,12 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
     return Table(_numbers(source, table, names, comma, rules))
 
 
+def _check_width(source: Path, columns: int) -> None:
+    """Raise ``UsageError`` for a table of more columns than anybody measures."""
+    if columns > MOST_COLUMNS:
+        raise UsageError(f"{source}: {columns} columns; a table has at most {MOST_COLUMNS} (does each row stand on a line of its own?)")
+
+
 def _text_of(source: Path) -> str:
     """Return a table's text: UTF-8, else as Windows writes it (cp1252), where the degree sign is one byte."""
     content = source.read_bytes()
@@ -118,6 +128,7 @@ def _read_parquet(source: Path, names: list[str], rules: ImportMap) -> Table:
 
     try:
         with _quiet():
+            _check_width(source, len(polars.read_parquet_schema(source)))
             table = polars.read_parquet(source, use_pyarrow=False)
     except (polars.exceptions.PolarsError, polars.exceptions.PanicException, ValueError) as error:
         raise UsageError(f"{source}: cannot be read as Parquet: {_first_line(error)}") from error

@@ -84,6 +84,11 @@ def cells_of(row: str, separator: str) -> list[str]:
     return next(csv.reader([row], delimiter=separator), []) if '"' in row else row.split(separator)
 
 
+def most_cells(line: str) -> int:
+    """Return how many cells a line has with the separator that divides it most."""
+    return max(*(line.count(one) + 1 for one in SEPARATORS), len(line.split()))
+
+
 def with_whole_quotes(lines: list[str], separator: str) -> list[str]:
     """Return the lines with every cell quoted as a reader of tables expects it, where a quote stands within a cell."""
     if not any('"' in cell and '""' not in line for line in lines if '"' in line for cell in cells_of(line, separator)):

@@ -27,6 +27,7 @@ METADATA_NAME = "hjcamp.test"
 MOST_FILE_BYTES = 256 * 2**20
 MOST_UNCOMPRESSED_BYTES = 256 * 2**20
 MOST_DESCRIBING_BYTES = 16 * 2**20  # of schemas, channels and metadata together
+MOST_METADATA_BYTES = 2**20
 MOST_RECORDS = 4_000_000
 OTHER_COUNTS = 8  # messages: chunks, their indexes and the like are few
 LOOSE_MESSAGES = 4096  # outside chunks, taken together
@@ -46,6 +47,7 @@ class Scan:
     attachments: list[records.Attachment] = field(default_factory=list)
     uncompressed_bytes: int = 0
     describing_bytes: int = 0
+    metadata_bytes: int = 0
     loose: list[bytes] = field(default_factory=list)
     records_left: int = MOST_RECORDS
 
@@ -149,6 +151,10 @@ def take(found: Scan, opcode: int, content: bytes, position: int, validate_crcs:
         found.describing_bytes += len(content)
         if found.describing_bytes > MOST_DESCRIBING_BYTES:
             raise Damaged("schemas, channels and metadata take more than 16 MiB, too much for a test log")
+    if opcode == Opcode.METADATA:
+        found.metadata_bytes += len(content)
+        if found.metadata_bytes > MOST_METADATA_BYTES:
+            raise Damaged("its metadata take more than 1 MiB, too much for a test log")
     if opcode == Opcode.CHUNK:
         found.add_stretch(decompress(parse(records.Chunk.read, content), position, validate_crcs))
     elif opcode == Opcode.SCHEMA:
