@@ -9,7 +9,6 @@ import unicodedata
 from collections.abc import Iterable
 
 LONGEST_SHOWN = 80
-_DRAWN = re.compile(r"(\x1b\[[0-9;?]*[A-Za-z])")
 LONGEST_LIST = 1000  # characters of names of which all are said
 FEW_NAMED = 12
 NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
@@ -77,18 +76,10 @@ def without_numbers(text: str) -> str:
     return NUMBER.sub("#", text)
 
 
-def visible(text: str, colours: bool = False) -> str:
-    """Return a text without what a terminal would obey: other characters than printed ones stand as escapes.
-
-    With ``colours`` the sequences stay by which a terminal draws: colours, and where the next letter goes.
-    """
+def visible(text: str) -> str:
+    """Return a text without what a terminal would obey: other characters than printed ones stand as escapes."""
     if text.isprintable():
         return text
-    parts = _DRAWN.split(text) if colours else [text]
-    return "".join(part if place % 2 else _escaped(part) for place, part in enumerate(parts))
-
-
-def _escaped(text: str) -> str:
     kept = ("\n", "\t", "\r")
     return "".join(
         one if one in kept or unicodedata.category(one)[0] != "C" else one.encode("unicode_escape").decode() for one in text

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+from hjcamp.campaign.console import bold
 from hjcamp.campaign.folder import RunFolder
 from hjcamp.campaign.runner import RunResult
 from hjcamp.errors import HjcampError, RigStopped, counted, without_numbers
@@ -28,7 +29,7 @@ def conclude(folder: RunFolder, result: RunResult, console: Console) -> Report |
     """
     total = len(folder.plan.tests)
     kept = f", {result.kept} were there" if result.kept else ""
-    console.print(f"[bold]{folder.path}[/bold]   {counted(total, 'test')}, {len(result.failures)} failed{kept}")
+    console.print(bold(str(folder.path), f"   {counted(total, 'test')}, {len(result.failures)} failed{kept}"))
     for text, count in grouped(result.warnings)[:SHOWN]:
         console.print(f"  note    {text} ({counted(count, 'test')})", style="yellow", markup=False)
     configs = [(plant_of(one.config).room_of("run"), one.config) for one in folder.plan.conditions]
@@ -68,7 +69,7 @@ def _report(folder: RunFolder, console: Console) -> Report:
     report = build_report(folder.path, against="published", further=further_pictures)
     console.print(summary_table(report.indicators))
     if (sheet := effects_sheet(report.effects, MOST_ROWS)) is not None:
-        console.print(f"\n[bold]{sheet.title}[/bold]")
+        console.print(bold(sheet.title, before="\n"))
         console.print(FittedSheet(sheet))
     sentence = verdict(report.comparison, report.differs)
     if sentence:

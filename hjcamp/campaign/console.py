@@ -4,22 +4,47 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.errors import visible
+
 if TYPE_CHECKING:
-    from rich.console import Console
+    from collections.abc import Iterable
+
+    from rich.console import Console, RenderableType
+    from rich.segment import Segment
+    from rich.text import Text
 
 WIDTH_OF_FILES = 160
 
 
 def make_console(quiet: bool = False) -> Console:
-    """Return a console, ``quiet``: mute; on a terminal lines end between words, a file has them whole and room for any table."""
+    """Return a console, ``quiet``: mute; on a terminal lines end between words, a file has them whole and room for any table.
+
+    A text is no markup, and a terminal obeys nothing in it: names, units and metadata of others may hold anything.
+    """
     from rich.console import Console
+    from rich.segment import Segment
 
     class Uncut(Console):
         def print(self, *objects: Any, **options: Any) -> None:
             super().print(*objects, **{"crop": False, **options})
 
-    console = Uncut(highlight=False, quiet=quiet)
+        def render_str(self, text: str, **options: Any) -> Text:
+            # before a table measures it
+            return super().render_str(visible(text), **options)
+
+        def render(self, renderable: RenderableType, options: Any = None) -> Iterable[Segment]:
+            for one in super().render(renderable, options):
+                yield one if one.control else Segment(visible(one.text), one.style)
+
+    console = Uncut(highlight=False, markup=False, emoji=False, quiet=quiet)
     if not console.is_terminal:
         console.soft_wrap = True
         console.width = max(console.width, WIDTH_OF_FILES)
     return console
+
+
+def bold(text: str, after: str = "", before: str = "") -> Text:
+    """Return a text in bold letters between two others."""
+    from rich.text import Text
+
+    return Text.assemble(before, (visible(text), "bold"), after)

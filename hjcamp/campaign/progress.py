@@ -82,7 +82,7 @@ def progress_bar(
         yield lambda test: lines(f"{next(made)} of {total} tests")
         return
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeLeft())
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeLeft())
     with _RunProgress(*columns, console=console, transient=True) as progress:
         progress.kernels = kernels
         task = progress.add_task("", total=total, completed=done)

@@ -14,14 +14,18 @@ LIBRARY_BYTES = 512 * 2**20
 
 
 class Visible:
-    """A stream to which control characters are written as escapes: names and metadata of others may hold any."""
+    """A stream to which control characters are written as escapes: names and metadata of others may hold any.
+
+    Our console, which escapes texts by itself, writes its colours to the stream within, by the name that rich asks for.
+    """
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
+        self.rich_proxied_file = stream
 
     def write(self, text: str) -> int:
-        """Write a text; a terminal gets the colours in it."""
-        self._stream.write(visible(text, self._stream.isatty()))
+        """Write a text."""
+        self._stream.write(visible(text))
         return len(text)
 
     def __getattr__(self, name: str) -> Any:

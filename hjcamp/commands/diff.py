@@ -45,7 +45,6 @@ def diff(
 
 
 def _print_settings(console: Console, found: dict[str, Any]) -> None:
-    from rich.markup import escape
     from rich.table import Table
 
     rows = [(one["name"], *map(" ".join, one["values"]), "") for one in found["origin"]]
@@ -57,7 +56,7 @@ def _print_settings(console: Console, found: dict[str, Any]) -> None:
         for heading in ("setting", "A", "B", "in"):
             table.add_column(heading, no_wrap=heading == "setting", overflow="fold")
         for row in rows:
-            table.add_row(*[escape(str(cell)) for cell in row])
+            table.add_row(*[str(cell) for cell in row])
         console.print(table)
     else:
         console.print("  nothing is set differently", markup=False)
@@ -67,7 +66,6 @@ def _print_settings(console: Console, found: dict[str, Any]) -> None:
 
 
 def _print_results(console: Console, found: dict[str, Any], all_rows: bool) -> None:
-    from rich.markup import escape
     from rich.table import Table
 
     from hjcamp.report.sheet import TITLES, with_deviation
@@ -83,8 +81,8 @@ def _print_results(console: Console, found: dict[str, Any], all_rows: bool) -> N
         table.add_column(heading, justify="left" if heading in ("condition", "deg") else "right", overflow="fold")
     for row in rows:
         table.add_row(
-            escape(row["condition"]),
-            escape(TITLES[row["indicator"]]),
+            row["condition"],
+            TITLES[row["indicator"]],
             with_deviation(row["mean"], row["std"], 3),
             with_deviation(row["baseline_mean"], row["baseline_std"], 3),
             f"{row['difference']:+.3f}",

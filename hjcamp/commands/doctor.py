@@ -50,14 +50,15 @@ def doctor(
         compiled = [{"kernel": what, "seconds": seconds} for what, seconds in compile_kernels(console)]
         write_answer(json, {"schema": SCHEMA, "findings": [], "broken": 0, "compiled": compiled})
         return
-    marks = {"good": "[green]ok[/green]    ", "note": "[yellow]note[/yellow]  ", "broken": "[red]BROKEN[/red]"}
+    marks = {"good": ("ok", "green"), "note": ("note", "yellow"), "broken": ("BROKEN", "red")}
     told, broken = [], 0
     for check in (versions, configuration, folders, kernel_cache, driver):
         for state, subject, text in findings(check):
             broken += state == "broken"
             told.append({"state": state, "subject": subject, "text": text})
-            console.print(f"{marks[state]} {subject:<14}", end="")
-            console.print(text, markup=False)
+            mark, style = marks[state]
+            console.print(f"{mark:<6}", style=style, end="")
+            console.print(f" {subject:<14}{text}")
     write_answer(json, {"schema": SCHEMA, "findings": told, "broken": broken, "compiled": []})
     if broken:
         raise HjcampError(f"{broken} thing{'s are' if broken > 1 else ' is'} broken")

@@ -178,12 +178,12 @@ def show_effect(name: str, plant: str = "") -> dict[str, Any]:
 
     from rich.table import Table
 
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.console import bold, make_console
     from hjcamp.commands._answers import effect_row
 
     effect = shown_effect(name, plant)
     console = make_console()
-    console.print(f"[bold]{name}[/bold]  ({effect.subsystem or effect.acts_on})")
+    console.print(bold(name, f"  ({effect.subsystem or effect.acts_on})"))
     text = inspect.cleandoc(effect.__doc__ or "").replace(".. math:: ", "    ")
     for line in text.splitlines():
         console.print(f"  {line}" if line.strip() else "", markup=False)
@@ -248,7 +248,7 @@ def new_effect_file(name: str, plant: str, on: str) -> Path:
 
 def test_effect(name: str, plant: str = "") -> dict[str, Any]:
     """Run the checks that every effect of the library passes on one effect, at each of its places."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.console import bold, make_console
     from hjcamp.effects import library_of
     from hjcamp.model.effect_units import check_units
 
@@ -266,7 +266,7 @@ def test_effect(name: str, plant: str = "") -> dict[str, Any]:
             console.print(f"  {check:<26} {answer}", markup=False)
         use = f"; use it: hjcamp run campaign=controllers '+effects.{one}={{}}'" if own else ""
         passed.append({"name": one, "checks": told})
-        console.print(f"[bold]{one}[/bold] passes{use}")
+        console.print(bold(one, f" passes{use}"))
     return {"schema": "hjcamp.checks/1", "of": "effect", "passed": passed}
 
 

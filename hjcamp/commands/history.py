@@ -34,7 +34,6 @@ def history(
     A row tells the mean over the conditions that all rows share, and how many of them differ from the row before
     (Welch's t test with Holm's correction, p < 0.05).
     """
-    from rich.markup import escape
     from rich.table import Table
 
     from hjcamp.campaign.console import make_console
@@ -72,7 +71,7 @@ def history(
             changed,
             row["run"],
         )
-        table.add_row(*map(escape, cells))
+        table.add_row(*cells)
     console.print(table)
     said = f"deg, mean over {counted(len(shared), 'condition')} ± its standard error"
     console.print(f"  {said}; changed: conditions that differ from the row before, the largest named", style="dim", markup=False)

@@ -90,6 +90,4 @@ def _link(path: Path, page: Path) -> str:
 
 
 def _cell(value: object) -> str:
-    from rich.markup import escape
-
-    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else escape(str(value))
+    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -41,7 +41,7 @@ def paper(
     effects in use) and, once, a main.tex that shows them all. A macro such as RampPosPidRmseOne holds a mean with its
     standard uncertainty, s over the root of n; ...Std the deviation of the tests, ...N their number.
     """
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.console import bold, make_console
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.errors import UsageError
     from hjcamp.report.paper.figures import formats_of, style_of
@@ -69,8 +69,11 @@ def paper(
     )  # fmt: skip
     console = make_console()
     console.print(
-        f"[bold]{folder}[/bold]   {counted(len(made.tables), 'table')}, {counted(len(made.figures), 'figure')}, "
-        f"{counted(len(numbers), 'number')}, {counted(len(made.cite), 'source')}"
+        bold(
+            str(folder),
+            f"   {counted(len(made.tables), 'table')}, {counted(len(made.figures), 'figure')}, "
+            f"{counted(len(numbers), 'number')}, {counted(len(made.cite), 'source')}",
+        )
     )
     if numbers:
         name, one = next(

@@ -65,13 +65,16 @@ def show_plan(made: Plan) -> None:
     from rich.table import Table
 
     from hjcamp.campaign.before import say_notices
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.console import bold, make_console
 
     console = make_console()
     count = len(made.conditions)
     console.print(
-        f"[bold]{made.campaign}[/bold]: {count} condition{'s' * (count != 1)} x {counted(made.repetitions, 'repetition')}"
-        f" = {counted(len(made.tests), 'test')}, {duration_text(made.duration)} of motion"
+        bold(
+            made.campaign,
+            f": {count} condition{'s' * (count != 1)} x {counted(made.repetitions, 'repetition')}"
+            f" = {counted(len(made.tests), 'test')}, {duration_text(made.duration)} of motion",
+        )
     )
     if made.description:
         console.print(f"  {made.description}", style="dim", markup=False)

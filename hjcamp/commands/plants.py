@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hjcamp.campaign.console import bold
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError
 
@@ -94,7 +95,7 @@ def show_plant(name: str, figure: Path | None) -> dict[str, Any]:
     plant = find_plant(name)
     check_plant(plant)
     console = make_console()
-    console.print(f"[bold]{name}[/bold]  {plant.sentence()}")
+    console.print(bold(name, f"  {plant.sentence()}"))
     if plant.equation():
         console.print(f"  {plant.equation()}", markup=False)
     _declared(console, plant)
@@ -141,7 +142,7 @@ def declared_rows(plant: type[Plant]) -> list[dict[str, str]]:
 def _lines(console: Console, plant: type[Plant]) -> None:
     from hjcamp.model.vocabulary import read_vocabulary
 
-    console.print("\n  [bold]equations[/bold], elements written out; an effect may change a slot and read all")
+    console.print(bold("equations", ", elements written out; an effect may change a slot and read all", before="\n  "))
     marks = {"slot": "slot", "signal": "", "plain": "", "rate": "rate"}
     for line in read_vocabulary(plant).statements:
         unit = f"  [{line.unit}]" if line.unit else ""
@@ -154,7 +155,7 @@ def _places(console: Console, plant: type[Plant]) -> None:
 
     ports = read_vocabulary(plant).ports.values()
     if ports:
-        console.print("\n  [bold]places[/bold]")
+        console.print(bold("places", before="\n  "))
     for port in ports:
         names = ", ".join(f"{local}={name}" if local != name else name for local, name in port.names.items())
         console.print(f"  {port.kind:<12} {port.name}: {names}", markup=False, soft_wrap=True)
@@ -164,11 +165,11 @@ def _effects(console: Console, plant: type[Plant]) -> None:
     from hjcamp.effects import library_of
 
     library = library_of(plant)
-    console.print(f"\n  [bold]effects that fit[/bold] ({len(library.effects)})")
+    console.print(bold("effects that fit", f" ({len(library.effects)})", before="\n  "))
     for name, effect in library.effects.items():
         console.print(f"  {name}: {effect.sentence()}", markup=False, soft_wrap=True)
     if library.unfit:
-        console.print(f"\n  [bold]effects that do not[/bold] ({len(library.unfit)})", style="dim")
+        console.print(bold("effects that do not", f" ({len(library.unfit)})", before="\n  "), style="dim")
     for reason in library.unfit.values():
         console.print(f"  {reason}", style="dim", markup=False, soft_wrap=True)
 
@@ -177,7 +178,7 @@ def _import_map(console: Console, plant: type[Plant]) -> None:
     from hjcamp.records.elsewhere.import_map import example_map
 
     console.print(
-        "\n  [bold]map for hjcamp import[/bold]: name your columns and their units, leave out what you have not\n"
+        bold("map for hjcamp import", ": name your columns and their units, leave out what you have not\n", before="\n  ")
     )
     console.print(example_map(plant), markup=False, soft_wrap=True, highlight=False)
 
@@ -215,5 +216,5 @@ def run_tests(name: str) -> dict[str, Any]:
         console.print(f"  {'base can be told':<26} {told}", markup=False)
         console.print(f"  {'effects that show':<26} {seen}", markup=False)
         passed |= {"base can be told": str(told), "effects that show": str(seen)}
-    console.print(f"[bold]{name}[/bold] passes; see what fits it: hjcamp plants {name}")
+    console.print(bold(name, f" passes; see what fits it: hjcamp plants {name}"))
     return {"schema": "hjcamp.checks/1", "of": "plant", "passed": [{"name": name, "checks": passed}]}

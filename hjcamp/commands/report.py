@@ -43,7 +43,7 @@ def report(
     json: AnswerFile = None,
 ) -> None:
     """Make tables and the report page of a run folder or of logs, beside the published values."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.console import bold, make_console
     from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.report.answer import report_answer
@@ -72,10 +72,10 @@ def report(
     console = make_console()
     console.print(FittedSheet(made.conditions))
     for sheet in made.sheets:
-        console.print(f"\n[bold]{sheet.title}[/bold]")
+        console.print(bold(sheet.title, before="\n"))
         console.print(FittedSheet(sheet))
     if (found := effects_sheet(made.effects, MOST_ROWS)) is not None:
-        console.print(f"\n[bold]{found.title}[/bold]")
+        console.print(bold(found.title, before="\n"))
         console.print(FittedSheet(found))
     if made.verdict:
         console.print(f"  {made.verdict}", markup=False)

@@ -22,7 +22,7 @@ def register(app: typer.Typer) -> None:
 
 def show(run: Annotated[Path, typer.Argument(help="The run folder.")], json: AnswerFile = None) -> None:
     """Show one run: its state, what it varies, its failures, its tables and where they are."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.console import bold, make_console
     from hjcamp.campaign.finding import FoundRun
     from hjcamp.campaign.folder import open_folder
     from hjcamp.commands._answers import run_answer
@@ -35,7 +35,7 @@ def show(run: Annotated[Path, typer.Argument(help="The run folder.")], json: Ans
     write_answer(json, run_answer(found))
     console = make_console()
     console.print(
-        f"[bold]{run}[/bold]   {folder.plan.campaign}, {found.state}, {found.done} of {len(folder.plan.tests)} tests"
+        bold(str(run), f"   {folder.plan.campaign}, {found.state}, {found.done} of {len(folder.plan.tests)} tests")
     )
     console.print(f"  {common_choices(folder.plan)}", markup=False)
     for name, labels in folder.plan.axes.items():

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hjcamp.campaign.console import bold
 from hjcamp.commands._complete import complete_override
 from hjcamp.commands._session import AnswerFile
 from hjcamp.errors import UsageError, counted
@@ -89,7 +90,7 @@ def tune_laws(plan: Plan, lines: list[str], name: str | None, replace: bool, con
         free_place(case, replace)
     told = []
     for case, conditions in named.items():
-        console.print(f"[bold]{case}[/bold]   {', '.join(one.name for one in conditions)}")
+        console.print(bold(case, f"   {', '.join(one.name for one in conditions)}"))
         doing = Doing("searching for the smallest mean error")
         with status(console, kernels_of(one.config for one in conditions), doing):
             result = retune_law(conditions, plan.tests, plan.seed)

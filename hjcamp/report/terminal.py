@@ -11,6 +11,7 @@ from rich.cells import cell_len
 from rich.table import Table
 from rich.text import Text
 
+from hjcamp.errors import visible
 from hjcamp.report.sheet import BESIDE, Cell, Sheet, arrange_conditions
 from hjcamp.report.tables import by_condition
 
@@ -109,10 +110,10 @@ class FittedSheet:
 
 
 def _shown(cell: Cell) -> str:
-    return f"{cell.text} {cell.mark}".rstrip()
+    return visible(f"{cell.text} {cell.mark}".rstrip())
 
 
 def _text(cell: Cell) -> Text:
     # Text, not markup: a condition named "[red]" must show as it is.
-    shown = Text(cell.text, style=STYLES[cell.kind])
+    shown = Text(visible(cell.text), style=STYLES[cell.kind])
     return shown.append(f" {cell.mark}", style="bold red") if cell.mark else shown

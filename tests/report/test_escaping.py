@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 from pathlib import Path
 
 import polars as pl
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from report_samples import make_log
+from rich.table import Table
 
 from hjcamp import cli
+from hjcamp.campaign.console import bold, make_console
 from hjcamp.errors import visible
 from hjcamp.records.write import write_log
 from hjcamp.report.formats import IN_LATEX, escape_csv, escape_latex, escape_markdown
@@ -42,14 +45,13 @@ def test_every_format_escapes_what_it_would_obey(text: str) -> None:
         assert not re.search(r"<|>|(?<!\\)[\[\]`|]|[\x00-\x1f\x7f-\x9f]", markdown.replace("\\\\", ""))
         assert not re.match(r"[=@\t\r]|[+-](?![\d.])", escape_csv(one))
         assert not re.search(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]", visible(one))
-        assert "\x1b]" not in visible(one, True) and "\x9b" not in visible(one, True)
 
 
 def test_numbers_and_usual_names_stay_as_they_are() -> None:
     for one in ("-1.5", "+2e-3", "ramp_pos__pid", "1.2 ± 0.3", "kp=0.7"):
         assert escape_csv(one) == visible(one) == one
     assert unit_latex("Pa*s^2/m^3") == "Pa.s^2/m^3" and unit_latex("m^-1") == "m^-1"
-    assert visible("\x1b[1mbold\x1b[0m", True) == "\x1b[1mbold\x1b[0m" and visible("\x1b[1m") == "\\x1b[1m"
+    assert visible("\x1b[1mbold") == "\\x1b[1mbold"
 
 
 @pytest.fixture(scope="module")
@@ -97,3 +99,29 @@ def test_the_terminal_obeys_no_log(received: Path, capsys: pytest.CaptureFixture
         cli.run([*command, str(received)])
         said = capsys.readouterr()
         assert "\x1b" not in said.out + said.err and "\x9b" not in said.out + said.err and "\u202e" not in said.out
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+@given(st.text(st.characters(codec="utf-8", exclude_characters="\n\r\t"), min_size=1, max_size=30))
+@example("[bold]x[/y]")
+@example("[/]")
+@example(":warning: [link=file:///x]y")
+@example("\x1b[2J\x1b[31mred\x1b]0;title\x07")
+@settings(max_examples=50, deadline=None)
+def test_a_name_is_printed_as_it_is_and_no_terminal_obeys_it(terminal: bool, name: str) -> None:
+    console = make_console()
+    console.file, console._force_terminal, console.width = io.StringIO(), terminal, 500
+    table = Table(box=None, title=name)
+    table.add_column(name, no_wrap=True)
+    table.add_row(name)
+    table.add_row(f"[dim]{name}")
+    for one in (table, bold(name, name), name):
+        console.print(one, soft_wrap=True)
+    console.print(table)
+    printed = console.file.getvalue()
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", printed)
+    assert not re.search(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]", plain)
+    kept = visible(name)
+    assert kept.strip() in plain and f"[dim]{kept}".strip() in plain
+    colours = set(re.findall(r"\x1b\[[0-9;]*m", printed))
+    assert colours <= ({"\x1b[0m", "\x1b[1m", "\x1b[3m"} if terminal else set())

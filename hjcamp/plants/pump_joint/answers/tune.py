@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.campaign.console import bold
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def tune_campaign(
         free_place(case, replace)
     told = []
     for case, conditions in named.items():
-        console.print(f"[bold]{case}[/bold]   {', '.join(one.name for one in conditions)}")
+        console.print(bold(case, f"   {', '.join(one.name for one in conditions)}"))
         result = search(conditions, first, plan.seed, console)
         source = [
             f"Tuned by: hjcamp tune {' '.join(lines)} (campaign '{plan.campaign}', seed {plan.seed})",
