@@ -64,7 +64,7 @@ def paper(
         json,
         {
             "schema": "hjcamp.paper/1", "runs": [str(path) for path in paths], "folder": str(folder), "tables": made.tables,
-            "figures": made.figures, "numbers": numbers, "cite": made.cite,
+            "figures": made.figures, "captions": made.captions, "numbers": numbers, "cite": made.cite,
         },
     )  # fmt: skip
     console = make_console()

@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -49,7 +50,8 @@ def test_names_for_people_and_for_latex() -> None:
     assert (
         readable("sine_0p5hz__ffwd_pid") == "sine 0.5 Hz, feedforward PID" and readable("brass_8p5g") == "brass 8.5 g"
     )
-    assert macro("ramp_pos__pid", "N") == "RampPosPidN" and macro("", "sine_0p5hz") == "SineZeropFivehz"
+    assert macro("ramp_pos__pid", "N") == "RampPosPidN" and macro("", "sine_0p5hz") == "SineZeroPointFiveHz"
+    assert macro("sine_1hz__ffwd_pid") == "SineOneHzFfwdPid"
     assert distinct(["A", "A", "AX", "A"]) == ["A", "AX", "AXX", "AXXX"]
 
 
@@ -62,6 +64,34 @@ def test_a_table_has_columns_of_numbers() -> None:
     assert r"\begin{tabular}{lS[table-format=-2.2]@{\,}lS[table-format=1.0]S[table-format=1.1]@{\,}l}" in text
     assert r"ramp positive & 12.34 & $\pm$ 0.56 $\bigtriangleup$ & {--} & 5.7 & $\pm$ 1.08 \\" in text
     assert r"x y & -1.20 & $\pm$ 0.05 (-12 \%) & 3 & {} &  \\" in text and r"\caption{Means \& more}" in text
+
+
+def test_what_is_wider_than_a_column_goes_across_or_into_blocks_and_is_never_scaled() -> None:
+    names = ["RMSE1", "published", "RMSE2", "published", "|e|max", "published", "SSE", "published"]
+    keys = [("ramp_pos__pid", "ramp_pos", "pid"), ("sine_1hz__ffwd_pid", "sine_1hz", "ffwd_pid")]
+    rows = [[*(Cell(one, "key") for one in key), *(Cell(f"{k}.25 ± 0.10") for k in range(8))] for key in keys]
+    sheet = Sheet("t", "T", "", ["condition", "trajectory", "controller", *names], rows, [])
+    seen = {}
+    for column_mm, text_mm in ((600.0, 600.0), (90.0, 600.0), (88.9, 177.8), (60.0, 100.0)):
+        text = paper_table(sheet, "t", column_mm, text_mm)
+        assert "resizebox" not in text and "Condition" not in text
+        tabulars = text.split(r"\begin{tabular}")[1:]
+        seen[column_mm] = (r"\begin{table*}" in text, len(tabulars))
+        heads = [one.split(r"\midrule")[0] for one in tabulars]
+        assert all("Trajectory & Controller" in one for one in heads)
+        assert [one.count("(deg)") for one in heads] == [one.count("(deg)") // 2 * 2 for one in heads], "a pair stays together"
+        assert sum(one.count("(deg)") for one in heads) == len(names)
+        for k in range(8):
+            assert text.count(f"& {k}.25 & ") == 2
+        for one in tabulars:
+            body = one.split(r"\bottomrule")[0].split("\n")[1:]
+            assert len({line.count("&") for line in body if "&" in line}) == 1
+        for name in ("RMSE1: root", "RMSE2: the same", "largest magnitude", "SSE: its mean"):
+            assert text.count(name) == 1
+    assert seen[600.0] == (False, 1) and seen[90.0] == (True, 1)
+    assert seen[88.9][0] and 1 < seen[88.9][1] < seen[60.0][1]
+    other = [[Cell("a", "key"), *row[1:]] for row in rows]
+    assert "Condition" in paper_table(replace(sheet, rows=other), "t"), "a name of its own says more"
 
 
 def test_every_work_that_an_effect_cites_is_an_entry() -> None:
@@ -129,9 +159,11 @@ def test_the_folder_of_a_run_and_answers(run: Path, tmp_path: Path) -> None:
     assert {"thesis", "merritt1967", "armstronghelouvry1994"} <= set(made["cite"])
     svg = (out / "figures" / "means.svg").read_text()
     assert f'width="{80.0 / 25.4 * 72:.3f}'[:12] in svg and "ramp positive, PID" in svg
-    assert r"my model & arm angle & 0.5 & 0.1 & 1.50 \\" in (out / "tables" / "models.tex").read_text()
+    assert r"my model & arm angle (deg) & 0.5 & 0.1 & 1.50 \\" in (out / "tables" / "models.tex").read_text()
     main = (out / "main.tex").read_text()
     assert re.search(r"\\caption\{RMSE1, .* of every condition: mean and sample standard deviation of the tests \(n = 1 to 3\)", main)
+    assert r"\documentclass[journal]{IEEEtran}" in main and r"\bibliographystyle{IEEEtran}" in main and "@" not in main
+    assert set(made["captions"]) == {*made["tables"], *made["figures"]} and all(made["captions"].values())
     assert main.count(r"\begin{figure}") == main.count(r"\caption{") == 3 and r"\label{fig:ramp-pos--pid}" in main
     # A main file that was worked on stays; the rest is written again, byte for byte.
     (out / "main.tex").write_text("mine")

@@ -9,6 +9,7 @@ from typing import Any
 
 from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.json_text import read_json
+from hjcamp.report.names import UNITS
 from hjcamp.report.paper.names import macro
 from hjcamp.report.paper.numbers import Quantity, of_estimate
 from hjcamp.report.paper.tables import plain_sheet
@@ -59,9 +60,14 @@ def _comparison(answer: Mapping[str, Any], name: str) -> Sheet:
         for channel, error in one["error"].items():
             told = [plain(error[key]) if error and error.get(key) is not None else NO_TEST for key in ("rms", "floor")]
             score = "" if one["score"] is None else f"{one['score']:.2f}"
-            rows.append([one["name"], label(channel), *told, score])
+            rows.append([one["name"], _with_unit(channel), *told, score])
     headers = ["model", "channel", "rms error", "floor", "error over floor"]
     return plain_sheet(name, "Errors of the models on the same tests", headers, rows, ["In the unit of each channel."])
+
+
+def _with_unit(channel: str) -> str:
+    unit = UNITS[max((one for one in UNITS if channel.endswith(f"_{one}")), key=len, default="ratio")]
+    return f"{label(channel)} ({unit})" if unit else label(channel)
 
 
 def _diagnosis(answer: Mapping[str, Any], name: str) -> Sheet:

@@ -32,17 +32,26 @@ TITLES = {
 }
 
 
+HALF_A_PAGE_MM = 100.0
+
+
 class Style(NamedTuple):
     """Width of a column (mm), size of letters (points) and family of a kind of text."""
 
     width_mm: float
     size: float
     family: str
+    document: str = "article"
+
+    @property
+    def text_mm(self) -> float:
+        """Width of the text: of two columns where one is narrow."""
+        return self.width_mm if self.width_mm > HALF_A_PAGE_MM else 2.0 * self.width_mm
 
 
 STYLES = {
     "plain": Style(150.0, 9.0, "sans-serif"),
-    "ieee": Style(88.9, 8.0, "serif"),
+    "ieee": Style(88.9, 8.0, "serif", "IEEEtran"),
     "elsevier": Style(90.0, 8.0, "sans-serif"),
     "springer": Style(84.0, 8.0, "sans-serif"),
     "thesis": Style(145.0, 10.0, "serif"),

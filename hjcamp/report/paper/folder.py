@@ -40,9 +40,8 @@ from hjcamp.storage import file_name, file_names
 #: From names of effects, and of a plant, to what has their docstrings.
 Documented = Callable[[str, set[str]], Sequence[object]]
 MAIN = r"""% Shows everything that is here; hjcamp paper writes this file once and leaves it alone afterwards.
-\documentclass{article}
+@class@
 \usepackage[utf8]{inputenc}
-\usepackage[margin=20mm]{geometry}
 \usepackage{amssymb,booktabs,graphicx,siunitx}
 \input{numbers}
 \begin{document}
@@ -53,10 +52,17 @@ MAIN = r"""% Shows everything that is here; hjcamp paper writes this file once a
 @numbers@
 \end{itemize}
 \nocite{*}
-\bibliographystyle{plain}
+\bibliographystyle{@style@}
 \bibliography{references}
 \end{document}
 """
+
+
+#: By the class of the document: its lines at the top, and its style of sources.
+CLASSES = {
+    "article": ("\\documentclass{article}\n\\usepackage[margin=20mm]{geometry}", "plain"),
+    "IEEEtran": ("\\documentclass[journal]{IEEEtran}", "IEEEtran"),
+}
 
 
 @dataclass
@@ -64,6 +70,7 @@ class Paper:
     """What was written: files inside the folder, the numbers by macro, the keys to cite."""
 
     folder: Path
+    style: Style
     tables: list[str] = field(default_factory=list)
     figures: list[str] = field(default_factory=list)
     numbers: dict[str, Quantity] = field(default_factory=dict)
@@ -83,7 +90,7 @@ def write_paper(
     """
     runs = [path for path in paths if path.suffix != ".json"]
     answers = [(path, read_answer(path)) for path in paths if path.suffix == ".json"]
-    paper = Paper(folder)
+    paper = Paper(folder, style)
     used: set[str] = set()
     plants: set[str] = set()
     there: dict[str, None] = {}
@@ -176,8 +183,9 @@ def _write_table(paper: Paper, sheet: Sheet, prefix: str = "") -> None:
     file = f"tables/{name}.tex"
     if file in paper.tables:
         raise UsageError(f"two of the answers are named {name}.json; give them different names")
-    replace_file(paper.folder / file, paper_table(sheet, name.replace("_", "-")))
+    replace_file(paper.folder / file, paper_table(sheet, name.replace("_", "-"), paper.style.width_mm, paper.style.text_mm))
     paper.tables.append(file)
+    paper.captions[file] = sheet.title
 
 
 def _figure(name: str, caption: str) -> str:
@@ -198,7 +206,10 @@ def _letter(number: int) -> str:
 
 def _main(paper: Paper) -> str:
     pictures = [name for name in paper.figures if name.endswith(".pdf")]
+    top, sources = CLASSES[paper.style.document]
     filled = {
+        "class": top,
+        "style": sources,
         "tables": "\n".join(rf"\input{{{name.removesuffix('.tex')}}}" for name in paper.tables),
         "figures": "\n\n".join(_figure(name, paper.captions[name]) for name in pictures),
         "numbers": "\n".join(rf"\item \texttt{{\char92 {name}}}: \{name}" for name in paper.numbers),

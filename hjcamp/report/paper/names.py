@@ -23,7 +23,8 @@ def header(text: str) -> str:
 
 def macro(*parts: str) -> str:
     r"""Return the name of a macro, of letters alone: ``ramp_pos``, ``pid`` is RampPosPid."""
-    words = re.split(r"[^A-Za-z0-9]+", "_".join(parts))
+    text = re.sub(r"(\d)hz\b", r"\1Hz", re.sub(r"(\d)p(\d)", r"\1Point\2", "_".join(parts)).replace("hz_", "Hz_"))
+    words = re.split(r"[^A-Za-z0-9]+", text)
     spelt = [re.sub(r"\d", lambda found: DIGITS[int(found[0])], word) for word in words if word]
     return "".join(word[0].upper() + word[1:] for word in spelt)
 
