@@ -14,6 +14,7 @@ import pytest
 from carriage import measured_log, nothing
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from hjcamp.commands.any_plant.remaining_words import most_remains, over_noise
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.effects import load_effects
 from hjcamp.model.candidate import Candidate
@@ -333,8 +334,7 @@ def test_that_much_of_the_error_is_left_beside_a_name_is_said(augmented: float, 
         "flow_m3_per_s": {"baseline": 0.5, "augmented": 0.5, "floor": 0.4, "unit": "m^3/s"},
     }
     verdict: Any = SimpleNamespace(word="effect", law_left=law_left)
-    words = Words(SimpleNamespace(floor=SimpleNamespace(source="sensor")), verdict, {"channels": rows})  # type: ignore[arg-type]
-    found = words._most_is_left()
+    found = most_remains({"channels": rows}, verdict, "sensor")
     assert bool(found) == bool(said)
     assert not said or said in found[0]
 
@@ -347,8 +347,7 @@ def test_that_alike_moments_differ_by_more_than_the_noise_is_said(source: str, e
         "channels": {"level_v": {"augmented": errs}, "flow_v": {"augmented": 0.05}},
         "floor": {"level_v": {"low": 0.05, "value": 0.28, "unit": "V"}, "flow_v": {"low": 0.04, "value": 0.05, "unit": "V"}},
     }
-    words = Words(SimpleNamespace(floor=SimpleNamespace(source=source)), SimpleNamespace(), content)  # type: ignore[arg-type]
-    found = words._over_noise()
+    found = over_noise(content, source)
     assert bool(found) == said
     begins = "level errs by 0.3 V, 6 times its own noise (third differences). Near-replicates differ by 0.28 V: "
     assert not said or found[0].startswith(begins)

@@ -19,6 +19,7 @@ from hjcamp.commands.any_plant.outside_words import (
     swing_words,
 )
 from hjcamp.commands.any_plant.plant_hints import plant_hints
+from hjcamp.commands.any_plant.remaining_words import false_claims, least, most_remains, over_noise, remains, still_errs
 from hjcamp.commands.any_plant.telling_words import telling_tests
 from hjcamp.commands.any_plant.words import (
     CHANNELS,
@@ -41,7 +42,7 @@ from hjcamp.prediction.levels import LEVEL
 from hjcamp.prediction.shares import left_of, share_of
 from hjcamp.report.chance_words import chance_words
 from hjcamp.report.floor_words import worst_words
-from hjcamp.report.units import plain, told, told_estimate, told_interval
+from hjcamp.report.units import plain, told_estimate, told_interval
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -79,7 +80,7 @@ class Words:
         state = state_of(self.content["unknowns"][0]) if self.content["unknowns"] else ""
         said = names or (f"depends on {state or local_driver(local) + of_place}" if drivers else "")
         if self.verdict.word == "nothing_missing" and (far := self.far_off):
-            return f"NOTHING NAMED  {self._still_errs(*far)}"
+            return f"NOTHING NAMED  {still_errs(*far)}"
         if self.verdict.word == "nothing_missing" and self.verdict.p_value <= LEVEL:
             return f"NOTHING NAMED  what is left is more than chance ({self.chance})"
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
@@ -105,8 +106,8 @@ class Words:
         from hjcamp.prediction.levels import MOST_OF_IT
 
         rows = self.content["floor"]
-        worst = max(rows, key=lambda name: rows[name]["high"] / _least(rows[name]))
-        return (worst, rows[worst]) if rows[worst]["high"] * (1.0 - MOST_OF_IT) > _least(rows[worst]) else None
+        worst = max(rows, key=lambda name: rows[name]["high"] / least(rows[name]))
+        return (worst, rows[worst]) if rows[worst]["high"] * (1.0 - MOST_OF_IT) > least(rows[worst]) else None
 
     @property
     def shows_a_law(self) -> bool:
@@ -213,14 +214,15 @@ class Words:
                 law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"
                 found.append(f"{law} leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
         if verdict.word in ("effect", "one_of") or (verdict.word == "outside_library" and verdict.unknown):
-            found += self._most_is_left() or self._over_noise()
+            source = self.analysis.floor.source
+            found += most_remains(self.content, verdict, source) or over_noise(self.content, source)
         if verdict.word != "cannot_tell":
             found.append(
                 f"Normalised error on chapters left out: {error['baseline']:.2f} calibrated"
                 + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects or verdict.unknown else ".")
             )
             if verdict.word == "nothing_missing" and (far := self.far_off):
-                found.append(self._remains(*far))
+                found.append(remains(*far, verdict.p_value))
             elif verdict.word == "nothing_missing" and verdict.p_value <= LEVEL:
                 found.append(
                     f"What is left is more than chance ({self.chance}): something may be there that is small, or "
@@ -229,7 +231,7 @@ class Words:
             elif not verdict.swing and (verdict.p_value <= LEVEL or verdict.effects):
                 found.append(f"Chance: {self.chance} (circularly shifted residuals, whole library).")
             if verdict.word != "nothing_missing" and not verdict.swing:
-                found += _false_claims(self.content["false_claims"])
+                found += false_claims(self.content["false_claims"])
         rows, period = self.content["calibration"], self.analysis.measured.period
         # beside a lag that is named the base is as late as that model has it
         late = self.content["calibration_with_effects"] or rows
@@ -247,75 +249,6 @@ class Words:
     def _seldom(self) -> list[str]:
         """Say which effect would take most of the error but cannot be shown to."""
         return seldom(self.content["candidates"], self.content["window_samples"] * self.analysis.measured.period)
-
-    def _most_is_left(self) -> list[str]:
-        """Say so where less than half of what lies above the floor was found in every channel, or one still errs by twice its floor."""
-        from hjcamp.prediction.levels import MOST_OF_IT
-        from hjcamp.report.exploration import channel_label
-
-        rows = self.content["channels"]
-        name = max(rows, key=lambda one: rows[one]["augmented"] / max(rows[one]["floor"], 1e-300))
-        row = rows[name]
-        kind = "its own noise (third differences)" if self.analysis.floor.source == "sensor" else "the floor"
-        if any(row["baseline"] - row["augmented"] >= MOST_OF_IT * (row["baseline"] - row["floor"]) for row in rows.values()):
-            if row["floor"] >= (1.0 - MOST_OF_IT) * row["augmented"]:
-                return []
-            # that a law has not quite this form, or what is missing beside it, is said before
-            told_why = self.verdict.law_left > 0.05 and self.verdict.word != "outside_library"
-            errs = (
-                f"{channel_label(name)} still errs by {told(row['augmented'], row['unit'])}, "
-                f"{row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}"
-            )
-            if told_why:
-                return [f"{errs}."]
-            if self.analysis.floor.source == "repetitions":
-                return [
-                    f"Repetitions share most of what is left, {row['augmented'] / row['floor']:.2g} times the floor in "
-                    f"{channel_label(name)}: the law has not quite this form, or something else is missing as well."
-                ]
-            return [f"{errs}: the law has not quite this form, something else is missing as well, or the rig scatters."]
-        return [
-            f"Most of the error is left: {channel_label(name)} errs by {told(row['augmented'], row['unit'])} instead of "
-            f"{told(row['baseline'], row['unit'])}, {row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}. "
-            "Something else is missing as well, or the rig scatters."
-        ]
-
-    def _over_noise(self) -> list[str]:
-        """Say which sensor errs by twice its noise where alike moments differ by that: what acts otherwise in them makes that, too."""
-        from hjcamp.prediction.levels import MOST_OF_IT
-        from hjcamp.report.exploration import channel_label
-
-        rows, errs = self.content["floor"], {name: row["augmented"] for name, row in self.content["channels"].items()}
-        name = max(rows, key=lambda one: errs[one] / rows[one]["low"])
-        if self.analysis.floor.source != "near_replicates" or errs[name] * (1.0 - MOST_OF_IT) <= rows[name]["low"]:
-            return []
-        return [
-            f"{channel_label(name)} errs by {told(errs[name], rows[name]['unit'])}, {errs[name] / rows[name]['low']:.2g} times its "
-            f"own noise (third differences). Near-replicates differ by {told(rows[name]['value'], rows[name]['unit'])}: that is "
-            "scatter of the rig, or something that no log tells. A repeated test would tell which."
-        ]
-
-    def _remains(self, name: str, row: Mapping[str, Any]) -> str:
-        """What a channel still errs by, beside chance, and what may be the reason."""
-        p = self.verdict.p_value
-        chance = (
-            f"and more than chance (p = {plain(p, 2)}): something may be there that neither the library nor a free law describes."
-            if p <= 0.05
-            else f"though the library takes no more of it than chance (p = {plain(p, 2)})."
-        )
-        scatter = (
-            "Repetitions share it in few windows alone."
-            if row["source"] == "repetitions"
-            else "A repeated test would tell whether it is scatter of the rig."
-        )
-        return f"{self._still_errs(name, row)}, {chance} {scatter}"
-
-    def _still_errs(self, name: str, row: Mapping[str, Any]) -> str:
-        """What a channel still errs by, and how many times its floor or noise that is."""
-        from hjcamp.report.exploration import channel_label
-
-        times = f"{row['high'] / _least(row):.2g} times its {'own noise (third differences)' if row['value'] is None else 'floor'}"
-        return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}, {times}"
 
     def telling(self) -> list[str]:
         """What kind of test would tell more, in words."""
@@ -364,25 +297,6 @@ class Words:
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
         rivals = self.verdict.word == "cannot_tell" and any(left_of(row) < 1.0 for row in self.content["candidates"])
         return [*([f"hjcamp next {paths}{own}"] if rivals else []), f"hjcamp compare {paths}{own}"]
-
-
-def _false_claims(shares: Mapping[str, float]) -> list[str]:
-    """Say how often as much is promised where nothing is, of logs without repetitions."""
-    kinds = {
-        "twins": "residuals drawn at random", "shifted": "circularly shifted residuals",
-        "decoys": "effects each moved in time by itself",
-    }  # fmt: skip
-    said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
-    rests = "; by itself it tells nothing here:" if max(shares.values(), default=0.0) > LEVEL else ";"
-    return [
-        f"No test was repeated. Where nothing is, screening promises as much before any fit in {', '.join(said)}{rests} what is said "
-        "rests on fits to chapters left out."
-    ] if said else []
-
-
-def _least(row: Mapping[str, Any]) -> float:
-    """Return the floor of a channel, or its noise where none is known."""
-    return float(row["low"] if row["value"] is None else row["value"])
 
 
 def print_diagnosis(console: Console, words: Words) -> None:

@@ -49,7 +49,7 @@ def with_contact_forms(search: Search, base: Scored, shown: Container[str] = ())
         forms |= {name for name in had if _own(search, before, name) <= _granted(search, before.fitted, search.library[name], port)}
         kept = forms, slides
         for name in [] if had else names:
-            search.report(f"form of {port.name.replace('_', ' ')}", 0.5)
+            search.report(f"trying friction variants of {port.name.replace('_', ' ')}", 0.5)
             windows.forms, windows.slides, windows.place = forms | {name}, None, before.place
             found = _with_form(search, before, name, port, slides)
             # one that chance may give is none: it makes a rough base, beside which little is promised of what is missing

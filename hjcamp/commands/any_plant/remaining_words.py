@@ -1,0 +1,101 @@
+"""What is said of the error that remains: over its repeatability or noise, and against chance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from hjcamp.prediction.levels import LEVEL, MOST_OF_IT
+from hjcamp.report.units import plain, told
+
+if TYPE_CHECKING:
+    from hjcamp.prediction.verdict.verdict import Verdict
+
+
+def most_remains(content: Mapping[str, Any], verdict: Verdict, source: str) -> list[str]:
+    """Say so where less than half of what lies above the floor was found in every channel, or one still errs by twice its floor."""
+    from hjcamp.report.exploration import channel_label
+
+    rows = content["channels"]
+    name = max(rows, key=lambda one: rows[one]["augmented"] / max(rows[one]["floor"], 1e-300))
+    row = rows[name]
+    kind = "its own noise (third differences)" if source == "sensor" else "the floor"
+    if any(row["baseline"] - row["augmented"] >= MOST_OF_IT * (row["baseline"] - row["floor"]) for row in rows.values()):
+        if row["floor"] >= (1.0 - MOST_OF_IT) * row["augmented"]:
+            return []
+        # that a law has not quite this form, or what is missing beside it, is said before
+        told_why = verdict.law_left > 0.05 and verdict.word != "outside_library"
+        errs = (
+            f"{channel_label(name)} still errs by {told(row['augmented'], row['unit'])}, "
+            f"{row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}"
+        )
+        if told_why:
+            return [f"{errs}."]
+        if source == "repetitions":
+            return [
+                f"Repetitions share most of what is left, {row['augmented'] / row['floor']:.2g} times the floor in "
+                f"{channel_label(name)}: the law has not quite this form, or something else is missing as well."
+            ]
+        return [f"{errs}: the law has not quite this form, something else is missing as well, or the rig scatters."]
+    return [
+        f"Most of the error is left: {channel_label(name)} errs by {told(row['augmented'], row['unit'])} instead of "
+        f"{told(row['baseline'], row['unit'])}, {row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}. "
+        "Something else is missing as well, or the rig scatters."
+    ]
+
+
+def over_noise(content: Mapping[str, Any], source: str) -> list[str]:
+    """Say which sensor errs by twice its noise where alike moments differ by that: what acts otherwise in them makes that, too."""
+    from hjcamp.report.exploration import channel_label
+
+    rows, errs = content["floor"], {name: row["augmented"] for name, row in content["channels"].items()}
+    name = max(rows, key=lambda one: errs[one] / rows[one]["low"])
+    if source != "near_replicates" or errs[name] * (1.0 - MOST_OF_IT) <= rows[name]["low"]:
+        return []
+    return [
+        f"{channel_label(name)} errs by {told(errs[name], rows[name]['unit'])}, {errs[name] / rows[name]['low']:.2g} times its "
+        f"own noise (third differences). Near-replicates differ by {told(rows[name]['value'], rows[name]['unit'])}: that is "
+        "scatter of the rig, or something that no log tells. A repeated test would tell which."
+    ]
+
+
+def remains(name: str, row: Mapping[str, Any], p: float) -> str:
+    """What a channel still errs by, beside chance, and what may be the reason."""
+    chance = (
+        f"and more than chance (p = {plain(p, 2)}): something may be there that neither the library nor a free law describes."
+        if p <= 0.05
+        else f"though the library takes no more of it than chance (p = {plain(p, 2)})."
+    )
+    scatter = (
+        "Repetitions share it in few windows alone."
+        if row["source"] == "repetitions"
+        else "A repeated test would tell whether it is scatter of the rig."
+    )
+    return f"{still_errs(name, row)}, {chance} {scatter}"
+
+
+def still_errs(name: str, row: Mapping[str, Any]) -> str:
+    """What a channel still errs by, and how many times its floor or noise that is."""
+    from hjcamp.report.exploration import channel_label
+
+    times = f"{row['high'] / least(row):.2g} times its {'own noise (third differences)' if row['value'] is None else 'floor'}"
+    return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}, {times}"
+
+
+def false_claims(shares: Mapping[str, float]) -> list[str]:
+    """Say how often as much is promised where nothing is, of logs without repetitions."""
+    kinds = {
+        "twins": "residuals drawn at random", "shifted": "circularly shifted residuals",
+        "decoys": "effects each moved in time by itself",
+    }  # fmt: skip
+    said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
+    rests = "; by itself it tells nothing here:" if max(shares.values(), default=0.0) > LEVEL else ";"
+    return [
+        f"No test was repeated. Where nothing is, screening promises as much before any fit in {', '.join(said)}{rests} what is said "
+        "rests on fits to chapters left out."
+    ] if said else []
+
+
+def least(row: Mapping[str, Any]) -> float:
+    """Return the floor of a channel, or its noise where none is known."""
+    return float(row["low"] if row["value"] is None else row["value"])
