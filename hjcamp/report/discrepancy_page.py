@@ -59,7 +59,11 @@ def place_table(rows: Sequence[Mapping[str, Any]]) -> str:
     table = table_of(("subsystem", "by", "where", "share", "z"), [place_cells(row) for row in rows[:PLACES]])
     said = "The cuts by different variables divide the same error anew, so they do not add up."
     more = f" {PLACES} of {len(rows)} rows; all are in the answer for programs (--json)." if len(rows) > PLACES else ""
-    return table + note(f"{said} z: against the scatter between repetitions.{more}")
+    sign = (
+        "z: the mean over the tests in standard errors, from the scatter between repetitions; in a part + where the model reads too "
+        "high (model - measured), of a subsystem as a whole + where its error is above repeatability."
+    )
+    return table + note(f"{said} {sign}{more}")
 
 
 def place_cells(row: Mapping[str, Any]) -> list[str]:

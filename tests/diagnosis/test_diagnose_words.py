@@ -121,6 +121,17 @@ def test_a_model_that_ran_away_has_no_column_and_nothing_repeated_no_floor() -> 
     assert rows[0] == ["arm angle", "1 deg", "none"] and rows[-1] == ["arm and lines", "0.05", ""]
 
 
+@pytest.mark.parametrize(
+    ("rms", "floor", "there"), [(0.0, 0.1, False), (0.004, 0.1, False), (0.1, 0.1, True), (0.0, None, False), (0.2, None, True)]
+)
+def test_a_first_reading_that_no_model_misses_has_no_row(rms: float, floor: float | None, there: bool) -> None:
+    errors = {name: ChannelError(1.0, 0.5, 0.9) for name in ("arm_deg", "pressure1_mpa")}
+    models = [("a", Judged(errors | {"first_reading": ChannelError(0.0, floor, None)}, 1.0))]
+    models.append(("b", Judged(errors | {"first_reading": ChannelError(rms, floor, None)}, 1.0)))
+    rows = error_table(models, Scale({"arm_deg": 0.5, "pressure1_mpa": 0.5, "first_reading": floor}, {}))[1]
+    assert [row[0] for row in rows] == ["arm angle", "line 1", *["first reading"] * there, "arm and lines"]
+
+
 def test_a_negative_r2_is_said() -> None:
     assert worse_than_mean({"arm_deg": ChannelError(1.0, None, 0.1), "pump_deg": None}) == []
     said = worse_than_mean({"arm_deg": ChannelError(1.0, None, -2.2), "pressure1_mpa": ChannelError(1.0, None, 0.5)})

@@ -19,6 +19,7 @@ class Place(NamedTuple):
     share: float
     shown: int = 6
     conditions: int = 8
+    total: int = 8
 
 
 PLACES = [
@@ -53,6 +54,11 @@ def test_the_sentences() -> None:
     strongest = "joint, moving in the positive direction, below 2 mm/s, in 6 of 8 conditions."
     assert said[2] == f"58 % of the excess error: {strongest}"
     assert "the same error, divided another way" in said[3] and len(said) == 4
+
+
+def test_conditions_without_such_moments_are_counted_apart() -> None:
+    some = [PLACES[0], PLACES[1]._replace(shown=4, conditions=4)]
+    assert where_sentences(some, 6.0)[1].endswith("below 2 mm/s, in 4 of 4 conditions with such moments (8 in all).")
 
 
 def test_little_left_is_said_first() -> None:

@@ -32,9 +32,9 @@ def draw_windows(
     colours = itertools.cycle(itertools.product(("-", "--", ":"), MODELS))
     # of a model that runs away no more is drawn than shows what was measured
     most = FARTHEST * float(np.ptp(measured)) or np.inf
-    left_over = [np.clip(measured - values, -most, most) for _, values in models]
-    label, scaled = readable(name, unit, measured, *(measured - one for one in left_over))
-    residual, [_, *left] = readable("residual", unit, measured, *left_over)
+    left_over = [np.clip(values - measured, -most, most) for _, values in models]
+    label, scaled = readable(name, unit, measured, *(measured + one for one in left_over))
+    residual, [_, *left] = readable(f"model - {observed}", unit, measured, *left_over)
 
     def paint(figure: Any) -> None:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))

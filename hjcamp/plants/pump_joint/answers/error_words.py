@@ -19,6 +19,7 @@ CHANNELS = {
     "pump_deg": (1.0, "deg"),
     "first_reading": (1.0, "deg"),
 }
+FIRST, LEAST_DEG = "first_reading", 1e-6
 MEAN = "arm and lines"
 OVER_FLOOR = "error / floor, geometric mean of arm and lines"
 OVER_SPREAD = "error / spread of the measurement, geometric mean of arm and lines"
@@ -50,11 +51,17 @@ def error_table(models: Sequence[tuple[str, Judged]], scale: Scale) -> tuple[lis
     rows = []
     for channel, floor in scale.floors.items():
         cells = [_cell(one.errors[channel], channel) for _, one in shown]
-        if any(cells):
+        # a first reading that no model misses says nothing
+        said = channel != FIRST or any(error and not _is_nothing(error) for error in (one.errors[channel] for _, one in shown))
+        if any(cells) and said:
             rows.append([label(channel), *cells, "none" if floor is None else in_unit(floor, channel)])
     times = " x" if scale.repeated else ""
     rows.append([MEAN, *(f"{one.score:.2f}{times}" for _, one in shown), f"1.00{times}" if scale.repeated else ""])
     return ["error", *(name for name, _ in shown), "floor"], rows
+
+
+def _is_nothing(error: ChannelError) -> bool:
+    return error.rms < LEAST_DEG or (error.ratio is not None and error.ratio < 0.05)
 
 
 def _cell(error: ChannelError | None, channel: str) -> str:

@@ -167,7 +167,7 @@ def _correlations(found: Diagnosis, shown: Shown) -> tuple[list[tuple[str, Any]]
     parts = [slice(int(a), int(b)) for a, b in zip(evidence.edges[:-1], evidence.edges[1:], strict=True)]
     k, _ = blamed_channel(found, shown)
     measured, pump = _measured(evidence)[:, k], {"the pump's angle": evidence.joined("pump")}
-    errors = {name: np.nan_to_num(measured - one[:, k]) for name, one in shown.windows.items()}
+    errors = {name: np.nan_to_num(one[:, k] - measured) for name, one in shown.windows.items()}
     repeated = [[parts[test] for test in tests] for tests in evidence.conditions.values()]
     models = [(name, correlations(error, pump, parts, PERIOD)) for name, error in errors.items()]
     return models, of_repetitions(list(errors.values())[-1], pump, repeated, PERIOD)

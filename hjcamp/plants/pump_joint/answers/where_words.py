@@ -44,6 +44,8 @@ class Place(Protocol):
     def shown(self) -> int: ...
     @property
     def conditions(self) -> int: ...
+    @property
+    def total(self) -> int: ...
 
 
 def phrase(variable: str, label: str) -> str:
@@ -82,8 +84,14 @@ def where_sentences(places: Sequence[Place], over: float | None = None) -> list[
     for number, place in enumerate(strongest_cuts(places)[:2]):
         text = f"{_share(place)}: {place.subsystem}, {phrase(place.variable, place.bin)}"
         again = " (the same error, divided another way)" if number else ""
-        said.append(f"{text}, in {place.shown} of {place.conditions} conditions{again}.")
+        said.append(f"{text}, in {_seen_in(place)}{again}.")
     return said
+
+
+def _seen_in(place: Place) -> str:
+    """Return in how many conditions a place is seen, of those that have such moments, and of all where these are not all."""
+    whole = "" if place.conditions == place.total else f" with such moments ({place.total} in all)"
+    return f"{place.shown} of {place.conditions} conditions{whole}"
 
 
 def strongest_cuts(places: Sequence[Place]) -> list[Place]:

@@ -36,7 +36,11 @@ VARIABLES = {
 
 @dataclass(frozen=True)
 class Place:
-    """A share of the excess error: subsystem, variable and bin, z against the repetitions, conditions that show it."""
+    """A share of the excess error: subsystem, variable and bin, z against the repetitions, conditions that show it.
+
+    Of ``total`` conditions ``conditions`` have moments in the bin, and in ``shown`` of those the mean has the sign of z: that of
+    model - measured in a bin, + where the error is above that of repetitions for a subsystem as a whole.
+    """
 
     subsystem: str
     variable: str
@@ -45,6 +49,7 @@ class Place:
     z: float
     shown: int = 0
     conditions: int = 0
+    total: int = 0
 
     def row(self) -> dict[str, object]:
         """Return the row of the answer."""
@@ -117,7 +122,7 @@ def where(features: Features, seen: Array, floor: Array | None, replayed: Replay
     places = _merged(places)
     seen_in = {place.subsystem for place in places if place.variable == "all" and place.z > 2.0}
     kept = [
-        place
+        replace(place, total=len(features.evidence.conditions))
         for place in places
         if place.subsystem in seen_in and (place.variable == "all" or (place.share >= 0.01 and abs(place.z) > 2.0))
     ]
