@@ -13,7 +13,7 @@ from truth.case import build_case, simulate_test
 from truth.menu import Condition, asked, sine
 from truth.simulate import COLUMNS
 
-from hjcamp.model.candidate import Candidate
+from hjcamp.model.declare.candidate import Candidate
 from hjcamp.plants.pump_joint.diagnosis.design.menu import Choice
 from hjcamp.plants.pump_joint.diagnosis.design.propose import REPETITIONS, propose
 from hjcamp.plants.pump_joint.diagnosis.design.rivals import Rival

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.model.catalogue import class_in, files_in, scan, scan_files
-from hjcamp.model.plant import Plant
-from hjcamp.model.user_folders import extension_folders
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.files.catalogue import class_in, files_in, scan, scan_files
+from hjcamp.model.files.user_folders import extension_folders
 
 DEFAULT = "pump_joint"
 PACKAGE = "hjcamp.plants"
@@ -61,7 +61,7 @@ def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | N
 
 def plants_beside_faults() -> tuple[dict[str, type[Plant]], dict[str, str]]:
     """Return every plant by name, and what is wrong with the files of the user's that hold none, or one without sound equations."""
-    from hjcamp.model.vocabulary import read_vocabulary
+    from hjcamp.model.language.vocabulary import read_vocabulary
 
     found, faults = scan(OWN_PLANTS, PACKAGE, Plant), {}
     for folder in extension_folders("plants"):

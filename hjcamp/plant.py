@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import atan2, copysign, cos, exp, hypot, log, pi, sin, sqrt, tan, tanh
 
-from hjcamp.model.instance import Instance
-from hjcamp.model.marks import (
+from hjcamp.model.declare.instance import Instance
+from hjcamp.model.declare.marks import (
     actuator,
     body,
     contact,
@@ -19,9 +19,9 @@ from hjcamp.model.marks import (
     store,
     transmission,
 )
-from hjcamp.model.parameter import Contact, Cut, Input, Measured, Parameter, State
-from hjcamp.model.plant import Plant
-from hjcamp.model.port import Port
+from hjcamp.model.declare.parameter import Contact, Cut, Input, Measured, Parameter, State
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.declare.port import Port
 
 __all__ = [
     "Contact", "Cut", "Input", "Instance", "Measured", "Parameter", "Plant", "Port", "State", "actuator", "atan2", "body", "contact",

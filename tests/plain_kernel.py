@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import types
 
-from hjcamp.model.kernel import shared_source
-from hjcamp.model.kernel_cache import kernel_name
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.compile.kernel import shared_source
+from hjcamp.model.compile.kernel_cache import kernel_name
+from hjcamp.model.run.simulator import Simulator
 
 MARKS = "entry = hot = inlined = loop = once = lambda function: function\n"
-MARKS += "from hjcamp.model.vectors import ahead_in_python as ahead, strided_in_python as strided\n"
+MARKS += "from hjcamp.model.compile.vectors import ahead_in_python as ahead, strided_in_python as strided\n"
 
 
 def uncompiled(simulator: Simulator) -> Simulator:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hjcamp.controllers.controller import Controller
 from hjcamp.effects import find_effect
-from hjcamp.model.compose import Composition
+from hjcamp.model.compile.compose import Composition
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.controllers.open_loop import OpenLoop
 from hjcamp.plants.pump_joint.loop import ClosedLoop, JointSimulator

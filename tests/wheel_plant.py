@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from hjcamp.diagnosis.calibration.analysis import calibrated
+from hjcamp.diagnosis.data.tests import measured_tests
+from hjcamp.diagnosis.decision.verdict import agreed
+from hjcamp.diagnosis.results.answer import answer
 from hjcamp.effects import load_effects
-from hjcamp.prediction.answer import answer
-from hjcamp.prediction.measured.tests import measured_tests
-from hjcamp.prediction.selection.analysis import calibrated
-from hjcamp.prediction.verdict.verdict import agreed
 from hjcamp.records.log import TestLog
 
 WHEEL = '''"""A wheel on a motor, without any dry friction."""

@@ -11,7 +11,7 @@ from hjcamp.analyses.data import Data, Report, joined, silent
 from hjcamp.errors import UsageError, counted
 
 if TYPE_CHECKING:
-    from hjcamp.model.effect import Effect
+    from hjcamp.model.declare.effect import Effect
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ def library_of_data(data: Data) -> Mapping[str, type[Effect]]:
 def add(data: Data, names: Sequence[str], name: str, model: str = "published", report: Report = silent) -> Added:
     """Fit the effects ``names`` beside the base of ``model`` and save the new model as ``conf/model/NAME.yaml``."""
     from hjcamp.configuration.saved_model import check_new_name, write_model
+    from hjcamp.diagnosis.results.addition import added, answer, provenance
+    from hjcamp.diagnosis.results.model_file import load_model, savable
     from hjcamp.effects import library_of
-    from hjcamp.prediction.addition import added, answer, provenance
-    from hjcamp.prediction.model_file import load_model, savable
 
     library = library_of_data(data)
     measured = data.measured

@@ -10,7 +10,7 @@ from hjcamp.analyses.data import Data, Report, joined, silent
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
-    from hjcamp.prediction.selection.analysis import Analysis
+    from hjcamp.diagnosis.calibration.analysis import Analysis
 
 
 @dataclass(frozen=True)
@@ -25,9 +25,9 @@ class Fitted:
 def fit_plant(data: Data, name: str, report: Report = silent) -> Fitted:
     """Fit the base parameters of any plant to these tests and save them as ``conf/model/NAME.yaml``."""
     from hjcamp.configuration.saved_model import check_new_name, log_hashes, write_model
-    from hjcamp.prediction.answer import calibration
-    from hjcamp.prediction.model_file import savable
-    from hjcamp.prediction.selection.analysis import calibrated
+    from hjcamp.diagnosis.calibration.analysis import calibrated
+    from hjcamp.diagnosis.results.answer import calibration
+    from hjcamp.diagnosis.results.model_file import savable
 
     path = check_new_name(name)
     measured = data.measured

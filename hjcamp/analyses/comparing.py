@@ -19,11 +19,11 @@ def check_models(names: Sequence[str]) -> None:
 
 
 def compare_plant(data: Data, names: Sequence[str], report: Report = silent) -> PlantComparison:
-    """Return saved models of any plant on its tests (`hjcamp.prediction.comparison`), and without each of their effects."""
+    """Return saved models of any plant on its tests (`hjcamp.diagnosis.results.comparison`), and without each of their effects."""
     from hjcamp.analyses.plant_comparison import with_lesser
+    from hjcamp.diagnosis.results.comparison import compared
+    from hjcamp.diagnosis.results.model_file import load_model
     from hjcamp.effects import load_effects
-    from hjcamp.prediction.comparison import compared
-    from hjcamp.prediction.model_file import load_model
 
     check_models(names)
     library = load_effects(plant=data.measured.plant)

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
-    from hjcamp.model.plant import Plant
-    from hjcamp.prediction.measured.tests import Measured
+    from hjcamp.diagnosis.data.tests import Measured
+    from hjcamp.model.declare.plant import Plant
     from hjcamp.records.log import TestLog
 
 Report = Callable[[str, float], None]
@@ -55,8 +55,8 @@ class Data:
     @cached_property
     def measured(self) -> Measured:
         """The tests as the analyses of any plant take them; what is doubtful is said on stderr."""
-        from hjcamp.model.plant_checks import check_users_plant, other_period
-        from hjcamp.prediction.measured.tests import measured_tests
+        from hjcamp.diagnosis.data.tests import measured_tests
+        from hjcamp.model.checks.plant_checks import check_users_plant, other_period
 
         check_users_plant(self.plant)
         sound = sound_logs(self.logs)

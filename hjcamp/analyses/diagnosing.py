@@ -12,10 +12,10 @@ from hjcamp.analyses.data import Data, Report, silent
 from hjcamp.errors import UsageError, shown, unknown
 
 if TYPE_CHECKING:
-    from hjcamp.model.candidate import Candidate
-    from hjcamp.model.effect import Effect
-    from hjcamp.prediction.selection.analysis import Analysis
-    from hjcamp.prediction.verdict.verdict import Verdict
+    from hjcamp.diagnosis.calibration.analysis import Analysis
+    from hjcamp.diagnosis.decision.verdict import Verdict
+    from hjcamp.model.declare.candidate import Candidate
+    from hjcamp.model.declare.effect import Effect
 
 MOST_WORKERS = 4
 # A base that was calibrated to a poor minimum is begun anew so often.
@@ -66,13 +66,13 @@ def check_seed(seed: int) -> None:
 
 
 def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDiagnosed:
-    """Return what the model of any plant misses (`hjcamp.prediction.verdict.verdict`)."""
-    from hjcamp.prediction.answer import answer, asked_candidates
-    from hjcamp.prediction.choice.page import ALPHA, DELTA, Page
-    from hjcamp.prediction.measured.floor import not_above
-    from hjcamp.prediction.selection.analysis import Known, calibrated
-    from hjcamp.prediction.selection.begun_elsewhere import better_base
-    from hjcamp.prediction.verdict.verdict import agreed
+    """Return what the model of any plant misses (`hjcamp.diagnosis.decision.verdict`)."""
+    from hjcamp.diagnosis.calibration.analysis import Known, calibrated
+    from hjcamp.diagnosis.calibration.restarts import better_base
+    from hjcamp.diagnosis.choice.page import ALPHA, DELTA, Page
+    from hjcamp.diagnosis.data.repeatability import not_above
+    from hjcamp.diagnosis.decision.verdict import agreed
+    from hjcamp.diagnosis.results.answer import answer, asked_candidates
     from hjcamp.workers.pool import available
 
     began = time.perf_counter()
@@ -112,9 +112,9 @@ def chosen_and_start(data: Data, asked: Asked) -> tuple[dict[str, type[Effect]],
 
     ``--only`` says what may be named; the form of a contact belongs to the base unless ``--without`` takes it out.
     """
+    from hjcamp.diagnosis.calibration.contact_compliance import forms_among
+    from hjcamp.diagnosis.results.model_file import load_model
     from hjcamp.effects import load_effects
-    from hjcamp.prediction.model_file import load_model
-    from hjcamp.prediction.selection.contact_form import forms_among
 
     plant = data.measured.plant
     library = load_effects(plant=plant)
@@ -170,7 +170,7 @@ def asked_names(ask: str | None) -> list[str]:
 
 def own_and_asked(library: Mapping[str, Any], ask: str | None) -> list[str]:
     """Return the effects that get a row among the candidates whatever they explain: the user's own, and those asked for."""
-    from hjcamp.model.user_file import is_users
+    from hjcamp.model.files.user_file import is_users
 
     own = [name for name, effect in library.items() if is_users(effect.__module__)]
     return list(dict.fromkeys([*asked_names(ask), *own]))

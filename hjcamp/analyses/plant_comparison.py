@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjcamp.model.candidate import Candidate
-from hjcamp.prediction.comparison import Comparison, Shown, predicted_errors, shown_of, whole_model
+from hjcamp.diagnosis.results.comparison import Comparison, Shown, predicted_errors, shown_of, whole_model
+from hjcamp.model.declare.candidate import Candidate
 
 
 @dataclass(frozen=True)

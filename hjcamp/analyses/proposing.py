@@ -12,9 +12,9 @@ from hjcamp.analyses.diagnosing import Asked, PlantDiagnosed, chosen_and_start, 
 from hjcamp.json_text import read_json
 
 if TYPE_CHECKING:
-    from hjcamp.prediction.next.proposal import Proposal
-    from hjcamp.prediction.selection.analysis import Analysis
-    from hjcamp.prediction.selection.scored import Scored
+    from hjcamp.diagnosis.calibration.analysis import Analysis
+    from hjcamp.diagnosis.design.proposal import Proposal
+    from hjcamp.diagnosis.selection.scored import Scored
 
 DIAGNOSED = 0.6
 
@@ -40,12 +40,12 @@ def propose_for_plant(
     kept: Path | None = None,
     report: Report = silent,
 ) -> PlantProposed:
-    """Return the tests that separate best what a diagnosis of any plant leaves (`hjcamp.prediction.next`).
+    """Return the tests that separate best what a diagnosis of any plant leaves (`hjcamp.diagnosis.next`).
 
     ``kept`` may be the answer of a diagnosis: where it was made from the same logs and model, the search is not made again.
     """
-    from hjcamp.prediction.next.rivals import NONE, check_names
-    from hjcamp.prediction.selection.analysis import calibrated
+    from hjcamp.diagnosis.calibration.analysis import calibrated
+    from hjcamp.diagnosis.design.rivals import NONE, check_names
 
     before = _kept(kept, made_from(data, asked))
     if before is not None:
@@ -71,7 +71,7 @@ def propose_after(
     done: PlantDiagnosed, rivals: Sequence[str] = (), tests: int = 3, seed: int = 1, report: Report = silent
 ) -> PlantProposed:
     """Return the proposal after a diagnosis (`PlantDiagnosed`) that is at hand."""
-    from hjcamp.prediction.next.rivals import check_names
+    from hjcamp.diagnosis.design.rivals import check_names
 
     check_names(done.analysis.search.library, rivals)
     known = [done.verdict.model, *([done.verdict.unknown] if done.verdict.unknown else [])]
@@ -83,8 +83,8 @@ def _proposed(
     analysis: Analysis, content: Mapping[str, Any], known: Sequence[Scored], rivals: Sequence[str], tests: int, seed: int,
     reused: Path | None, report: Report,
 ) -> PlantProposed:  # fmt: skip
-    from hjcamp.prediction.next.proposal import propose
-    from hjcamp.prediction.next.rivals import question_of
+    from hjcamp.diagnosis.design.proposal import propose
+    from hjcamp.diagnosis.design.rivals import question_of
 
     report("fitting the rivals", DIAGNOSED)
     question = question_of(analysis, content, known, rivals, seed)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from hjcamp.prediction.selection.analysis import Analysis
+    from hjcamp.diagnosis.calibration.analysis import Analysis
 
 
 def untold(analysis: Analysis) -> list[str]:
@@ -17,8 +17,8 @@ def untold(analysis: Analysis) -> list[str]:
     """
     from scipy.sparse.csgraph import connected_components
 
-    from hjcamp.prediction.fitting.intervals import intervals
-    from hjcamp.prediction.levels import MATTERS
+    from hjcamp.diagnosis.estimation.intervals import intervals
+    from hjcamp.diagnosis.levels import MATTERS
     from hjcamp.report.pictures.corner import ALIKE, correlation_of
 
     fitted = analysis.base.fitted

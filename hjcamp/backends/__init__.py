@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hjcamp.errors import unknown
 from hjcamp.known_plants import plant_of
-from hjcamp.model.watch import Watch, plausible_watches
+from hjcamp.model.checks.watch import Watch, plausible_watches
 
 BACKENDS = ("simulation", "nidaqmx")
 

@@ -15,12 +15,12 @@ from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.fit import commanded, controlled_field, measured_fields, quantity, sources
 from hjcamp.effects import chosen_effects
 from hjcamp.known_plants import find_plant
-from hjcamp.model.base_values import DELAY, checked_base, period_of
-from hjcamp.model.closed_loop import LoopSimulator, LoopTest, loop_simulator
-from hjcamp.model.compose import Composition
-from hjcamp.model.field_table import fields_of
-from hjcamp.model.field_unit import FieldUnit, field_of, unit_of_field
-from hjcamp.model.plant import ALWAYS, Plant
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.base_values import DELAY, checked_base, period_of
+from hjcamp.model.declare.plant import ALWAYS, Plant
+from hjcamp.model.language.field_table import fields_of
+from hjcamp.model.language.field_unit import FieldUnit, field_of, unit_of_field
+from hjcamp.model.run.closed_loop import LoopSimulator, LoopTest, loop_simulator
 from hjcamp.trajectories import build_trajectory
 
 Array = NDArray[np.float64]

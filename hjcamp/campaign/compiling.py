@@ -31,7 +31,7 @@ class Kernels:
 
     def missing(self) -> list[str]:
         """Return those that no process has compiled yet; looked up at most twice a second."""
-        from hjcamp.model.kernel_cache import is_compiled
+        from hjcamp.model.compile.kernel_cache import is_compiled
 
         if time.monotonic() - self._looked_at > LOOK_EVERY_S:
             self._seen = [words for words, (text, last) in self.needed.items() if not is_compiled(text, last)]

@@ -176,7 +176,7 @@ def ignore_interrupts() -> None:
 
 def no_place(error: OSError, log: Path) -> str:
     """Return what to say about a file that cannot be written; numba's errors name none."""
-    from hjcamp.model.kernel_cache import cache_folder
+    from hjcamp.model.compile.kernel_cache import cache_folder
 
     place = error.filename or f"{log.parent}, or the kernels in {cache_folder()}"
     return f"cannot write to {place}: {error.strerror or error}"

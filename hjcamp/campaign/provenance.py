@@ -15,7 +15,7 @@ from typing import Any
 
 import hjcamp
 from hjcamp.campaign.code_changes import CodeState, code_state
-from hjcamp.model.user_folders import extension_folders
+from hjcamp.model.files.user_folders import extension_folders
 
 PACKAGES = ("grpcio", "hydra-core", "mcap", "nidaqmx", "numba", "numpy", "polars", "protobuf", "scipy")
 

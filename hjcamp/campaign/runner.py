@@ -115,7 +115,7 @@ def _run(
     from hjcamp.campaign.compiling import kernels_of
     from hjcamp.campaign.ends import Ends
     from hjcamp.campaign.progress import progress_bar
-    from hjcamp.model.kernel_cache import cache_folder
+    from hjcamp.model.compile.kernel_cache import cache_folder
 
     # Chosen here, so that the workers share it where the user's own cannot be written.
     cache_folder()

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from hjcamp.campaign.finding import FoundRun
-    from hjcamp.model.effect import Effect
-    from hjcamp.model.parameter import Parameter
-    from hjcamp.model.plant import Plant
+    from hjcamp.model.declare.effect import Effect
+    from hjcamp.model.declare.parameter import Parameter
+    from hjcamp.model.declare.plant import Plant
     from hjcamp.records.recover import Verification
 
 
@@ -73,7 +73,7 @@ def plant_row(plant: type[Plant], effects: Sequence[str]) -> dict[str, Any]:
 
 def plant_answer(plant: type[Plant], effects: Sequence[str], unfit: Mapping[str, str]) -> dict[str, Any]:
     """Return what ``hjcamp plants NAME`` answers: states, inputs, parameters, equations, places, and the effects."""
-    from hjcamp.model.vocabulary import read_vocabulary
+    from hjcamp.model.language.vocabulary import read_vocabulary
 
     vocabulary = read_vocabulary(plant)
     return {

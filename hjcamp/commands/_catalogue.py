@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.errors import HjcampError
 
 if TYPE_CHECKING:
-    from hjcamp.model.effect import Effect
-    from hjcamp.model.plant import Plant
+    from hjcamp.model.declare.effect import Effect
+    from hjcamp.model.declare.plant import Plant
     from hjcamp.report.catalogue_page import EffectEntry
 
 MARK = "index.html"
@@ -97,8 +97,8 @@ def picture_of(effect: type[Effect], plant: type[Plant]) -> str:
     """Return what the effect changes most along a course on which every effect has its moment, empty where nothing."""
     import numpy as np
 
-    from hjcamp.model.place_checks import PlaceBench
-    from hjcamp.model.vocabulary import read_vocabulary
+    from hjcamp.model.checks.place_checks import PlaceBench
+    from hjcamp.model.language.vocabulary import read_vocabulary
     from hjcamp.report.pictures.catalogue import draw_change
 
     bench = PlaceBench(effect, plant)
@@ -139,6 +139,6 @@ def _values(plant: type[Plant]) -> list[list[str]]:
 
 
 def _places(plant: type[Plant]) -> list[list[str]]:
-    from hjcamp.model.vocabulary import read_vocabulary
+    from hjcamp.model.language.vocabulary import read_vocabulary
 
     return [[port.name, port.kind, ", ".join(port.names)] for port in read_vocabulary(plant).ports.values()]

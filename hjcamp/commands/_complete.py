@@ -128,7 +128,7 @@ def complete_kind(incomplete: str) -> list[str]:
     """Return the kinds of places."""
 
     def found() -> list[str]:
-        from hjcamp.model.port import KINDS
+        from hjcamp.model.declare.port import KINDS
 
         return starting(incomplete, KINDS)
 

@@ -97,11 +97,11 @@ def _begun(content: Mapping[str, Any], file: Path) -> Begun:
 
 
 def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
+    from hjcamp.diagnosis.candidates.nonparametric_terms import BENT, SHARES, times_of
     from hjcamp.effects._curve_template import Begun, Table, even_steps
     from hjcamp.effects._written import plain_origin
     from hjcamp.known_plants import find_plant
-    from hjcamp.model.vocabulary import read_vocabulary
-    from hjcamp.prediction.laws.unknowns import BENT, SHARES, times_of
+    from hjcamp.model.language.vocabulary import read_vocabulary
 
     found = find_plant(plant)
     vocabulary, curve = read_vocabulary(found), row["curve"]

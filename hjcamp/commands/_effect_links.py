@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from hjcamp.model.effect import Effect
+    from hjcamp.model.declare.effect import Effect
 
 PREFIX = "effect_"
 BESIDE = (("compare", "compare/index.html"), ("report", "report.html"), ("add", "add/index.html"))

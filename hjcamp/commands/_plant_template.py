@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from hjcamp.model.template_file import class_name, write_user_file
+from hjcamp.model.files.template_file import class_name, write_user_file
 
 TEMPLATE = '''"""A carriage that a motor pushes along its guide. (Say here what your machine is.)"""
 

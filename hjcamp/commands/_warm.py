@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from hjcamp import locks
 from hjcamp.children import safe_children
 from hjcamp.errors import HjcampError
-from hjcamp.model.kernel_cache import TEMPORARY, cache_folder
+from hjcamp.model.compile.kernel_cache import TEMPORARY, cache_folder
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -104,7 +104,7 @@ def configuration() -> Iterator[Finding]:
     """Where configuration comes from, and whether it composes."""
     from hjcamp.configuration.composer import Composer
     from hjcamp.configuration.search_path import configuration_folders
-    from hjcamp.model.user_folders import ENVIRONMENT_VARIABLE
+    from hjcamp.model.files.user_folders import ENVIRONMENT_VARIABLE
 
     for name in filter(None, os.environ.get(ENVIRONMENT_VARIABLE, "").split(os.pathsep)):
         if not Path(os.path.expanduser(name)).is_dir():
@@ -144,7 +144,7 @@ def folders() -> Iterator[Finding]:
 
 def kernel_cache() -> Iterator[Finding]:
     """Whether compiled kernels are kept from call to call."""
-    from hjcamp.model.kernel_cache import TEMPORARY, cache_folder
+    from hjcamp.model.compile.kernel_cache import TEMPORARY, cache_folder
 
     if os.environ.get("NUMBA_DISABLE_JIT") == "1":
         yield "note", "kernels", "NUMBA_DISABLE_JIT=1: nothing is compiled, simulations are slow"

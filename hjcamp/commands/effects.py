@@ -13,8 +13,8 @@ from hjcamp.errors import UsageError, counted
 from hjcamp.known_plants import DEFAULT
 
 if TYPE_CHECKING:
-    from hjcamp.model.effect import Effect
-    from hjcamp.model.plant import Plant
+    from hjcamp.model.declare.effect import Effect
+    from hjcamp.model.declare.plant import Plant
 
 RUN_S = 15.0  # a test of the checks takes well under a second
 USAGE = (
@@ -119,7 +119,7 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._answers import effect_row
     from hjcamp.effects import effect_files, imposed_files, library_of
-    from hjcamp.model.port import KINDS
+    from hjcamp.model.declare.port import KINDS
 
     library = library_of(plant or DEFAULT)
     parts = [*library.plant.subsystems, *KINDS]
@@ -250,7 +250,7 @@ def test_effect(name: str, plant: str = "") -> dict[str, Any]:
     """Run the checks that every effect of the library passes on one effect, at each of its places."""
     from hjcamp.campaign.console import bold, make_console
     from hjcamp.effects import library_of
-    from hjcamp.model.effect_units import check_units
+    from hjcamp.model.language.effect_units import check_units
 
     library = library_of(plant or DEFAULT)
     own = library.plant.room_of("effects")
@@ -272,8 +272,8 @@ def test_effect(name: str, plant: str = "") -> dict[str, Any]:
 
 def place_checks(effect: type[Effect], plant: type[Plant]) -> Iterator[tuple[str, str]]:
     """Run the checks that need no compiled model."""
-    from hjcamp.model.place_checks import PLACE_CHECKS, PlaceBench
-    from hjcamp.model.time_limit import time_limit
+    from hjcamp.model.checks.place_checks import PLACE_CHECKS, PlaceBench
+    from hjcamp.model.files.time_limit import time_limit
 
     bench = PlaceBench(effect, plant)
     for check, passes in PLACE_CHECKS.items():

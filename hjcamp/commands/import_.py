@@ -59,8 +59,8 @@ def import_table(
     """Turn measurements from elsewhere into test logs."""
     from hjcamp.analyses.data import joined
     from hjcamp.commands._session import check_answer_file, write_answer
-    from hjcamp.model.plant_checks import other_period
-    from hjcamp.prediction.measured.tests import FEWEST_SAMPLES
+    from hjcamp.diagnosis.data.tests import FEWEST_SAMPLES
+    from hjcamp.model.checks.plant_checks import other_period
     from hjcamp.records.elsewhere.import_map import read_import_map
     from hjcamp.records.elsewhere.importing import import_files
     from hjcamp.records.of_plant import PERIOD_KEY

@@ -14,7 +14,7 @@ from hjcamp.errors import UsageError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.model.plant import Plant
+    from hjcamp.model.declare.plant import Plant
 
 USAGE = "hjcamp plants [NAME] | plants new NAME | plants test NAME"
 
@@ -88,7 +88,7 @@ def show_plant(name: str, figure: Path | None) -> dict[str, Any]:
     from hjcamp.commands._session import check_picture
     from hjcamp.effects import library_of
     from hjcamp.known_plants import find_plant
-    from hjcamp.model.plant_checks import check_plant
+    from hjcamp.model.checks.plant_checks import check_plant
 
     if figure is not None:
         check_picture(figure)
@@ -126,7 +126,7 @@ def _declared(console: Console, plant: type[Plant]) -> None:
 
 def declared_rows(plant: type[Plant]) -> list[dict[str, str]]:
     """Return what a plant declares: kind, name, unit, value and meaning of states, inputs, parameters, what is measured."""
-    from hjcamp.model.plant import ALWAYS
+    from hjcamp.model.declare.plant import ALWAYS
 
     rows = [("state", one.name, one.unit, f"about {one.typical:g}", one.text) for one in plant.states.values()]
     for given in (one for one in plant.inputs.values() if one.name not in ALWAYS or one is not ALWAYS[one.name]):
@@ -140,7 +140,7 @@ def declared_rows(plant: type[Plant]) -> list[dict[str, str]]:
 
 
 def _lines(console: Console, plant: type[Plant]) -> None:
-    from hjcamp.model.vocabulary import read_vocabulary
+    from hjcamp.model.language.vocabulary import read_vocabulary
 
     console.print(bold("equations", ", elements written out; an effect may change a slot and read all", before="\n  "))
     marks = {"slot": "slot", "signal": "", "plain": "", "rate": "rate"}
@@ -151,7 +151,7 @@ def _lines(console: Console, plant: type[Plant]) -> None:
 
 
 def _places(console: Console, plant: type[Plant]) -> None:
-    from hjcamp.model.vocabulary import read_vocabulary
+    from hjcamp.model.language.vocabulary import read_vocabulary
 
     ports = read_vocabulary(plant).ports.values()
     if ports:
@@ -201,9 +201,9 @@ def run_tests(name: str) -> dict[str, Any]:
     from hjcamp.campaign.console import make_console
     from hjcamp.effects import library_of
     from hjcamp.known_plants import find_plant
-    from hjcamp.model.plant_bench import effects_seen, identified
-    from hjcamp.model.plant_checks import CHECKS, check_pushes
-    from hjcamp.model.plant_clock import time_constants
+    from hjcamp.model.checks.plant_bench import effects_seen, identified
+    from hjcamp.model.checks.plant_checks import CHECKS, check_pushes
+    from hjcamp.model.checks.plant_clock import time_constants
 
     plant = find_plant(name)
     console, passed = make_console(), {}

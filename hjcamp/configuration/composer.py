@@ -38,7 +38,7 @@ from hjcamp.configuration.trust import check_overrides
 from hjcamp.configuration.variation import Loaded, NotJoinedError, Variations
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.known_plants import OWN_PLANTS
-from hjcamp.model.field_unit import FIELD_UNITS
+from hjcamp.model.language.field_unit import FIELD_UNITS
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
 #: Groups whose choices make other parts of the configuration.

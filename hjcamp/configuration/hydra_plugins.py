@@ -26,7 +26,7 @@ from hjcamp.configuration.search_path import campaign_folders, configuration_fol
 from hjcamp.configuration.trust import check_file, check_group, with_our_hydra
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import OWN_PLANTS
-from hjcamp.model.user_folders import extension_folders
+from hjcamp.model.files.user_folders import extension_folders
 from hjcamp.yaml_file import check_yaml
 
 GROUP = "campaign"

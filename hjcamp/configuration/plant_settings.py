@@ -13,10 +13,10 @@ from hjcamp.controllers.schema import controller_schema
 from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.known_plants import DEFAULT, find_plant, usual_plant
-from hjcamp.model.base_values import checked_base, period_of
-from hjcamp.model.compose import Composition
-from hjcamp.model.plant import Plant
-from hjcamp.model.user_file import is_users
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.base_values import checked_base, period_of
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.files.user_file import is_users
 from hjcamp.schema import Group, between, checked
 from hjcamp.trajectories import build_trajectory
 
@@ -130,6 +130,6 @@ def check_values(config: Mapping[str, Any], plant: type[Plant]) -> None:
     Composition(plant, tuple(effects))
     for effect in effects:
         if is_users(effect.__module__):
-            from hjcamp.model.effect_units import check_units
+            from hjcamp.model.language.effect_units import check_units
 
             check_units(effect, plant)

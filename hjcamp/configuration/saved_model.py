@@ -9,8 +9,8 @@ from typing import Any
 
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.plant import Plant
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.plant import Plant
 from hjcamp.storage import named_file, whole_file
 
 FOLDER = Path("conf") / "model"

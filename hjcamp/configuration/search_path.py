@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import hjcamp
-from hjcamp.model.user_folders import user_folders
+from hjcamp.model.files.user_folders import user_folders
 
 
 def packaged_root() -> Path:

@@ -7,8 +7,8 @@ from pathlib import Path
 from hjcamp.controllers.controller import Controller
 from hjcamp.errors import unknown
 from hjcamp.known_plants import folders_in_plants
-from hjcamp.model.catalogue import scan
-from hjcamp.model.user_folders import extension_folders
+from hjcamp.model.files.catalogue import scan
+from hjcamp.model.files.user_folders import extension_folders
 
 
 def load_controllers() -> dict[str, type[Controller]]:

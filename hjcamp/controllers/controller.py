@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.law import Law
+from hjcamp.model.declare.law import Law
 
 
 class Controller(Law):

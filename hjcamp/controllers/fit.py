@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 
 from hjcamp.controllers.controller import Controller
 from hjcamp.errors import UsageError, unknown
-from hjcamp.model.field_unit import unit_of_field
-from hjcamp.model.law import Law
-from hjcamp.model.plant import Plant
+from hjcamp.model.declare.law import Law
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.language.field_unit import unit_of_field
 
 REFERENCE = ("reference", "velocity", "acceleration")
 CLOCK = {"period": "h", "index": "index", "time": "time"}

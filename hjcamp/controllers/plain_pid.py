@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.model.law import Memory
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.law import Memory
+from hjcamp.model.declare.parameter import Parameter
 
 LONGEST_DERIVATIVE = 100
 

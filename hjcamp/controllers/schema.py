@@ -8,7 +8,7 @@ from typing import Any, Literal
 from pydantic import create_model
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.schema import Group, between
 
 SIDES = ("positive", "negative")

@@ -8,12 +8,12 @@ from typing import Any
 
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.known_plants import DEFAULT, find_plant, plants_beside_faults
-from hjcamp.model.catalogue import scan
-from hjcamp.model.effect import Effect
-from hjcamp.model.library import Library, library_for
-from hjcamp.model.plant import Plant
-from hjcamp.model.user_file import is_users
-from hjcamp.model.user_folders import extension_folders
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.files.catalogue import scan
+from hjcamp.model.files.user_file import is_users
+from hjcamp.model.files.user_folders import extension_folders
+from hjcamp.model.language.library import Library, library_for
 
 
 def effect_files(folders: Sequence[Path] | None = None) -> dict[str, type[Effect]]:
@@ -58,7 +58,7 @@ def find_effect(name: str, plant: type[Plant] | str = DEFAULT, folders: Sequence
 
 def faults_of_own(plant: type[Plant]) -> list[str]:
     """Return a sentence for each effect of the user's that no place of a plant takes, or whose units do not agree there."""
-    from hjcamp.model.effect_units import check_units
+    from hjcamp.model.language.effect_units import check_units
 
     library = library_of(plant)
     own = {name for name, effect in effect_files().items() if is_users(effect.__module__) and effect.plant in ("", plant.name)}

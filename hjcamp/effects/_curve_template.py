@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from hjcamp.effects._written import check_begun, check_effect_file
-from hjcamp.model.template_file import check_user_name, class_name, write_user_file
+from hjcamp.model.files.template_file import check_user_name, class_name, write_user_file
 
 FREE = 0.1
 MOST = 5.0
@@ -17,8 +17,7 @@ TEMPLATE = '''"""{about}"""
 
 from __future__ import annotations
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter{imports}
+from hjcamp.effect import Effect, Parameter{imports}
 
 # Begun from {origin}.
 # The tables are what that diagnosis found, in SI units; the methods hold them as shares of the largest value. Put a law in

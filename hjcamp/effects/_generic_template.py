@@ -8,17 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.model.plant import Plant
-from hjcamp.model.port import KINDS, Kind
-from hjcamp.model.template_file import class_name, write_user_file
-from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.declare.port import KINDS, Kind
+from hjcamp.model.files.template_file import class_name, write_user_file
+from hjcamp.model.language.vocabulary import read_vocabulary
 
 TEMPLATE = '''"""{about}"""
 
 from __future__ import annotations
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.effect import Effect, Parameter
 
 {names}
 

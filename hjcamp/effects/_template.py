@@ -6,16 +6,15 @@ import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 
-from hjcamp.model.plant import Plant
-from hjcamp.model.template_file import class_name, write_user_file
-from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.files.template_file import class_name, write_user_file
+from hjcamp.model.language.vocabulary import read_vocabulary
 
 TEMPLATE = '''"""A spring on the arm."""
 
 from __future__ import annotations
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.effect import Effect, Parameter
 
 {names}
 

@@ -18,7 +18,7 @@ LONGEST_TEXT = 200
 FACTOR = r"(?:1|[A-Za-z]{1,12}(?:\^-?\d(?:\.\d)?)?)"
 UNIT = re.compile(rf"{FACTOR}(?:[*/ ]\(?{FACTOR}\)?){{0,8}}")
 WORDS = re.compile(r"[\w ,.()+\-]*")
-IMPORTS = (("__future__", {"annotations"}), ("hjcamp.model.effect", {"Effect"}), ("hjcamp.model.parameter", {"Parameter", "State"}))
+IMPORTS = (("__future__", {"annotations"}), ("hjcamp.effect", {"Effect", "Parameter", "State"}))
 FORMULA = (
     ast.Name, ast.Load, ast.Constant, ast.BinOp, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.UnaryOp, ast.USub,
     ast.IfExp, ast.Compare, ast.Lt,
@@ -27,7 +27,7 @@ FORMULA = (
 
 def check_begun(begun: Begun) -> None:
     """Raise ``UsageError`` for a text that is no plain word, a unit that is none, and a name that is no name."""
-    from hjcamp.model.amount import dimension
+    from hjcamp.model.language.amount import dimension
 
     for unit in (begun.unit, *(one.unit for one in begun.tables)):
         if not isinstance(unit, str) or not UNIT.fullmatch(unit):

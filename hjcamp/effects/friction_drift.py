@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import exp
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.marks import part
-from hjcamp.model.parameter import Parameter, State
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.marks import part
+from hjcamp.model.declare.parameter import Parameter, State
 
 
 def drifted(friction, time, travelled, drift, settling_time, pace):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import expm1, pi, sin
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.marks import part
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.marks import part
+from hjcamp.model.declare.parameter import Parameter
 
 
 def along(friction, travel, amplitude, period, phase, concentration):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.marks import part
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.marks import part
+from hjcamp.model.declare.parameter import Parameter
 
 
 def loaded(friction, joint_pressure1, joint_pressure2, coefficient, reference):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import exp
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 
 
 class StribeckExcess(Effect):

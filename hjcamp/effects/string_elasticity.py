@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import sqrt
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter, State
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter, State
 
 
 class StringElasticity(Effect):

@@ -13,8 +13,8 @@ from hjcamp import backends
 from hjcamp.controllers.fit import controlled_field
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import plant_of
-from hjcamp.model.field_table import FieldTable, fields_of
-from hjcamp.model.plant import Plant
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.language.field_table import FieldTable, fields_of
 from hjcamp.report.exploration import NOT_CHANNELS, channel_label, described, references
 
 PHASE = re.compile(r"(\d+) ([^,;]+)")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.watch import Term, Watch
+from hjcamp.model.checks.watch import Term, Watch
 
 Array = NDArray[np.float64]
 STRETCH_S = 5e-3

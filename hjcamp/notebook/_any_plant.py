@@ -26,7 +26,7 @@ def said_of(data: Data) -> Any:
 def compared(data: Data, names: Sequence[str], report: Report) -> tuple[Any, dict[str, Any]]:
     """Return models on tests, and the answer for programs."""
     from hjcamp.analyses.comparing import compare_plant
-    from hjcamp.prediction.comparison import answer
+    from hjcamp.diagnosis.results.comparison import answer
 
     found = compare_plant(data, names, report)
     return found, answer(found)

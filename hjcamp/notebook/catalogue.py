@@ -14,8 +14,8 @@ from hjcamp.notebook.result import Picture, Result, frame_of, quiet
 if TYPE_CHECKING:
     import polars as pl
 
-    from hjcamp.model.effect import Effect
-    from hjcamp.model.plant import Plant
+    from hjcamp.model.declare.effect import Effect
+    from hjcamp.model.declare.plant import Plant
 
 PARAMETERS = ("parameter", "unit", "default", "low", "high", "prior", "meaning")
 EFFECTS = ("effect", "acts_on", "what", "parameters")
@@ -170,7 +170,7 @@ def plants(name: str | None = None) -> Catalogue | OnePlant:
     """
     from hjcamp.effects import library_of
     from hjcamp.known_plants import find_plant, plants_beside_faults
-    from hjcamp.model.plant_checks import check_plant
+    from hjcamp.model.checks.plant_checks import check_plant
 
     if name is not None:
         plant = find_plant(name)

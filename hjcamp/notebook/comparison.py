@@ -21,7 +21,7 @@ COLUMNS = ("model", "channel", "rms", "floor", "r2", "score")
 class Comparison(Result):
     """Models on the same tests. ``frame``: a row for each model and channel, with the model's score: 1 is perfect.
 
-    ``found`` is the analysis itself (`hjcamp.prediction.comparison`, or that of the plant).
+    ``found`` is the analysis itself (`hjcamp.diagnosis.results.comparison`, or that of the plant).
     """
 
     data: Data

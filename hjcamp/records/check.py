@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from hjcamp.errors import UsageError, counted, nearest
-from hjcamp.model.field_table import FieldTable
+from hjcamp.model.language.field_table import FieldTable
 from hjcamp.records.log import COMMAND_PHASE, PHASES, TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, span
 

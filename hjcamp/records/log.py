@@ -12,7 +12,7 @@ import numpy as np
 
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import usual_plant
-from hjcamp.model.field_table import FieldTable
+from hjcamp.model.language.field_table import FieldTable
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, period_of, table_of
 
 TOPIC = "/test/sample"

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import DEFAULT, plant_called
-from hjcamp.model.field_table import FieldTable, fields_of
-from hjcamp.model.field_unit import FIELD_UNITS
-from hjcamp.model.plant import Plant
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.language.field_table import FieldTable, fields_of
+from hjcamp.model.language.field_unit import FIELD_UNITS
 
 PLANT_KEY, PERIOD_KEY = "plant", "period_s"
 USUAL_PERIOD_S = 1e-3

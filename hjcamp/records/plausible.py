@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from hjcamp.errors import UsageError
-from hjcamp.model.field import Field
-from hjcamp.model.field_table import FieldTable, fields_of
-from hjcamp.model.field_unit import field_of, unit_of_field
-from hjcamp.model.parameter import Input, State
-from hjcamp.model.plant import Plant
+from hjcamp.model.declare.field import Field
+from hjcamp.model.declare.parameter import Input, State
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.language.field_table import FieldTable, fields_of
+from hjcamp.model.language.field_unit import field_of, unit_of_field
 from hjcamp.records.glitch_words import MISSING, told_glitches, told_no_readings
 from hjcamp.records.glitches import FEW, ROW
 from hjcamp.records.log import TestLog, parted

@@ -10,8 +10,8 @@ from typing import TypeVar
 import numpy as np
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.model.field import Field
-from hjcamp.model.field_unit import FIELD_UNITS
+from hjcamp.model.declare.field import Field
+from hjcamp.model.language.field_unit import FIELD_UNITS
 
 Number = TypeVar("Number", float, np.ndarray)
 

@@ -13,7 +13,7 @@ from typing import IO
 import numpy as np
 
 from hjcamp.errors import HjcampError, UsageError
-from hjcamp.model.field_table import FieldTable
+from hjcamp.model.language.field_table import FieldTable
 from hjcamp.records.check import check_names
 from hjcamp.records.log import TOPIC, TestLog
 from hjcamp.records.mcap.container import CHANNEL, Container

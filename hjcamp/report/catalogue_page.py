@@ -8,9 +8,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
-from hjcamp.model.docstring import docstring_sentence
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
+from hjcamp.model.files.docstring import docstring_sentence
 from hjcamp.report import discrepancy_page as page
 from hjcamp.report.mathml import mathml
 from hjcamp.report.units import shown

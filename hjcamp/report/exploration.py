@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError, counted
-from hjcamp.model.field_unit import unit_of_field
+from hjcamp.model.language.field_unit import unit_of_field
 from hjcamp.report.names import readable
 from hjcamp.report.units import label, unit_for
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hjcamp.controllers.fit import controlled_field
 from hjcamp.known_plants import usual_plant
-from hjcamp.model.field_unit import unit_of_field
+from hjcamp.model.language.field_unit import unit_of_field
 
 FOLLOWED = controlled_field(usual_plant())
 UNIT = unit_of_field(FOLLOWED, FOLLOWED).suffix

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from hjcamp.errors import visible
-from hjcamp.model.field_unit import FIELD_UNITS
+from hjcamp.model.language.field_unit import FIELD_UNITS
 
 WORDS = {
     "pid": "PID", "pva": "PVA", "ffwd": "feedforward", "pos": "positive", "neg": "negative", "rmse1": "RMSE1", "rmse2": "RMSE2",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hjcamp.errors import UsageError, shown
-from hjcamp.model.parameter import finite_number
+from hjcamp.model.declare.parameter import finite_number
 
 Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]

@@ -11,9 +11,9 @@ from types import ModuleType
 from typing import Any
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.model.field_unit import FieldUnit
-from hjcamp.model.user_file import load_module
-from hjcamp.model.user_folders import extension_folders
+from hjcamp.model.files.user_file import load_module
+from hjcamp.model.files.user_folders import extension_folders
+from hjcamp.model.language.field_unit import FieldUnit
 from hjcamp.trajectories.base import Trajectory
 
 DEGREES = "deg"

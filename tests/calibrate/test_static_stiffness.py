@@ -13,7 +13,7 @@ from quiet_loop import AREA1, AREA2, EXACT, RADIUS, STIFFNESS
 from hjcamp.configuration.composer import Composer
 from hjcamp.effects import chosen_effects, find_effect, load_effects
 from hjcamp.errors import UsageError
-from hjcamp.model.compose import Composition
+from hjcamp.model.compile.compose import Composition
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.calibrate.static_stiffness import step_of, stiffness_charts, stiffness_of
 from hjcamp.plants.pump_joint.controllers.open_loop import OpenLoop

@@ -18,7 +18,7 @@ from hjcamp import cli
 from hjcamp.campaign.compiling import Doing, Kernels, kernels_of, status
 from hjcamp.commands._session import progress_of
 from hjcamp.configuration.composer import Composer
-from hjcamp.model.kernel_cache import cache_folder, is_compiled, kernel_name
+from hjcamp.model.compile.kernel_cache import cache_folder, is_compiled, kernel_name
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from hjcamp.campaign.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers import find_controller
 from hjcamp.effects import load_effects
-from hjcamp.model.kernel_cache import is_compiled
+from hjcamp.model.compile.kernel_cache import is_compiled
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.design.menu import menu
 from hjcamp.plants.pump_joint.diagnosis.measured.hardware import simulator

@@ -15,7 +15,7 @@ LOG = "run/logs/ramp_pos__pid/rep_01.mcap"
 CONTROLLER = '''"""A proportional law."""
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.parameter import Parameter
 
 
 class Mine(Controller):

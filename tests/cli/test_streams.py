@@ -12,7 +12,7 @@ import pytest
 from hjcamp import cli
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
-from hjcamp.model.user_file import load_module
+from hjcamp.model.files.user_file import load_module
 
 HJCAMP = [sys.executable, "-m", "hjcamp"]
 RUN = ["run", "campaign=controllers", "conditions=ramp_pos__pid", "repetitions=1", "workers=1"]

@@ -14,7 +14,7 @@ import pytest
 import hjcamp.commands
 import hjcamp.effects
 from hjcamp.known_plants import find_plant
-from hjcamp.model.plant_checks import check_plant
+from hjcamp.model.checks.plant_checks import check_plant
 from hjcamp.plants.pump_joint.tour import samples as samples
 from hjcamp.plants.pump_joint.tour.answer import compared, judged
 from hjcamp.plants.pump_joint.tour.kinds import Tour, last_sentence

@@ -11,8 +11,8 @@ from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 
 EFFECT = '''\
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 
 
 class Mine(Effect):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from quiet_loop import AREA1, AREA2, DEGREE, EXACT, RADIUS, STIFFNESS, cycloid
 
-from hjcamp.model.compose import Composition
-from hjcamp.model.course import Course
-from hjcamp.model.inputs_along import inputs_along
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.course import Course
+from hjcamp.model.run.inputs_along import inputs_along
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.feedforward import Feedforward
 

@@ -6,8 +6,8 @@ import pytest
 
 from hjcamp.effects import load_effects
 from hjcamp.effects._template import write_template
-from hjcamp.model.effect import Effect
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.effect_checks import EffectBench, bench_simulator
 

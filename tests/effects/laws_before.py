@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import exp, expm1, pi, sin, sqrt
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter, State
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter, State
 
 
 class CrossLeakage(Effect):

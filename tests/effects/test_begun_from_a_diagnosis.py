@@ -14,8 +14,8 @@ from hjcamp.commands._plant_template import write_template
 from hjcamp.effects import load_effects
 from hjcamp.effects._curve_template import Begun, Table, curve_template
 from hjcamp.known_plants import find_plant
-from hjcamp.model.effect import Effect
-from hjcamp.model.effect_units import check_units
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.language.effect_units import check_units
 
 STIFFNESS, REST = 140.0, 0.02
 BASIN = '''"""A basin that drains."""

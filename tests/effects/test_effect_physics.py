@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.signal import lfilter, lsim
 
-from hjcamp.model.course import Course, Followed
-from hjcamp.model.inputs_along import inputs_along
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.declare.course import Course, Followed
+from hjcamp.model.run.inputs_along import inputs_along
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 
 AREA = PumpJoint.parameters["joint_area"].default

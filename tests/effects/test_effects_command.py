@@ -15,8 +15,8 @@ GOOD = '''"""A spring."""
 
 from math import sin
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter, State
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter, State
 
 
 class Mine(Effect):

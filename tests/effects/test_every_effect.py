@@ -7,10 +7,10 @@ import pytest
 
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
-from hjcamp.model.compose import Composition
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.effect_checks import CHECKS, EffectBench
 

@@ -109,8 +109,7 @@ def test_a_number_that_is_none_is_refused(here: Path, capsys: pytest.CaptureFixt
 
 
 GOOD = '''"""About."""
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.effect import Effect, Parameter
 
 
 class Mine(Effect):

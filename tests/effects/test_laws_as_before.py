@@ -8,9 +8,8 @@ import pytest
 from laws_before import BEFORE
 
 from hjcamp.effects import load_effects
-from hjcamp.model.compose import Composition
-from hjcamp.model.effect import Effect
-from hjcamp.model.function_sources import (
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.compile.function_sources import (
     balance_source,
     contact_source,
     memory_source,
@@ -19,6 +18,7 @@ from hjcamp.model.function_sources import (
     signals_source,
     terms_source,
 )
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint import PumpJoint
 
 LIBRARY = load_effects([])

@@ -19,11 +19,12 @@ from hjcamp import cli
 from hjcamp.effects import faults_of_own, load_effects
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
-from hjcamp.model import term_checks, user_file
-from hjcamp.model.amount_formula import MATHEMATICS
-from hjcamp.model.effect import Effect
-from hjcamp.model.term_checks import check_calls, check_compiles
-from hjcamp.model.time_limit import RunLimit, time_limit
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.files import user_file
+from hjcamp.model.files.time_limit import RunLimit, time_limit
+from hjcamp.model.language import term_checks
+from hjcamp.model.language.amount_formula import MATHEMATICS
+from hjcamp.model.language.term_checks import check_calls, check_compiles
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.effect_checks import EffectBench
 
@@ -42,8 +43,7 @@ FILES: dict[str, tuple[bytes, str]] = {
     ),
     "a missing package": (b"import nowhere_to_be_found\n", "line 1: cannot be loaded: ModuleNotFoundError"),
 }
-SPRING = '''from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+SPRING = '''from hjcamp.effect import Effect, Parameter
 
 
 class Mine(Effect):
@@ -177,7 +177,7 @@ def in_a_process(script: str) -> subprocess.CompletedProcess[str]:
 
 
 STUBBORN = """
-from hjcamp.model.time_limit import time_limit
+from hjcamp.model.files.time_limit import time_limit
 with time_limit(0.2, "the file"):
     while True:
         try:
@@ -188,7 +188,7 @@ with time_limit(0.2, "the file"):
 """
 ENDLESS_KERNEL = """
 from numba import njit
-from hjcamp.model.time_limit import RunLimit
+from hjcamp.model.files.time_limit import RunLimit
 
 @njit(nogil=True)
 def endless(x):

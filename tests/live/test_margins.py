@@ -11,7 +11,7 @@ from hjcamp import backends
 from hjcamp.configuration.composer import Composer
 from hjcamp.known_plants import find_plant
 from hjcamp.live.describe import describe
-from hjcamp.model.watch import Term, Watch, plausible_watches
+from hjcamp.model.checks.watch import Term, Watch, plausible_watches
 from hjcamp.plants.pump_joint.rig.limits import limit_check
 from hjcamp.plants.pump_joint.rig.margins import rig_watches
 from hjcamp.plants.pump_joint.rig.wiring import read_wiring

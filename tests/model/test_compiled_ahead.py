@@ -11,11 +11,11 @@ import pytest
 from wheel_plant import WHEEL
 
 from hjcamp.known_plants import find_plant
-from hjcamp.model import compiled_ahead
-from hjcamp.model.compose import Composition
-from hjcamp.model.course import Given
-from hjcamp.model.kernel_cache import is_compiled
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.compile import compiled_ahead
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.compile.kernel_cache import is_compiled
+from hjcamp.model.declare.course import Given
+from hjcamp.model.run.simulator import Simulator
 
 
 def test_a_kernel_that_is_compiled_ahead_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

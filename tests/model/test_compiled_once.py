@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from hjcamp.model.compose import Composition
-from hjcamp.model.kernel import kernel_source
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.compile.kernel import kernel_source
 from hjcamp.plants.pump_joint import PumpJoint
 
 

@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hjcamp.effects import load_effects
-from hjcamp.model.compose import Composition
-from hjcamp.model.course import Course
-from hjcamp.model.inputs_along import inputs_along
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.course import Course
+from hjcamp.model.run.inputs_along import inputs_along
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 
 PERIOD, SAMPLES = 1e-3, 600

@@ -8,11 +8,11 @@ from plain_kernel import uncompiled
 
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
-from hjcamp.model.compose import MOST_GATED, Composition
-from hjcamp.model.effect import Effect
-from hjcamp.model.shared import CURVED, PRESENT, STATES
-from hjcamp.model.simulator import Simulator
-from hjcamp.model.source_text import behind_one_test
+from hjcamp.model.compile.compose import MOST_GATED, Composition
+from hjcamp.model.compile.shared import CURVED, PRESENT, STATES
+from hjcamp.model.compile.source_text import behind_one_test
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 
 NAMES = ("leakage", "line_inertance", "presliding", "pump_backlash", "string_elasticity", "tubing_creep")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from hjcamp.effects import load_effects
-from hjcamp.model.compose import Composition
-from hjcamp.model.source_text import live
-from hjcamp.model.structure import influences
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.compile.source_text import live
+from hjcamp.model.compile.structure import influences
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.residuals.reach import idle
 

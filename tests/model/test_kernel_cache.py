@@ -18,8 +18,8 @@ from typing import Any
 import pytest
 
 import hjcamp
-from hjcamp.model import kernel_cache
-from hjcamp.model.kernel_cache import cache_folder, is_compiled, kernel_name, load_kernel
+from hjcamp.model.compile import kernel_cache
+from hjcamp.model.compile.kernel_cache import cache_folder, is_compiled, kernel_name, load_kernel
 
 TINY = '''"""A kernel that takes its time to load."""
 import time
@@ -178,7 +178,7 @@ def test_a_cache_of_another_version_or_processor_is_known_as_none() -> None:
 
 def test_two_processes_compile_one_kernel(own_cache: Path) -> None:
     script = (
-        f"from hjcamp.model.kernel_cache import load_kernel\nmodule = load_kernel({TINY!r})\n"
+        f"from hjcamp.model.compile.kernel_cache import load_kernel\nmodule = load_kernel({TINY!r})\n"
         "print(module.prepare(1.0), sum(module.prepare.stats.cache_hits.values()))"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(hjcamp.__file__).parents[1])}
@@ -202,7 +202,7 @@ def test_a_kernel_that_calls_what_others_share_does_not_wait_for_itself(monkeypa
     fresh()
     source = TINY.replace("time.sleep(0.05)", f"from {kernel_name(TINY)} import prepare as shared")
     source = source.replace("added(x, 1.0)", "shared(x)")
-    monkeypatch.setattr("hjcamp.model.kernel_objects.time.sleep", waits)
+    monkeypatch.setattr("hjcamp.model.compile.kernel_objects.time.sleep", waits)
     assert fresh(source).prepare(1.0) == 2.0
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from plain_kernel import uncompiled
 
-from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import Given, Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.run.simulator import Given, Simulator
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
 
 PERIOD = 0.1

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from hjcamp.errors import UsageError
-from hjcamp.model.compose import Composition
-from hjcamp.model.effect import Effect
-from hjcamp.model.kernel import kernel_source
-from hjcamp.model.marks import signal
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.compile.kernel import kernel_source
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.marks import signal
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.plants.pump_joint import PumpJoint
 
 LINES = Path(__file__).read_text(encoding="utf-8").splitlines()

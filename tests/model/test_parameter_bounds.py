@@ -6,7 +6,7 @@ import pytest
 
 from hjcamp.configuration.saved_model import rounded
 from hjcamp.errors import UsageError
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.parameter import Parameter
 
 
 @pytest.mark.parametrize("bounds", [(0.1 * 12.0, 120.0), (1e-7 / 3.0, 2e-3 / 3.0), (-2.0 / 3.0, 2.0 / 3.0)])

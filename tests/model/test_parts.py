@@ -12,15 +12,15 @@ from typing import Any
 import pytest
 
 from hjcamp.errors import UsageError
-from hjcamp.model.compose import Composition
-from hjcamp.model.effect import Effect
-from hjcamp.model.effect_names import check_effect
-from hjcamp.model.effect_units import check_units
-from hjcamp.model.function_sources import rates_source, signals_source
-from hjcamp.model.law import Law, Memory, law_function
-from hjcamp.model.part import whole_code, whole_definition
-from hjcamp.model.source_text import copied_function
-from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.compile.function_sources import rates_source, signals_source
+from hjcamp.model.compile.source_text import copied_function
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.law import Law, Memory, law_function
+from hjcamp.model.declare.part import whole_code, whole_definition
+from hjcamp.model.language.effect_names import check_effect
+from hjcamp.model.language.effect_units import check_units
+from hjcamp.model.language.vocabulary import read_vocabulary
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, part, sensor, signal, slot
 from hjcamp.plants.pump_joint import PumpJoint
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from quiet_loop import columns, cycloid, sine
 
-from hjcamp.model import regimes, shared
-from hjcamp.model.kernel import LEVELS, shared_source
-from hjcamp.model.kernel_cache import load_kernel
-from hjcamp.model.simulator import Propagators, Simulator
+from hjcamp.model.compile import regimes, shared
+from hjcamp.model.compile.kernel import LEVELS, shared_source
+from hjcamp.model.compile.kernel_cache import load_kernel
+from hjcamp.model.run.simulator import Propagators, Simulator
 from hjcamp.plants.pump_joint.controllers.pid import Pid
 from hjcamp.plants.pump_joint.loop import JointSimulator
 

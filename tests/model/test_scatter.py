@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hjcamp.configuration.composer import Composer
-from hjcamp.model.scatter import Scatter, draw
+from hjcamp.model.declare.scatter import Scatter, draw
 from hjcamp.plants.pump_joint import simulation
 from hjcamp.plants.pump_joint.loop import NotEndedError
 from hjcamp.plants.pump_joint.simulation import run_test

@@ -16,10 +16,10 @@ import hjcamp
 from hjcamp import cli
 from hjcamp.controllers import find_controller, load_controllers
 from hjcamp.errors import UsageError
-from hjcamp.model import term_checks
-from hjcamp.model.amount_formula import MATHEMATICS
-from hjcamp.model.law import law_function
-from hjcamp.model.term_checks import check_law_compiles, users_files
+from hjcamp.model.declare.law import law_function
+from hjcamp.model.language import term_checks
+from hjcamp.model.language.amount_formula import MATHEMATICS
+from hjcamp.model.language.term_checks import check_law_compiles, users_files
 from hjcamp.plants.pump_joint import simulation
 from hjcamp.plants.pump_joint.controllers.pid import Pid
 from hjcamp.plants.pump_joint.rig.control import RigControl
@@ -27,8 +27,8 @@ from hjcamp.plants.pump_joint.rig.control import RigControl
 LAW = '''"""A law."""
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.model.law import Memory
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.law import Memory
+from hjcamp.model.declare.parameter import Parameter
 
 
 class Mine(Controller):
@@ -58,8 +58,8 @@ WRONG = {
 }
 SLOW = '''"""An effect that does not end where the arm stands between two angles."""
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 
 
 class Slow(Effect):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from hjcamp.model.vectors import ahead, ahead_in_python, strided, strided_in_python
+from hjcamp.model.compile.vectors import ahead, ahead_in_python, strided, strided_in_python
 
 pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
 STEPS = np.random.default_rng(1).standard_normal((3, 64))

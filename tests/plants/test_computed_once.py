@@ -12,11 +12,11 @@ from two_contacts import FREE_PENDULUM, FREE_SPRING
 
 from hjcamp.effects import library_of
 from hjcamp.known_plants import find_plant
-from hjcamp.model.amount_formula import plain_functions
-from hjcamp.model.compose import Composition
-from hjcamp.model.function_sources import contact_source, rates_source, terms_source
-from hjcamp.model.source_text import behind_one_test, where_used
-from hjcamp.model.structure import regimes
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.compile.function_sources import contact_source, rates_source, terms_source
+from hjcamp.model.compile.source_text import behind_one_test, where_used
+from hjcamp.model.compile.structure import regimes
+from hjcamp.model.language.amount_formula import plain_functions
 
 PLANTS = {"free_spring": FREE_SPRING, "free_pendulum": FREE_PENDULUM, "rotor": ROTOR}
 

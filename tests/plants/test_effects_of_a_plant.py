@@ -9,7 +9,7 @@ import pytest
 
 from hjcamp import cli
 from hjcamp.effects._generic_template import EXAMPLES, MEANINGS
-from hjcamp.model.port import KINDS
+from hjcamp.model.declare.port import KINDS
 
 CELL = '''"""A cell."""
 
@@ -31,8 +31,8 @@ class Cell(Plant):
         rate.charge = drive.current
         terminal = sensor(parameter.rest + state.charge / parameter.bulk)
 '''
-POLARISED = '''from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+POLARISED = '''from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 
 
 class Polarised(Effect):

@@ -7,7 +7,7 @@ import ast
 import pytest
 
 from hjcamp.errors import UsageError
-from hjcamp.model.element import expand
+from hjcamp.model.declare.element import expand
 
 
 def test_a_store_takes_what_flows_in_not_its_state() -> None:

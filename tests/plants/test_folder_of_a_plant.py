@@ -11,14 +11,14 @@ import pytest
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import OWN_PLANTS, load_plants, plant_names
-from hjcamp.model.catalogue import scan
-from hjcamp.model.plant import Plant
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.files.catalogue import scan
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.two_pumps.plant import TwoPumps
 
 FOLDER = '''"""A tank."""
-from hjcamp.model.parameter import State
-from hjcamp.model.plant import Plant
+from hjcamp.model.declare.parameter import State
+from hjcamp.model.declare.plant import Plant
 
 
 class Tank(Plant):

@@ -9,9 +9,9 @@ import pytest
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import plant_called
-from hjcamp.model.port import Port
-from hjcamp.model.quantities import usual_sizes
-from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.model.declare.port import Port
+from hjcamp.model.language.quantities import usual_sizes
+from hjcamp.model.language.vocabulary import read_vocabulary
 
 SHAFT = '''"""Two wheels and what is between them."""
 
@@ -104,8 +104,8 @@ def test_a_push_that_is_not_given_is_as_large_as_what_moves_the_mass(folder: Pat
 
 
 def test_a_state_that_stands_for_no_state_is_refused() -> None:
-    from hjcamp.model.effect import Effect
-    from hjcamp.model.parameter import Parameter
+    from hjcamp.model.declare.effect import Effect
+    from hjcamp.model.declare.parameter import Parameter
 
     with pytest.raises(UsageError, match=r"helt.*instead of driven"):
         type(

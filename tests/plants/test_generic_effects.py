@@ -10,9 +10,9 @@ import pytest
 from hjcamp.effects import effect_files, find_effect, library_of, load_effects
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
-from hjcamp.model.binding import bind
-from hjcamp.model.place_checks import PLACE_CHECKS, PlaceBench
-from hjcamp.model.port import KINDS
+from hjcamp.model.checks.place_checks import PLACE_CHECKS, PlaceBench
+from hjcamp.model.declare.port import KINDS
+from hjcamp.model.language.binding import bind
 from hjcamp.plants.pump_joint import PumpJoint
 
 FILES = effect_files([])
@@ -180,8 +180,8 @@ def test_an_effect_goes_to_another_process_as_what_it_was_made_of(folder: Path) 
 
 
 LOUDER = '''"""A loud sensor."""
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 
 
 class Louder(Effect):
@@ -224,8 +224,8 @@ def test_a_faulty_file_is_named_where_another_effect_is_asked_for(folder: Path) 
         find_effect("sensor_lag", "axis")
 
 
-THEIRS = '''from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+THEIRS = '''from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 
 
 class Extra(Effect):

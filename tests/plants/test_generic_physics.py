@@ -10,7 +10,7 @@ import pytest
 
 from hjcamp.effects import find_effect, load_effects
 from hjcamp.known_plants import find_plant
-from hjcamp.model.place_checks import PlainModel
+from hjcamp.model.checks.place_checks import PlainModel
 
 COULOMB, VISCOUS, MASS, GAIN = 20.0, 200.0, 95.0, 35.0
 MOVING = {"velocity": 0.1, "direction": 1.0, "voltage": 2.0}

@@ -8,8 +8,8 @@ import pytest
 
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
-from hjcamp.model.place_checks import PlainModel
-from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.model.checks.place_checks import PlainModel
+from hjcamp.model.language.vocabulary import read_vocabulary
 
 PLANT = '''"""A tank."""
 

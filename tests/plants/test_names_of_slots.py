@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of, values_of
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import load_plants, plant_called
-from hjcamp.model.amount_formula import plain_functions
-from hjcamp.model.compose import Composition, term_functions
-from hjcamp.model.effect import Effect
-from hjcamp.model.function_sources import rates_source
-from hjcamp.model.plant import Plant
-from hjcamp.model.source_text import copied_function
-from hjcamp.prediction.laws.unknowns import unknowns_of, values_of
+from hjcamp.model.compile.compose import Composition, term_functions
+from hjcamp.model.compile.function_sources import rates_source
+from hjcamp.model.compile.source_text import copied_function
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.language.amount_formula import plain_functions
 
 VESSEL = '''"""A vessel whose slots are called like its states and its input."""
 

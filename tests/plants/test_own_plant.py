@@ -11,17 +11,17 @@ from hjcamp import cli
 from hjcamp.effects import library_of, load_effects
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
-from hjcamp.model.amount_formula import plain_functions
-from hjcamp.model.binding import bind
-from hjcamp.model.compose import Composition
-from hjcamp.model.effect import Effect
-from hjcamp.model.effect_units import check_units
-from hjcamp.model.function_sources import rates_source, signals_source
-from hjcamp.model.parameter import Parameter, State
-from hjcamp.model.plant_bench import effects_seen, identified
-from hjcamp.model.plant_checks import check_plant, other_period
-from hjcamp.model.quantities import usual_sizes
-from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.model.checks.plant_bench import effects_seen, identified
+from hjcamp.model.checks.plant_checks import check_plant, other_period
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.compile.function_sources import rates_source, signals_source
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter, State
+from hjcamp.model.language.amount_formula import plain_functions
+from hjcamp.model.language.binding import bind
+from hjcamp.model.language.effect_units import check_units
+from hjcamp.model.language.quantities import usual_sizes
+from hjcamp.model.language.vocabulary import read_vocabulary
 
 MISTAKES = {
     "a state without a rate": ("        rate.position = state.velocity\n", "", "the state 'position' has no rate"),

@@ -10,9 +10,9 @@ from plain_kernel import uncompiled
 
 from hjcamp.effects import find_effect
 from hjcamp.known_plants import find_plant
-from hjcamp.model.compose import Composition
-from hjcamp.model.course import Given
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.course import Given
+from hjcamp.model.run.simulator import Simulator
 
 
 def simulator(name: str) -> Simulator:

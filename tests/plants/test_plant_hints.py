@@ -9,8 +9,8 @@ import pytest
 
 from hjcamp.commands.any_plant.plant_hints import early_inputs, far_states, without_contact, without_position
 from hjcamp.errors import UsageError
-from hjcamp.model.parameter import Input, Measured, Parameter, State
-from hjcamp.model.plant import Plant
+from hjcamp.model.declare.parameter import Input, Measured, Parameter, State
+from hjcamp.model.declare.plant import Plant
 from hjcamp.plant import actuator, body, contact, outside, sensor
 
 

@@ -18,7 +18,7 @@ from mcap.writer import Writer
 from hjcamp import cli
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
-from hjcamp.model.field_table import fields_of
+from hjcamp.model.language.field_table import fields_of
 from hjcamp.records.log import TestLog
 from hjcamp.records.mcap import layout
 from hjcamp.records.plausible import findings, without_small_tests

@@ -19,7 +19,7 @@ from hjcamp.commands.any_plant import calls
 from hjcamp.controllers import load_controllers
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import folders_in_plants, plant_called, plant_of, usual_plant
-from hjcamp.model.rooms import ROOMS
+from hjcamp.model.files.rooms import ROOMS
 from hjcamp.notebook import _any_plant as in_python
 
 # What does for any plant what a room may do for one.
@@ -30,7 +30,7 @@ FOR_ANY: tuple[tuple[str, ModuleType], ...] = (
 )
 NAMES = re.compile(r"pump|pressure1|arm_deg|arm_angle", re.IGNORECASE)
 # The usual plant's name, which logs and models that name none stand for.
-NAMED_BY = {"known_plants.py", "prediction/model_file.py"}
+NAMED_BY = {"known_plants.py", "diagnosis/results/model_file.py"}
 
 
 def parameters_of(function: object) -> list[str]:

@@ -18,8 +18,8 @@ from hjcamp.records.read import read_log
 LEAD = '''"""Position and speed of a carriage, fed back."""
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.model.law import Memory
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.law import Memory
+from hjcamp.model.declare.parameter import Parameter
 
 
 class Lead(Controller):

@@ -9,9 +9,9 @@ from wheel_plant import WHEEL
 
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
-from hjcamp.model.plant_bench import identified
-from hjcamp.model.plant_checks import check_measured
-from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.model.checks.plant_bench import identified
+from hjcamp.model.checks.plant_checks import check_measured
+from hjcamp.model.language.vocabulary import read_vocabulary
 
 HEAD = "def equations(state, parameter, drive, rate):\n"
 

@@ -13,13 +13,13 @@ from two_contacts import FREE_PENDULUM, FREE_SPRING, FREE_STACK, PENDULUM, SPRIN
 from hjcamp import cli
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
-from hjcamp.model.compose import Composition
-from hjcamp.model.course import Course, Given
-from hjcamp.model.inputs_along import inputs_along
-from hjcamp.model.parameter import Cut
-from hjcamp.model.plant_checks import check_passive, check_pushes
-from hjcamp.model.simulator import Simulator
-from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.model.checks.plant_checks import check_passive, check_pushes
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.course import Course, Given
+from hjcamp.model.declare.parameter import Cut
+from hjcamp.model.language.vocabulary import read_vocabulary
+from hjcamp.model.run.inputs_along import inputs_along
+from hjcamp.model.run.simulator import Simulator
 
 PLANTS = {
     "spring": SPRING, "pendulum": PENDULUM, "stack": STACK,

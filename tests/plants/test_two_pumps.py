@@ -12,8 +12,8 @@ import pytest
 from hjcamp.backends import plant_simulation
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.composer import Composer
-from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import Given, Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.run.simulator import Given, Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.two_pumps.plant import TwoPumps
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import Given, Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.run.simulator import Given, Simulator
 from hjcamp.plants.valve_joint.plant import ValveJoint
 from hjcamp.plants.valve_joint.valves import Valves
 
@@ -109,7 +109,7 @@ def test_both_inlets_both_outlets_and_none(joint: Simulator) -> None:
 
 def opened(switches: np.ndarray, **times: float) -> np.ndarray:
     """Return the mean openings of valve 1, sample by sample, as Python."""
-    from hjcamp.model.law import law_function
+    from hjcamp.model.declare.law import law_function
 
     law = law_function(Valves, {})
     c, m = Valves.vector(times), Valves.fresh_memory()

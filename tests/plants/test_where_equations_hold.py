@@ -9,9 +9,9 @@ import pytest
 
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import plant_called
-from hjcamp.model.plant import Plant
-from hjcamp.model.plant_bench import BOTH, SHARES, FarAway, check_within, identified, under_either
-from hjcamp.model.plant_clock import rate_slopes, time_constants
+from hjcamp.model.checks.plant_bench import BOTH, SHARES, FarAway, check_within, identified, under_either
+from hjcamp.model.checks.plant_clock import rate_slopes, time_constants
+from hjcamp.model.declare.plant import Plant
 
 CYLINDER = '''"""A piston on a cushion of gas."""
 

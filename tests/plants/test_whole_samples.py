@@ -8,10 +8,10 @@ from quiet_loop import columns, simulator, sine
 
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
-from hjcamp.model import kernel
-from hjcamp.model.compose import Composition
-from hjcamp.model.course import Given
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.compile import kernel
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.course import Given
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.plants.pump_joint.loop import JointSimulator
 
 PRESSURES = (0.32e6, 0.14e6)

@@ -14,7 +14,7 @@ from hjcamp.campaign.planning import make_plan
 from hjcamp.commands import command_files
 from hjcamp.configuration.composer import Composer
 from hjcamp.effects import find_effect
-from hjcamp.model.effect_units import check_units
+from hjcamp.model.language.effect_units import check_units
 from hjcamp.plants.pump_joint import PumpJoint
 
 ROOT = Path(__file__).parents[2]

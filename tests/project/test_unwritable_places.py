@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from hjcamp.campaign.execution import no_place
-from hjcamp.model import kernel_cache
+from hjcamp.model.compile import kernel_cache
 
 
 def test_without_a_cache_kernels_are_kept_for_this_call(

@@ -26,8 +26,8 @@ repetitions: 1
 """
 TRAJECTORY = "name: my_nudge\nkind: ramp\namplitude_deg: 5.0\nrise_time: 0.2\nduration: 0.25\n"
 EFFECT = '''\
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 
 
 class MyEffect(Effect):
@@ -70,7 +70,7 @@ def program(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 RACE = """
 import sys, threading
 from concurrent.futures import ThreadPoolExecutor
-from hjcamp.model.kernel_cache import load_kernel
+from hjcamp.model.compile.kernel_cache import load_kernel
 
 def load(number):
     together.wait()

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from mcap.writer import CompressionType, Writer
 
-from hjcamp.model.field_table import fields_of
+from hjcamp.model.language.field_table import fields_of
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.records.log import TestLog
 

@@ -7,9 +7,9 @@ import pint
 import pytest
 
 from hjcamp.errors import UsageError
-from hjcamp.model.field import Field
-from hjcamp.model.field_table import fields_of
-from hjcamp.model.field_unit import FIELD_UNITS, MEANT, unit_of_field
+from hjcamp.model.declare.field import Field
+from hjcamp.model.language.field_table import fields_of
+from hjcamp.model.language.field_unit import FIELD_UNITS, MEANT, unit_of_field
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.records.units import conversion_to_field, deg_from_rad, mpa_from_pa, pa_from_mpa, rad_from_deg, units_of
 

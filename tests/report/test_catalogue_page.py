@@ -11,8 +11,8 @@ from hjcamp import cli
 from hjcamp.commands import _catalogue
 from hjcamp.effects import effect_files
 from hjcamp.known_plants import find_plant
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.report.catalogue_page import EffectEntry, described, effect_page, equations
 from hjcamp.report.mathml import mathml
 

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from hjcamp.known_plants import find_plant
-from hjcamp.model.vocabulary import read_vocabulary
+from hjcamp.model.language.vocabulary import read_vocabulary
 from hjcamp.report.pictures.plant import columns, links, paint_plant, without_partitions
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def fitted_parameters(words: Words) -> tuple[list[Estimate], Any]:
     """Return every fitted parameter of the model found, and how the curvature of the fit correlates them (k, k)."""
     from hjcamp.commands._corner import Estimate
-    from hjcamp.prediction.fitting.intervals import covariance_of, intervals
+    from hjcamp.diagnosis.estimation.intervals import covariance_of, intervals
     from hjcamp.report.pictures.corner import correlation_of
 
     analysis = words.analysis
@@ -35,8 +35,8 @@ def fitted_parameters(words: Words) -> tuple[list[Estimate], Any]:
 
 def _unit(words: Words, effect: str, name: str) -> str | None:
     """Return the SI unit of a fitted parameter, None for the zeros of sensors and for laws without a name."""
-    from hjcamp.model.base_values import DELAY
-    from hjcamp.prediction.residuals.simulated import ZERO
+    from hjcamp.diagnosis.residuals.simulated import ZERO
+    from hjcamp.model.declare.base_values import DELAY
 
     if effect:
         known = words.analysis.search.library.get(effect)

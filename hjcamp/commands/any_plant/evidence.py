@@ -9,9 +9,9 @@ import numpy as np
 
 if TYPE_CHECKING:
     from hjcamp.commands.any_plant.verdict_words import Words
-    from hjcamp.prediction.laws.unknowns import Unknown
-    from hjcamp.prediction.selection.scored import Scored
-    from hjcamp.prediction.verdict.swings import Swing
+    from hjcamp.diagnosis.candidates.nonparametric_terms import Unknown
+    from hjcamp.diagnosis.decision.periodic_disturbance import Swing
+    from hjcamp.diagnosis.selection.scored import Scored
     from hjcamp.report.pictures.evidence import Branch, Missing
 
 POINTS = 1500
@@ -67,8 +67,8 @@ def _without_starts(words: Words, model: Scored) -> Any:
 
 def missing_of(words: Words) -> Missing:
     """Return what the calibrated model misses over the driver of the freest law, the named law there, and what is left."""
-    from hjcamp.prediction.verdict.free_curve import curve_of
-    from hjcamp.prediction.verdict.law_curve import law_curves
+    from hjcamp.diagnosis.decision.free_curve import curve_of
+    from hjcamp.diagnosis.decision.law_curve import law_curves
     analysis, verdict = words.analysis, words.verdict
     first = verdict.shown if verdict.unknown and not verdict.effects else analysis.search.steps[0].unknown[0]
     [name] = [one for one in first.names if one in analysis.search.unknowns]
@@ -87,7 +87,7 @@ def missing_of(words: Words) -> Missing:
 
 def beside_of(words: Words) -> Missing:
     """Return the free law that is missing beside the named effects."""
-    from hjcamp.prediction.verdict.free_curve import curve_of
+    from hjcamp.diagnosis.decision.free_curve import curve_of
 
     analysis, unknown = words.analysis, words.verdict.unknown
     assert unknown is not None

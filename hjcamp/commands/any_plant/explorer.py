@@ -9,8 +9,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     from hjcamp.analyses.plant_comparison import PlantComparison
-    from hjcamp.prediction.comparison import Shown
-    from hjcamp.prediction.measured.layout import Layout
+    from hjcamp.diagnosis.data.segments import Layout
+    from hjcamp.diagnosis.results.comparison import Shown
     from hjcamp.records.log import TestLog
     from hjcamp.records.views.model_log import ModelledTest
     from hjcamp.report.exploration import Exploration
@@ -72,7 +72,7 @@ def _predicted(layout: Layout, place: int, one: Shown) -> dict[str, Any]:
 def _logged(log: TestLog) -> dict[str, Any]:
     """Return the channels of a log whose names say their unit: others have no axis."""
     from hjcamp.errors import UsageError
-    from hjcamp.model.field_unit import unit_of_field
+    from hjcamp.model.language.field_unit import unit_of_field
     from hjcamp.report.exploration import NOT_CHANNELS
 
     found = {}

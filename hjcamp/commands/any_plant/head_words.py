@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hjcamp.prediction.measured.tests import FEWEST_SAMPLES
+from hjcamp.diagnosis.data.tests import FEWEST_SAMPLES
 from hjcamp.report.units import plain
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.prediction.selection.analysis import Analysis
+    from hjcamp.diagnosis.calibration.analysis import Analysis
 
 
 def print_head(console: Console, analysis: Analysis) -> None:

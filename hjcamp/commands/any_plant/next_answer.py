@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from hjcamp.analyses.proposing import PlantProposed
-    from hjcamp.prediction.next.beyond import Beyond
-    from hjcamp.prediction.next.proposal import Pairs, Proposal, Proposed
+    from hjcamp.diagnosis.design.beyond import Beyond
+    from hjcamp.diagnosis.design.proposal import Pairs, Proposal, Proposed
 
 SCHEMA = "hjcamp.next/2"
 COLUMNS = 3
@@ -56,7 +56,7 @@ def answer(done: PlantProposed, campaign: Path | None, picture: Path | None, sec
 
 
 def _needed() -> float:
-    from hjcamp.prediction.next.proposal import APART
+    from hjcamp.diagnosis.design.proposal import APART
 
     return APART
 
@@ -155,7 +155,7 @@ def sentences(done: PlantProposed) -> list[str]:
 
 def _left_out(done: PlantProposed) -> list[str]:
     """Say which sets that the tests do not rule out are not told apart here, since so many at once are the most."""
-    from hjcamp.prediction.next.rivals import MOST
+    from hjcamp.diagnosis.design.rivals import MOST
 
     sets = [" + ".join(one) for one in done.diagnosis.get("confidence_set", ())]
     names = [one.name for one in done.proposal.question.rivals]

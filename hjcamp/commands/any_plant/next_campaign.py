@@ -11,7 +11,7 @@ from hjcamp.analyses.data import Data, joined
 
 if TYPE_CHECKING:
     from hjcamp.analyses.proposing import PlantProposed
-    from hjcamp.prediction.next.proposal import Proposed
+    from hjcamp.diagnosis.design.proposal import Proposed
 
 # A step of an input takes a thousandth of a sample: between two samples it is a jump.
 JUMP = 1e-3
@@ -56,7 +56,7 @@ def _others_rest(done: PlantProposed, driven: str) -> bool:
 
 def _settings(done: PlantProposed, one: Proposed) -> dict[str, Any]:
     from hjcamp.backends.plant_simulation import input_field
-    from hjcamp.model.field_unit import unit_of_field
+    from hjcamp.model.language.field_unit import unit_of_field
 
     plant = done.analysis.measured.plant
     unit = unit_of_field(input_field(plant, one.wanted.driven), f"plant {plant.name}")

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.model.base_values import DELAY
-from hjcamp.prediction.levels import LEVEL, MATTERS
-from hjcamp.prediction.shares import left_of
+from hjcamp.diagnosis.levels import LEVEL, MATTERS
+from hjcamp.diagnosis.results.shares import left_of
+from hjcamp.model.declare.base_values import DELAY
 from hjcamp.report.units import plain, told, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
-    from hjcamp.model.effect import Effect
+    from hjcamp.model.declare.effect import Effect
 
 
 def swing_words(row: Mapping[str, Any]) -> str:
@@ -85,7 +85,7 @@ def no_memory_words(
 
     ``shortest`` is the least that readings resolve, s.
     """
-    from hjcamp.prediction.laws.alike import memory_end, times_remembered
+    from hjcamp.diagnosis.candidates.equivalence import memory_end, times_remembered
 
     said = []
     for one in candidates:
@@ -123,7 +123,7 @@ def seldom(candidates: Sequence[Mapping[str, Any]], window_s: float) -> list[str
 
 def never_alone(library: Mapping[str, type[Effect]]) -> list[str]:
     """Return which effects were not looked for, as they act behind what bends a command and none of that is considered."""
-    from hjcamp.prediction.laws.alike import is_of_its_own
+    from hjcamp.diagnosis.candidates.equivalence import is_of_its_own
 
     kept = [name for name, one in library.items() if one.behind and not is_of_its_own(one, library.values())]
     return [

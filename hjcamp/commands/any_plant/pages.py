@@ -11,7 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from hjcamp.analyses.plant_comparison import PlantComparison
     from hjcamp.commands.any_plant.verdict_words import Words
-    from hjcamp.prediction.selection.analysis import Analysis
+    from hjcamp.diagnosis.calibration.analysis import Analysis
 
 WINDOWS = 3
 EVIDENCE = {
@@ -163,7 +163,7 @@ def _written(folder: Path, pictures: dict[str, str], html: str) -> list[Path]:
 
 def _worst(analysis: Analysis, models: dict[str, Any]) -> tuple[Any, ...]:
     """Return the arguments of the picture of the windows that the first model predicts worst."""
-    from hjcamp.prediction.comparison import predicted_errors
+    from hjcamp.diagnosis.results.comparison import predicted_errors
 
     errors = {name: predicted_errors(analysis, candidate)[1] for name, candidate in models.items()}
     return _stretch(analysis, errors, next(iter(errors.values())))

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjcamp.model.base_values import DELAY
+from hjcamp.model.declare.base_values import DELAY
 from hjcamp.report.units import told
 
 if TYPE_CHECKING:
-    from hjcamp.model.plant import Plant
-    from hjcamp.prediction.residuals.windows import Windows
+    from hjcamp.diagnosis.residuals.windows import Windows
+    from hjcamp.model.declare.plant import Plant
 
 # So many times its usual size a state lies elsewhere than its file says.
 ELSEWHERE = 10.0
@@ -43,7 +43,7 @@ def early_inputs(plant: type[Plant], rows: Mapping[str, Mapping[str, Any]], peri
 
 def without_contact(plant: type[Plant], unknowns: Iterable[Mapping[str, Any]]) -> list[str]:
     """Return that no friction was looked for where what is missing depends on the velocity of a body that no contact brakes."""
-    from hjcamp.model.vocabulary import read_vocabulary
+    from hjcamp.model.language.vocabulary import read_vocabulary
 
     ports = read_vocabulary(plant).ports.values()
     braked = {port.names.get("velocity") for port in ports if port.kind == "contact"}
@@ -58,7 +58,7 @@ def without_contact(plant: type[Plant], unknowns: Iterable[Mapping[str, Any]]) -
 
 def without_position(plant: type[Plant]) -> list[str]:
     """Return that no force over the position of a body was looked for where its file gives none."""
-    from hjcamp.model.vocabulary import read_vocabulary
+    from hjcamp.model.language.vocabulary import read_vocabulary
 
     bodies = [port for port in read_vocabulary(plant).ports.values() if port.kind == "body"]
     names = sorted({port.names.get("velocity", "") for port in bodies if "position" not in port.names} & set(plant.states))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.prediction.levels import LEVEL, MOST_OF_IT
+from hjcamp.diagnosis.levels import LEVEL, MOST_OF_IT
 from hjcamp.report.units import plain, told
 
 if TYPE_CHECKING:
-    from hjcamp.prediction.verdict.verdict import Verdict
+    from hjcamp.diagnosis.decision.verdict import Verdict
 
 
 def most_remains(content: Mapping[str, Any], verdict: Verdict, source: str) -> list[str]:

@@ -38,8 +38,8 @@ from hjcamp.commands.any_plant.words import (
     still_words,
     table,
 )
-from hjcamp.prediction.levels import LEVEL
-from hjcamp.prediction.shares import left_of, share_of
+from hjcamp.diagnosis.levels import LEVEL
+from hjcamp.diagnosis.results.shares import left_of, share_of
 from hjcamp.report.chance_words import chance_words
 from hjcamp.report.floor_words import worst_words
 from hjcamp.report.units import plain, told_estimate, told_interval
@@ -47,8 +47,8 @@ from hjcamp.report.units import plain, told_estimate, told_interval
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.prediction.selection.analysis import Analysis
-    from hjcamp.prediction.verdict.verdict import Verdict
+    from hjcamp.diagnosis.calibration.analysis import Analysis
+    from hjcamp.diagnosis.decision.verdict import Verdict
 
 SHOWN = 6
 TITLES = {
@@ -103,7 +103,7 @@ class Words:
     @property
     def far_off(self) -> tuple[str, Mapping[str, Any]] | None:
         """The channel that errs most over its floor (its noise where none is known), where most of it is above that."""
-        from hjcamp.prediction.levels import MOST_OF_IT
+        from hjcamp.diagnosis.levels import MOST_OF_IT
 
         rows = self.content["floor"]
         worst = max(rows, key=lambda name: rows[name]["high"] / least(rows[name]))
@@ -122,8 +122,8 @@ class Words:
 
     def refined(self) -> list[str]:
         """Return the named effects (of a group the first set) that act where the first free law does, or that it is another form of."""
-        from hjcamp.model.vocabulary import read_vocabulary
-        from hjcamp.prediction.laws.alike import alike_laws
+        from hjcamp.diagnosis.candidates.equivalence import alike_laws
+        from hjcamp.model.language.vocabulary import read_vocabulary
 
         if not self.content["unknowns"]:
             return []

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.commands.any_plant.head_words import print_head
 from hjcamp.commands.any_plant.plant_hints import far_states
-from hjcamp.model.base_values import DELAY
-from hjcamp.prediction.levels import MATTERS
-from hjcamp.prediction.shares import left_of
+from hjcamp.diagnosis.levels import MATTERS
+from hjcamp.diagnosis.results.shares import left_of
+from hjcamp.model.declare.base_values import DELAY
 from hjcamp.report.units import plain, told, told_all, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.prediction.addition import Addition
-    from hjcamp.prediction.comparison import Comparison
-    from hjcamp.prediction.selection.analysis import Analysis
+    from hjcamp.diagnosis.calibration.analysis import Analysis
+    from hjcamp.diagnosis.results.addition import Addition
+    from hjcamp.diagnosis.results.comparison import Comparison
 
 #: Of all channels and shapes together: no quotient of the errors printed beside it, so it is named for what it is.
 NORMALISED = "normalised error"
@@ -32,7 +32,7 @@ FLOORS = {
 
 def floor_note(analysis: Analysis) -> str:
     """Return in words what the floor is; without repetitions with the sensors' own noise, which may be far below it."""
-    from hjcamp.prediction.answer import floor_rows
+    from hjcamp.diagnosis.results.answer import floor_rows
     from hjcamp.report.exploration import channel_label
 
     source = analysis.floor.source
@@ -60,7 +60,7 @@ def calibration_table(
     rows: Mapping[str, Mapping[str, Any]], beside: Mapping[str, Mapping[str, Any]] | None = None
 ) -> list[list[str]]:
     """Rows of a base parameter: declared, here, 95 %, and its value ``beside`` what was found, where something was."""
-    from hjcamp.prediction.fitting.intervals import limited
+    from hjcamp.diagnosis.estimation.intervals import limited
 
     return [
         [name.replace("_", " ").replace(DELAY, "delay of "), told_like(row["published"], row), told_estimate(row),
@@ -72,7 +72,7 @@ def calibration_table(
 
 def _found(row: Mapping[str, Any], alone: Mapping[str, Any]) -> str:
     """Return a base parameter beside what was found, and whether a bound stops it."""
-    from hjcamp.prediction.fitting.intervals import limited
+    from hjcamp.diagnosis.estimation.intervals import limited
 
     return (told_estimate(row) if row.get("ci95") else told_like(row["value"], alone)) + ("  at its bound" if limited(row) else "")
 
@@ -84,7 +84,7 @@ def calibrated(beside: object) -> tuple[str, ...]:
 
 def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Return a sentence for each base parameter at a bound that is far from what is declared, or of which the tests tell nothing."""
-    from hjcamp.prediction.fitting.intervals import limited
+    from hjcamp.diagnosis.estimation.intervals import limited
 
     found = []
     for name, row in rows.items():
@@ -104,7 +104,7 @@ def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 def other_sizes(rows: Mapping[str, Mapping[str, Any]], candidates: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return in words which effects stand at bounds that follow from what the plant declares, where its base is far from that."""
-    from hjcamp.prediction.fitting.intervals import limited
+    from hjcamp.diagnosis.estimation.intervals import limited
 
     near = [one for one in candidates if left_of(one) < 1.0]
     # a share has the same bounds on every plant
@@ -182,7 +182,7 @@ CALIBRATED = ("parameter", "declared", "here", "95 %")
 def print_comparison(console: Console, found: Comparison) -> None:
     """Print the errors of the models."""
     from hjcamp.commands._wrapped import print_wrapped
-    from hjcamp.prediction.answer import calibration
+    from hjcamp.diagnosis.results.answer import calibration
 
     print_head(console, found.analysis)
     table(console, *comparison_table(found))
@@ -225,7 +225,7 @@ def still_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 def notes_on(found: Comparison) -> list[str]:
     """Return in words where sensors end, and where the last model is the worse for being calibrated."""
-    from hjcamp.prediction.answer import end_rows
+    from hjcamp.diagnosis.results.answer import end_rows
 
     windows = found.analysis.windows
     return [*end_words(end_rows(windows.layout)), *further_off(found), *far_states(windows)]
@@ -309,7 +309,7 @@ def whole_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]] | 
 def print_addition(console: Console, found: Addition, names: Sequence[str], path: Path) -> None:
     """Print what was fitted and how the error fell."""
     from hjcamp.commands._wrapped import print_wrapped
-    from hjcamp.prediction.addition import answer
+    from hjcamp.diagnosis.results.addition import answer
 
     content = answer(found, path.stem, str(path))
     print_head(console, found.analysis)
@@ -334,7 +334,7 @@ def bound_word(row: Mapping[str, Any]) -> str:
 
 def helped(found: Addition, content: Mapping[str, Any]) -> list[str]:
     """Return in words that a model explains the tests no better, where it is not shown to; or whole tests alone."""
-    from hjcamp.prediction.fitting.chapters import critical
+    from hjcamp.diagnosis.validation.blocks import critical
 
     if found.helps:
         return []

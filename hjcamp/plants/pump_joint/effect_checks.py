@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError, counted
-from hjcamp.model.compose import Composition
-from hjcamp.model.course import Course, Followed
-from hjcamp.model.effect import Effect
-from hjcamp.model.effect_units import check_units
-from hjcamp.model.parameter import Parameter
-from hjcamp.model.plant import Plant
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.course import Course, Followed
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.language.effect_units import check_units
+from hjcamp.model.run.simulator import Simulator
 
 Array = NDArray[np.float64]
 WINDOW = 200

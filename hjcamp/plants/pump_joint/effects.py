@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from hjcamp.model.instance import Instance
-from hjcamp.model.parameter import Parameter, State
+from hjcamp.model.declare.instance import Instance
+from hjcamp.model.declare.parameter import Parameter, State
 
 
 class CrossLeakage(Instance):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.plants.pump_joint.loop import ClosedLoop
 from hjcamp.plants.pump_joint.procedure import Procedure
 

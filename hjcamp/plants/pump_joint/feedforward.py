@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.simulator import PERIOD, Simulator
+from hjcamp.model.run.simulator import PERIOD, Simulator
 
 Array = NDArray[np.float64]
 LEAST_PRESSURE_STEP = 5e3

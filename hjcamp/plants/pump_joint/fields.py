@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hjcamp.model.field import PHASE, TIME, Field
+from hjcamp.model.declare.field import PHASE, TIME, Field
 
 PUMP_DEG_PER_MM = 360.0  # lead of the pump's ball screw: 1 mm a turn
 # What turns the pump may be given as the travel of its pistons.

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError
-from hjcamp.model.kernel import copied, kernel_source
-from hjcamp.model.law import Law, law_source
-from hjcamp.model.simulator import BEFORE, PERIOD, Propagators, Simulator
-from hjcamp.model.term_checks import limited
+from hjcamp.model.compile.kernel import copied, kernel_source
+from hjcamp.model.declare.law import Law, law_source
+from hjcamp.model.language.term_checks import limited
+from hjcamp.model.run.simulator import BEFORE, PERIOD, Propagators, Simulator
 from hjcamp.plants.pump_joint import sample
 from hjcamp.plants.pump_joint.procedure import Procedure
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.course import Course
-from hjcamp.model.inputs_along import inputs_along
-from hjcamp.model.plant import Plant
-from hjcamp.model.simulator import PERIOD
+from hjcamp.model.declare.course import Course
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.run.inputs_along import inputs_along
+from hjcamp.model.run.simulator import PERIOD
 
 Array = NDArray[np.float64]
 SAMPLES = 2000

@@ -6,16 +6,16 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.model.marks import limited, signal, slot
-from hjcamp.model.parameter import Channel, Cut, Input, Parameter, State
-from hjcamp.model.plant import Plant
-from hjcamp.model.port import Port
+from hjcamp.model.declare.marks import limited, signal, slot
+from hjcamp.model.declare.parameter import Channel, Cut, Input, Parameter, State
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.declare.port import Port
 from hjcamp.plants.pump_joint.effects import COVERS, INSTANCES
 from hjcamp.plants.pump_joint.fields import FIELDS, LABELS, ONE_OF
 from hjcamp.plants.pump_joint.rooms import ROOMS
 
 if TYPE_CHECKING:
-    from hjcamp.model.course import Course
+    from hjcamp.model.declare.course import Course
     from hjcamp.schema import Group
 
 INFINITE = float("inf")

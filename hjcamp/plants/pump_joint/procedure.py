@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from hjcamp.model.law import Law, Memory
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.law import Law, Memory
+from hjcamp.model.declare.parameter import Parameter
 
 PRELOAD, ADJUSTMENT, REST, CONTROL, RELEASE, FINISHED, FAILED = range(7)
 

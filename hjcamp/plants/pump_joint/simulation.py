@@ -16,9 +16,9 @@ from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.effects import chosen_effects
 from hjcamp.errors import HjcampError
-from hjcamp.model.compose import Composition
-from hjcamp.model.scatter import Scatter, draw
-from hjcamp.model.simulator import PERIOD, Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.scatter import Scatter, draw
+from hjcamp.model.run.simulator import PERIOD, Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.factors import changed_loop, changed_values
 from hjcamp.plants.pump_joint.feedforward import Feedforward

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from hjcamp.model.field import PHASE, TIME, Field
-from hjcamp.model.marks import body, contact, limited, outside, part, sensor, signal, slot, store, transmission
-from hjcamp.model.parameter import Input, Measured, Parameter, State
-from hjcamp.model.plant import Plant
-from hjcamp.model.scatter import FrictionScatter
+from hjcamp.model.declare.field import PHASE, TIME, Field
+from hjcamp.model.declare.marks import body, contact, limited, outside, part, sensor, signal, slot, store, transmission
+from hjcamp.model.declare.parameter import Input, Measured, Parameter, State
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.declare.scatter import FrictionScatter
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.two_pumps.delays import TwoDelays
 

@@ -12,11 +12,11 @@ from typing import Any
 
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.known_plants import DEFAULT, find_plant, plants_beside_faults
-from hjcamp.model.field_table import FieldTable, fields_of
-from hjcamp.model.field_unit import field_of, unit_of_field
-from hjcamp.model.parameter import Parameter
-from hjcamp.model.plant import Plant
-from hjcamp.model.plant_checks import check_users_plant
+from hjcamp.model.checks.plant_checks import check_users_plant
+from hjcamp.model.declare.parameter import Parameter
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.language.field_table import FieldTable, fields_of
+from hjcamp.model.language.field_unit import field_of, unit_of_field
 from hjcamp.records.check import check_names
 from hjcamp.records.elsewhere.map_values import (
     interpolates,

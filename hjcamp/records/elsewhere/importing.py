@@ -10,8 +10,8 @@ import numpy as np
 
 from hjcamp.errors import UsageError, counted
 from hjcamp.known_plants import DEFAULT
-from hjcamp.model.field_unit import unit_of_field
-from hjcamp.model.parameter import Parameter, State
+from hjcamp.model.declare.parameter import Parameter, State
+from hjcamp.model.language.field_unit import unit_of_field
 from hjcamp.records.check import check_finite, check_phase
 from hjcamp.records.elsewhere.clock import (
     RATE_TOLERANCE,

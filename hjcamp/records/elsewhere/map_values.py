@@ -8,8 +8,8 @@ from typing import Any
 
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.known_plants import DEFAULT
-from hjcamp.model.parameter import finite_number
-from hjcamp.model.plant import Plant
+from hjcamp.model.declare.parameter import finite_number
+from hjcamp.model.declare.plant import Plant
 from hjcamp.records.of_plant import LONGEST_PERIOD_S
 
 LOWEST_SAMPLING_HZ = 200.0  # of the usual plant: its logs have one sample each ms

@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.field_unit import field_of
-from hjcamp.model.plant import Plant
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.language.field_unit import field_of
 from hjcamp.records.log import SIMULATION, TestLog, parted
 from hjcamp.records.noise import step_of, white_noise
 from hjcamp.records.of_plant import plant_of

@@ -13,7 +13,7 @@ from typing import IO
 import numpy as np
 
 from hjcamp.errors import UsageError, counted, unknown
-from hjcamp.model.field_unit import unit_of_field
+from hjcamp.model.language.field_unit import unit_of_field
 from hjcamp.records.log import TestLog
 from hjcamp.storage import check_place, whole_file
 

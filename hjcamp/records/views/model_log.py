@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError
-from hjcamp.model.field_unit import unit_of_field
+from hjcamp.model.language.field_unit import unit_of_field
 from hjcamp.records.views.viewer_layouts import Panels, write_layouts
 from hjcamp.records.write import start_time_ns
 from hjcamp.storage import file_names, whole_file

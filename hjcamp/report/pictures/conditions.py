@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjcamp.model.field_unit import unit_of_field
+from hjcamp.model.language.field_unit import unit_of_field
 from hjcamp.report.spread import Condition, panels_known
 
 # Colours of Okabe and Ito, told apart by colour-blind readers; the page puts its own shades in their place.

@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from hjcamp.model.plant import Plant
-from hjcamp.model.port import KINDS, Port
-from hjcamp.model.vocabulary import Vocabulary, read_vocabulary
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.declare.port import KINDS, Port
+from hjcamp.model.language.vocabulary import Vocabulary, read_vocabulary
 
 INK = "#1b1f24"
 #: The kinds of places in the order in which a drive has them.

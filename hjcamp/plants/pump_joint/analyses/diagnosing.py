@@ -14,7 +14,7 @@ from hjcamp.plants.pump_joint.analyses.evidence import evidence_in
 from hjcamp.report.floor_words import NEAR
 
 if TYPE_CHECKING:
-    from hjcamp.model.effect import Effect
+    from hjcamp.model.declare.effect import Effect
     from hjcamp.plants.pump_joint.diagnosis.answer import Judging
     from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis
     from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import Unexplained

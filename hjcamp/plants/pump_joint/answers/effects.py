@@ -11,7 +11,7 @@ from hjcamp.errors import HjcampError, UsageError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.model.effect import Effect
+    from hjcamp.model.declare.effect import Effect
     from hjcamp.plants.pump_joint.figures.effect import Columns
 
 LONGEST_S = 15.0  # a test takes well under a second
@@ -59,7 +59,7 @@ def draw(name: str, config: dict[str, Any], path: Path) -> None:
 def simulated_pair(name: str, config: dict[str, Any], console: Console) -> tuple[Columns, Columns]:
     """Simulate one test without and with an effect and return the columns of both."""
     from hjcamp.campaign.compiling import kernels_of, status
-    from hjcamp.model.time_limit import RunLimit
+    from hjcamp.model.files.time_limit import RunLimit
     from hjcamp.plants.pump_joint.simulation import run_test
 
     own: dict[str, Any] = {**(config["effects"] or {})}
@@ -86,7 +86,7 @@ def paint(figure: Any, name: str, overrides: list[str], console: Console) -> Non
 def checks(effect: type[Effect], longest_s: float, console: Console) -> Iterator[tuple[str, str]]:
     """Run the checks on simulated tests of the joint."""
     from hjcamp.campaign.compiling import Kernels, status
-    from hjcamp.model.time_limit import RunLimit
+    from hjcamp.model.files.time_limit import RunLimit
     from hjcamp.plants.pump_joint import PumpJoint
     from hjcamp.plants.pump_joint.effect_checks import CHECKS, EffectBench, bench_simulator
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from hjcamp.model.effect import Effect
+    from hjcamp.model.declare.effect import Effect
     from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis
     from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
     from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import Unexplained

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.parameter import Parameter
 
 
 class OpenLoop(Controller):

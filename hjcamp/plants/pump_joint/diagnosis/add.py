@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjcamp.errors import UsageError
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.effect import Effect
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.fitting.calibrate import calibrate
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import Fold, Local, folds, parameter_rows

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.effect import Effect
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.answer_rows import (
     confidence_set,
     floor_rows,

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.model.field_unit import unit_of_field
+from hjcamp.diagnosis.decision.effect_size import in_proportion
+from hjcamp.model.language.field_unit import unit_of_field
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import JUDGED
 from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import CHANNELS
 from hjcamp.plants.pump_joint.diagnosis.scale import HEADLINE, Judged, Scale
-from hjcamp.prediction.verdict.functional import in_proportion
 
 WORST = 8
 # What each residual is, SI.

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError, counted
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.effect import Effect
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.fitting.calibrate import calibrate
 from hjcamp.plants.pump_joint.diagnosis.localisation.where import Place, where
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence

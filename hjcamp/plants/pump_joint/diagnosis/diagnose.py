@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from hjcamp.analyses.effort import EFFORTS, Effort
 from hjcamp.errors import counted
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.effect import Effect
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.early_stopping import FIRST, is_clear, is_far
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import JUDGED, Null, null_of, simulate_twins
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.surrogates import match_scatter

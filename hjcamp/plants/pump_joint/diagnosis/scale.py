@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError
-from hjcamp.model.candidate import Candidate
+from hjcamp.model.declare.candidate import Candidate
 from hjcamp.plants.pump_joint.diagnosis.fitting.calibrate import calibrate
 from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import Fold
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import WINDOW, Evidence

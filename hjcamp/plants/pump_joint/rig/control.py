@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.model.amount_formula import MATHEMATICS
-from hjcamp.model.kernel_cache import load_kernel
-from hjcamp.model.law import law_source
-from hjcamp.model.term_checks import check_law_compiles
+from hjcamp.model.compile.kernel_cache import load_kernel
+from hjcamp.model.declare.law import law_source
+from hjcamp.model.language.amount_formula import MATHEMATICS
+from hjcamp.model.language.term_checks import check_law_compiles
 from hjcamp.plants.pump_joint.procedure import Procedure
 from hjcamp.plants.pump_joint.sample import decide
 

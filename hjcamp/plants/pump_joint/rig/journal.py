@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.backends.recording import Recording, Samples, Writer, part_of
-from hjcamp.model.simulator import PERIOD
+from hjcamp.model.run.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.loop import RECORDED
 from hjcamp.plants.pump_joint.simulation import LOG_NAMES

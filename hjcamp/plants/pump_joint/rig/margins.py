@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Any
 
 from hjcamp.controllers import find_controller
-from hjcamp.model.watch import Term, Watch
+from hjcamp.model.checks.watch import Term, Watch
 from hjcamp.plants.pump_joint.rig.limits import COMMAND_PHASE, PERIOD, REST_PHASE, SPEED_SAMPLES, read_limits
 
 #: Of samples that were missed the log holds copies; how many is counted beside it.

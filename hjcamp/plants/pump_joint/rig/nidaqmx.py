@@ -17,7 +17,7 @@ from hjcamp.backends.rig.stop import while_moving
 from hjcamp.backends.rig.timing import LoopTiming, undisturbed
 from hjcamp.controllers import find_controller
 from hjcamp.errors import RigStopped
-from hjcamp.model.simulator import PERIOD
+from hjcamp.model.run.simulator import PERIOD
 from hjcamp.plants.pump_joint.procedure import Procedure
 from hjcamp.plants.pump_joint.rig.check_stamp import require_check
 from hjcamp.plants.pump_joint.rig.connection import connect

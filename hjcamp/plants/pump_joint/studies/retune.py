@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.errors import HjcampError, UsageError
-from hjcamp.model.simulator import Propagators
+from hjcamp.model.run.simulator import Propagators
 from hjcamp.plants.pump_joint.simulation import PreparedTest, control_values, log_columns, prepare
 from hjcamp.records.plan import Condition
 

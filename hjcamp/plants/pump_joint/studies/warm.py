@@ -11,14 +11,14 @@ import numpy as np
 from hjcamp.children import safe_children
 from hjcamp.configuration.composer import Composer
 from hjcamp.effects import load_effects
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.course import Course
-from hjcamp.model.effect import Effect
-from hjcamp.model.inputs_along import inputs_along
-from hjcamp.model.kernel import LEVELS, shared_source
-from hjcamp.model.kernel_cache import is_compiled, load_kernel
-from hjcamp.model.shared import SPACE
-from hjcamp.model.simulator import PERIOD
+from hjcamp.model.compile.kernel import LEVELS, shared_source
+from hjcamp.model.compile.kernel_cache import is_compiled, load_kernel
+from hjcamp.model.compile.shared import SPACE
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.course import Course
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.run.inputs_along import inputs_along
+from hjcamp.model.run.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.design.menu import Choice, menu
 from hjcamp.plants.pump_joint.diagnosis.design.trials import Bench

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.effects import load_effects
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.factors import FACTORS
 

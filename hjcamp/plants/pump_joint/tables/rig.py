@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from hjcamp.controllers import find_controller
 from hjcamp.effects import load_effects
 from hjcamp.errors import HjcampError
-from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import PERIOD
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.run.simulator import PERIOD
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.controllers.ffwd_pid import FfwdPid
 from hjcamp.plants.pump_joint.controllers.pid import Pid

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.kernel import load_model
-from hjcamp.model.simulator import PERIOD, Propagators
+from hjcamp.model.compile.kernel import load_model
+from hjcamp.model.run.simulator import PERIOD, Propagators
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.loop import FRESH, JointSimulator
 from hjcamp.plants.pump_joint.procedure import Procedure

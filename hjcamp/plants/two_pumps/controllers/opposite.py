@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.plants.two_pumps.controllers.sum_difference import SumDifference
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hjcamp.model.law import Memory
-from hjcamp.model.marks import part
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.law import Memory
+from hjcamp.model.declare.marks import part
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.plants.pump_joint.controllers.pid import Pid
 from hjcamp.plants.two_pumps.controllers.sum_difference import SumDifference
 

@@ -9,11 +9,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.compose import Composition
-from hjcamp.model.law import Memory
-from hjcamp.model.marks import part
-from hjcamp.model.parameter import Parameter
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.law import Memory
+from hjcamp.model.declare.marks import part
+from hjcamp.model.declare.parameter import Parameter
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.controllers.pid import Pid
 from hjcamp.plants.pump_joint.feedforward import Feedforward

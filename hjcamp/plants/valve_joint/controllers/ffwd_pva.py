@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.plants.valve_joint.controllers.pva import Pva
 
 LEAST_DROP_PA = 1e3

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.model.law import Memory
-from hjcamp.model.marks import part
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.law import Memory
+from hjcamp.model.declare.marks import part
+from hjcamp.model.declare.parameter import Parameter
 
 
 def differences(error, sample, memory):  # type: ignore[no-untyped-def]

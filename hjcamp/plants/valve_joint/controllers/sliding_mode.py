@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from hjcamp.model.marks import part
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.marks import part
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.plants.valve_joint.controllers.ffwd_pva import FfwdPva
 from hjcamp.plants.valve_joint.controllers.pva import differences
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 from hjcamp.controllers.controller import Controller
-from hjcamp.model.law import Memory
-from hjcamp.model.marks import part
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.law import Memory
+from hjcamp.model.declare.marks import part
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.plants.valve_joint.controllers.pva import differences
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.scatter import coloured
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.scatter import coloured
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence, TestEvidence

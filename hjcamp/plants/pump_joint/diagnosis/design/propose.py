@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError
-from hjcamp.model.candidate import Candidate
+from hjcamp.model.declare.candidate import Candidate
 from hjcamp.plants.pump_joint.diagnosis.design.menu import Choice, menu
 from hjcamp.plants.pump_joint.diagnosis.design.responses import Responses
 from hjcamp.plants.pump_joint.diagnosis.design.rivals import Rival

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.effect import Effect
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.diagnose import Diagnosis
 from hjcamp.plants.pump_joint.diagnosis.models.unknowns import base_unknowns

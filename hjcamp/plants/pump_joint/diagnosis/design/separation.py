@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.effect import Effect
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.design.responses import Products, Responses
 from hjcamp.plants.pump_joint.diagnosis.design.rivals import Rival
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter

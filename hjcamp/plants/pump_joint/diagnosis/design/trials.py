@@ -14,8 +14,8 @@ from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.composer import Composer, as_override
 from hjcamp.controllers import find_controller
 from hjcamp.errors import HjcampError
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.compose import Composition
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.candidate import Candidate
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.design.menu import Choice
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence, TestEvidence, prepare_test

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.candidate import Candidate
+from hjcamp.model.declare.candidate import Candidate
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence

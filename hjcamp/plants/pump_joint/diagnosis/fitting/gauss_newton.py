@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.candidate import Candidate
+from hjcamp.model.declare.candidate import Candidate
 from hjcamp.plants.pump_joint.diagnosis.models.unknowns import STEP, Unknown, base_unknowns, read, surprise, written
 from hjcamp.plants.pump_joint.diagnosis.residuals.features import Features, log_error
 from hjcamp.plants.pump_joint.diagnosis.residuals.memo import Recent

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.candidate import Candidate
+from hjcamp.model.declare.candidate import Candidate
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.levels.forms import form_of
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.compose import Composition
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.records.log import TestLog
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 
 Array = NDArray[np.float64]
 ROUNDS = 4

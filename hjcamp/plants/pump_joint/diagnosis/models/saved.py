@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hjcamp.model.candidate import Candidate
+from hjcamp.model.declare.candidate import Candidate
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 from hjcamp.plants.pump_joint.diagnosis.models.unknowns import base_unknowns

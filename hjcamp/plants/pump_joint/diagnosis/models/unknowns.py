@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.plants.pump_joint import PumpJoint
 
 Array = NDArray[np.float64]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.course import Course
-from hjcamp.model.inputs_along import inputs_along
+from hjcamp.model.declare.course import Course
+from hjcamp.model.run.inputs_along import inputs_along
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 from hjcamp.plants.pump_joint.diagnosis.measured.signals import PERIOD

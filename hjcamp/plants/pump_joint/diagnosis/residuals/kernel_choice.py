@@ -7,7 +7,7 @@ from collections.abc import Collection
 from typing import Any
 
 from hjcamp.effects import load_effects
-from hjcamp.model.kernel_cache import is_compiled
+from hjcamp.model.compile.kernel_cache import is_compiled
 from hjcamp.plants.pump_joint.diagnosis.measured.hardware import simulator
 
 Effects = tuple[Any, ...]

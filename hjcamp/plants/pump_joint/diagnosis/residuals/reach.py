@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.model.structure import influences, reaching
+from hjcamp.model.compile.structure import influences, reaching
 from hjcamp.plants.pump_joint.diagnosis.measured.hardware import composition
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError
-from hjcamp.model.candidate import Candidate
+from hjcamp.model.declare.candidate import Candidate
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import DEGREE, Evidence
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.course import Course, Followed
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.declare.course import Course, Followed
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.workers.pool import Crew
 
 Array = NDArray[np.float64]

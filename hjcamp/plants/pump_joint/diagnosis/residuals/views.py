@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.simulator import Simulator
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.measured.evidence import Evidence
 from hjcamp.plants.pump_joint.diagnosis.measured.hardware import simulator

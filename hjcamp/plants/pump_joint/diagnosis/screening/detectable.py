@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.effect import Effect
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.screening.screening import Screening
 
 Array = NDArray[np.float64]

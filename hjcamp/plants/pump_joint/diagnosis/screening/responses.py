@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.effect import Effect
-from hjcamp.model.parameter import Parameter
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.models.unknowns import Unknown, read, written
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.model.candidate import Candidate
-from hjcamp.model.effect import Effect
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.models.unknowns import (

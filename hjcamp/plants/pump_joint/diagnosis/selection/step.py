@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from hjcamp.analyses.effort import Effort
-from hjcamp.model.effect import Effect
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.fitting.pattern_search import settle

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjcamp.model.effect import Effect
+from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit
 from hjcamp.plants.pump_joint.diagnosis.levels import exact, law

@@ -1,0 +1,1 @@
+"""The nominal parameters of a plant, estimated before anything is called missing."""

@@ -1,0 +1,40 @@
+"""Whether the base fits better from where a fit with something beside it has led it: then it had been calibrated to a poor minimum."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from hjcamp.diagnosis.calibration.analysis import BEGUN_APART, Analysis
+from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
+from hjcamp.diagnosis.levels import LEVEL
+from hjcamp.diagnosis.selection.scored import Scored
+from hjcamp.model.declare.candidate import Candidate
+
+
+def better_base(analysis: Analysis, said: Scored, others: Iterable[Scored]) -> dict[str, float] | None:
+    """Return base parameters that fit better than those of an analysis, by a likelihood ratio at the level of all claims.
+
+    They are looked for from where the model of an answer has them (what is ``said``), without its effects, and from where ``others`` of
+    the same windows have one that is half as far off at least as the base was begun from. None where nothing fits better.
+    """
+    from scipy.special import chdtri
+
+    base, found = analysis.base.fitted, None
+    least = base.loss - 0.5 * float(chdtri(1, LEVEL))
+    names = analysis.measured.plant.base_parameters
+    for one in (said, *others):
+        start = Candidate(one.fitted.candidate.base, base.candidate.effects)
+        if not one.beyond(analysis.base) or (one is not said and not _elsewhere(start, base.candidate, names)):
+            continue
+        fitted = settled(analysis.windows.begun_for(start, one.place), start, base.free, turns=TURNS_OF_BASE)
+        if np.isfinite(fitted.loss) and fitted.loss < least:
+            least, found = fitted.loss, dict(fitted.candidate.base)
+    return found
+
+
+def _elsewhere(one: Candidate, other: Candidate, names: Iterable[str]) -> bool:
+    """Whether a base parameter is half as far off, on a logarithmic scale, as a base is begun apart."""
+    pairs = [(one.base[name], other.base[name]) for name in names if name in one.base and name in other.base]
+    return any(b and not BEGUN_APART**-0.5 < a / b < BEGUN_APART**0.5 for a, b in pairs)

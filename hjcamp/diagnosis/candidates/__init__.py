@@ -1,0 +1,1 @@
+"""What competes to explain a residual."""

@@ -1,0 +1,1 @@
+"""The choice of a model by nested cross-validation and a model confidence set; it runs in shadow of the decision's rules."""

@@ -1,0 +1,1 @@
+"""Tests as they were measured: segments, noise, saturation, replicates, repeatability."""

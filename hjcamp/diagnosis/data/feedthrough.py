@@ -1,0 +1,46 @@
+"""What sensors read of inputs at once: the voltage of a cell leaps with its current."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hjcamp.model.checks.place_checks import PlainModel
+from hjcamp.model.declare.plant import Plant
+from hjcamp.model.files.cached import cached
+
+
+@cached
+def passed_to(plant: type[Plant], channel: str) -> tuple[int, ...]:
+    """Return the places, among the given inputs, of those that a channel's sensor reads at once, by the plant's equations."""
+    places = plant.sampled_inputs()
+    return tuple(places.index(name) for name in plant.given_inputs() if passed_on(plant, channel, name, {}) != 0.0)
+
+
+@cached
+def may_be_late(plant: type[Plant]) -> tuple[str, ...]:
+    """Return the inputs that may act later or earlier than logged: all but those that run on and that a sensor reads at once."""
+    places = {place for channel in plant.measured for place in passed_to(plant, channel)}
+    seen = {plant.sampled_inputs()[place] for place in places}
+    return tuple(name for name, item in plant.given_inputs().items() if item.hold == "previous" or name not in seen)
+
+
+@cached
+def _plain(plant: type[Plant]) -> PlainModel:
+    return PlainModel(plant)
+
+
+def passed_on(plant: type[Plant], channel: str, name: str, base: Mapping[str, float]) -> float:
+    """Return what a channel's sensor reads at once for one unit of an input, SI, at usual states; 0 where that is no number."""
+    model, sensor, item = PlainModel(plant, values=dict(base)), plant.measured[channel].sensor, plant.inputs[name]
+    # made once: the text is the same whatever the values
+    vars(model).update(composition=_plain(plant).composition, functions=_plain(plant).functions)
+    usual = {one: state.typical for one, state in plant.states.items()}
+    with np.errstate(all="ignore"):
+        try:
+            still, moved = (model.signals({**usual, name: x})[sensor] for x in (item.default, item.default + item.typical))
+        except (ArithmeticError, ValueError):
+            return 0.0
+    found = (moved - still) / item.typical
+    return float(found) if np.isfinite(found) else 0.0

@@ -1,0 +1,222 @@
+"""What no model can remove: the part of the residuals that repetitions do not share, or that near-replicates differ by."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.diagnosis.data.segments import Layout
+from hjcamp.diagnosis.levels import LEVEL, MATTERS, MOST_OF_IT
+
+Array = NDArray[np.float64]
+# Moments this far apart are looked at twice, not one after the other.
+NEIGHBOURS = 10
+FEWEST_PAIRS = 300
+FEWEST_REPEATED = 20
+MOTION_ORDERS = 3
+
+
+@dataclass(frozen=True)
+class Floor:
+    """Second moments (d, d) of what cannot be explained, in units of the sensors' noise, and where they come from.
+
+    ``moments`` have one unit of noise more than that, as the likelihood gives it to what a model leaves: sizes of both compare.
+    ``source`` is "repetitions", "near_replicates", or "sensor" where neither is there: then it is a lower bound only.
+    ``usual`` is what most windows of repetitions differ by (`usual_size`), and the sensors' noise; not a number where there are none.
+    """
+
+    source: str
+    moments: Array
+    usual: float = math.nan
+
+    def of_sensors(self, layout: Layout) -> Array:
+        """Return its rms in each sensor's unit (sensors,), SI: the sensor's noise at least."""
+        return in_units(np.maximum(np.diag(self.moments) - 1.0, 1.0), layout)
+
+
+@dataclass(frozen=True)
+class Repeatability:
+    """Mean squares (sensors,) of what repetitions of a window differ by, in units of the noise, and how far they are unsure."""
+
+    squares: Array
+    unsure: Array
+
+    def left(self, one: Array, other: Array) -> Array:
+        r"""Return which share (sensors,) of what lies above repeatability (rms) with mean squares ``other`` stays with ``one``.
+
+        .. math:: s = \sqrt{\frac{\max(a - r, 0) + u}{\max(b - r, 0) + u}}
+
+        for mean squares a of one, b of the other, r of repeatability, u by which that is unsure: what does not lie above it by more
+        than is known hardly counts.
+        """
+        above = [np.maximum(squares - self.squares, 0.0) + self.unsure for squares in (one, other)]
+        return np.asarray(np.sqrt(above[0] / above[1]))
+
+
+def unknown_repeatability(sensors: int) -> Repeatability:
+    """Return that of tests without repetitions: all of an error counts, and as much as a sensor's noise is unsure."""
+    return Repeatability(np.zeros(sensors), np.ones(sensors))
+
+
+def repeatability_of(layout: Layout, features: Array) -> Repeatability:
+    """Return the repeatability by features (windows, d) of a calibrated model, no less than the sensors' noise.
+
+    It is unsure by its one-sided interval at the level of all claims, over windows, and by the share of it that matters.
+    """
+    from scipy.special import stdtrit
+
+    repeated = _of_repetitions(layout, features)
+    sensors = len(layout.measured.sensors)
+    if repeated is None:
+        return unknown_repeatability(sensors)
+    each = (repeated**2).reshape(len(repeated), sensors, -1).mean(axis=2)
+    squares = np.maximum(each.mean(axis=0), 1.0)
+    half = stdtrit(len(each) - 1, 1.0 - LEVEL) * each.std(axis=0, ddof=1) / math.sqrt(len(each))
+    return Repeatability(squares, np.maximum(half, MATTERS * squares))
+
+
+def not_above(floor: Floor, features: Array) -> Floor:
+    """Return the floor, or that of the sensors where a model leaves less (features (windows, d)) than alike moments differ by.
+
+    Then the moments were not alike enough to say anything.
+    """
+    if floor.source != "near_replicates":
+        return floor
+    left = features.T @ features / len(features) + np.eye(features.shape[1])
+    if np.linalg.slogdet(left)[1] >= np.linalg.slogdet(floor.moments)[1]:
+        return floor
+    return Floor("sensor", 2.0 * np.eye(features.shape[1]))
+
+
+def in_units(squares: Array, layout: Layout) -> Array:
+    """Return the rms (sensors,), SI, of mean squares of features (d,)."""
+    each = squares.reshape(len(layout.measured.sensors), -1).sum(axis=1)
+    return np.asarray(layout.measured.noise * np.sqrt(each / layout.width))
+
+
+def floor_of(layout: Layout, features: Array) -> Floor:
+    """Return the floor by features (windows, d) of a calibrated model."""
+    d = features.shape[1]
+    repeated = _of_repetitions(layout, features)
+    if repeated is not None:
+        moments = repeated.T @ repeated / len(repeated) + np.eye(d)
+        # repetitions of one course may be rounded alike: what they differ by is no less than the sensors' noise
+        rounded = float(np.trace(np.linalg.inv(moments))) / d
+        return Floor("repetitions", moments, math.hypot(usual_size(repeated, moments), math.sqrt(rounded)))
+    # what is simulated through depends on more of the past than a window shows: windows that are alike need not err alike
+    near = None if layout.memory else _of_neighbours(layout, features)
+    if near is not None and not _alike_by_no_means(near, features):
+        return Floor("near_replicates", near + np.eye(d))
+    return Floor("sensor", 2.0 * np.eye(d))
+
+
+def _alike_by_no_means(near: Array, features: Array) -> bool:
+    """Whether windows of like motion differ by most of what any windows do, far above the noise: that is scatter, or a structure finer
+    than their likeness, and no one can tell.
+    """
+    whole = features.T @ features / len(features)
+    if np.trace(whole) * (1.0 - MOST_OF_IT) ** 2 <= len(whole):
+        return False
+    return bool(np.trace(np.linalg.solve(whole + np.eye(len(whole)), near)) > MOST_OF_IT * len(whole))
+
+
+def _of_repetitions(layout: Layout, features: Array) -> Array | None:
+    r"""Return by what n repetitions of a window differ, :math:`\sqrt{n / (n - 1)} (f - \bar f)` (windows, d): the pure error."""
+    found = []
+    for tests in layout.measured.conditions.values():
+        if len(tests) < 2:
+            continue
+        block = _side_by_side(layout, features, tests)
+        apart = (block - block.mean(axis=0)) * math.sqrt(len(tests) / (len(tests) - 1))
+        found.append(apart.reshape(-1, features.shape[1]))
+    every = np.concatenate(found) if found else np.zeros((0, features.shape[1]))
+    return every if len(every) >= FEWEST_REPEATED else None
+
+
+def shared(layout: Layout, features: Array, tests: Sequence[int]) -> Array | None:
+    r"""Return the rms (sensors,), SI, that the repetitions of a condition share; None for a single test.
+
+    .. math:: s^2 = \max\Bigl(\frac{1}{R (R - 1)} \sum_{r \ne r'} \overline{f_r f_{r'}},\ 0\Bigr)
+
+    for R repetitions of each window: what they differ by cancels.
+    """
+    if len(tests) < 2:
+        return None
+    block = _side_by_side(layout, features, tests)
+    if not block.shape[1]:
+        return None
+    squares = (block.sum(axis=0) ** 2 - (block**2).sum(axis=0)).mean(axis=0) / (len(tests) * (len(tests) - 1))
+    # sensors are summed before the root: single features may come out below zero
+    return in_units(np.maximum(squares.reshape(len(layout.measured.sensors), -1).sum(axis=1), 0.0), layout)
+
+
+def _side_by_side(layout: Layout, features: Array, tests: Sequence[int]) -> Array:
+    """Return the features of the windows that all tests of a condition have (tests, windows, d)."""
+    rows = [np.flatnonzero(layout.of_test == test) for test in tests]
+    shortest = min(len(one) for one in rows)
+    return np.stack([features[one[:shortest]] for one in rows])
+
+
+def usual_size(features: Array, moments: Array) -> float:
+    """Return the median over windows of how large features (windows, d) are, in units of moments (d, d): 1 is as large."""
+    squares = np.einsum("wi,ij,wj->w", features, np.linalg.inv(moments), features)
+    return math.sqrt(float(np.median(squares)) / len(moments))
+
+
+def _of_neighbours(layout: Layout, features: Array) -> Array | None:
+    r"""Return the second moments (d, d) at distance 0 of windows of like motion and inputs: the Gamma test.
+
+    The intercept of half the mean squared difference over the mean squared distance of the p nearest neighbours, p = 1 .. 10
+    (Evans & Jones 2002, doi:10.1098/rspa.2002.1010), for each pair of features; no more than at the nearest neighbour.
+    """
+    motion = motion_of(layout, layout.readings)
+    count, d = len(motion), features.shape[1]
+    if count < 4 * NEIGHBOURS or count * NEIGHBOURS < FEWEST_PAIRS:
+        return None
+    apart = np.abs(np.arange(count)[:, None] - np.arange(count)[None, :]) > 1
+    size = np.sum(motion**2, axis=1)
+    between = np.maximum(size[:, None] + size[None, :] - 2.0 * motion @ motion.T, 0.0) / motion.shape[1]
+    squares = np.where(apart, between, np.inf)
+    order = np.argsort(squares, axis=1)[:, :NEIGHBOURS]
+    distance = np.take_along_axis(squares, order, axis=1).mean(axis=0)
+    halves = []
+    for p in range(NEIGHBOURS):
+        difference = features - features[order[:, p]]
+        halves.append((0.5 * difference.T @ difference / count).ravel())
+    line = np.column_stack([np.ones(NEIGHBOURS), distance])
+    intercept = np.linalg.lstsq(line, np.array(halves), rcond=None)[0][0].reshape(d, d)
+    # within the nearest neighbours' own differences, in whose coordinates each part lies between 0 and 1
+    root = np.linalg.cholesky(halves[0].reshape(d, d) + np.eye(d))
+    inside = np.linalg.solve(root, np.linalg.solve(root, 0.5 * (intercept + intercept.T)).T)
+    values, vectors = np.linalg.eigh(inside)
+    part = root @ vectors
+    return np.asarray((part * np.clip(values, 0.0, 1.0)) @ part.T)
+
+
+def motion_of(layout: Layout, readings: Array) -> Array:
+    """Return what describes each window (windows, m): the first coefficients of readings and inputs, each of unit spread.
+
+    ``readings`` (n, sensors) are those that were measured or predicted.
+    """
+    found = _first_coefficients(layout, readings)
+    return np.asarray((found - found.mean(axis=0)) / np.maximum(found.std(axis=0), 1e-300))
+
+
+def moves(layout: Layout) -> NDArray[np.bool_]:
+    """Return which of the numbers that describe windows (m,) differ by more than noise: what is mostly noise is no motion."""
+    spread = _first_coefficients(layout, layout.readings).var(axis=0).reshape(-1, MOTION_ORDERS)
+    sensors = len(layout.measured.sensors)
+    least = np.concatenate([layout.measured.noise**2 / MOST_OF_IT, np.zeros(len(spread) - sensors)])
+    return np.asarray(spread > least[:, None]).ravel()
+
+
+def _first_coefficients(layout: Layout, readings: Array) -> Array:
+    """Return the first coefficients (windows, m) of readings (n, sensors), and of inputs that change."""
+    inputs = layout.inputs[:, np.std(layout.inputs, axis=0) > 0.0]
+    columns = np.column_stack([readings, inputs])
+    shaped = columns.reshape(-1, layout.width, columns.shape[1])
+    return np.asarray(np.einsum("wtc,to->wco", shaped, layout.basis[:, :MOTION_ORDERS]).reshape(len(shaped), -1))

@@ -1,0 +1,1 @@
+"""The tests that would separate the models that are left."""

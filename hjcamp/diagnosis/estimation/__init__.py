@@ -1,0 +1,1 @@
+"""Fits, the likelihood, and how well a parameter is known."""

@@ -1,0 +1,1 @@
+"""What models predict of the tests, and what that leaves."""

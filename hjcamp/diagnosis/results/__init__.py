@@ -1,0 +1,1 @@
+"""Answers: a comparison, a diagnosis, an added effect."""

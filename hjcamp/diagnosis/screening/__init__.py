@@ -1,0 +1,1 @@
+"""What each candidate would gain to first order, and by chance."""

@@ -1,0 +1,1 @@
+"""Models on blocks that were left out of the fit."""

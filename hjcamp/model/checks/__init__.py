@@ -1,0 +1,1 @@
+"""What is checked of a plant and its effects before anybody relies on them."""

@@ -1,0 +1,1 @@
+"""What plants and effects declare: states, inputs, parameters, places, laws."""

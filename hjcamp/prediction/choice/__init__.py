@@ -1,1 +1,0 @@
-"""The choice of a model by nested cross-validation and a model confidence set; it runs in shadow of the verdict's rules."""

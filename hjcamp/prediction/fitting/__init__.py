@@ -1,1 +1,0 @@
-"""Fits of a model's free parameters, the chapters that judge them, and their intervals."""

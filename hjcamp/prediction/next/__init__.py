@@ -1,1 +1,0 @@
-"""Which test next: the rivals that a diagnosis leaves, simulated on tests that could be made."""

@@ -1,1 +1,0 @@
-"""What a model leaves of the measured tests, window by window."""

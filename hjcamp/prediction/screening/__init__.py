@@ -1,1 +1,0 @@
-"""What each effect promises beside a fitted model, and what chance promises as well."""

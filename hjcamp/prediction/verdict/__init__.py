@@ -1,1 +1,0 @@
-"""What may be said of a search, and what speaks against it."""

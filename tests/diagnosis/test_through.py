@@ -1,0 +1,148 @@
+"""Tests are simulated through where the plant remembers longer than a window and forgets within a chapter."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import gauge
+import numpy as np
+import pytest
+
+from hjcamp import cli
+from hjcamp.diagnosis.calibration import analysis
+from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
+from hjcamp.diagnosis.data.tests import Measured, measured_tests
+from hjcamp.diagnosis.decision.verdict import Verdict, agreed, judged
+from hjcamp.diagnosis.residuals.continuity import Through
+from hjcamp.diagnosis.results.answer import answer
+from hjcamp.diagnosis.selection.forward import Search
+from hjcamp.diagnosis.selection.scored import Follows
+from hjcamp.diagnosis.validation.blocks import chapters_of
+from hjcamp.effects import load_effects
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.records.write import write_log
+
+NAMES = ("flow_exponent_at_outflow", "overflow_at_upper", "spill_over")
+
+
+def logged(samples: int, brim: float = np.inf) -> Measured:
+    return measured_tests([gauge.measured_log(brim=brim, seed=2, samples=samples)])
+
+
+def test_what_the_start_of_a_test_explains_is_taken_out_of_all_its_windows() -> None:
+    generator = np.random.default_rng(3)
+    of_test = np.array([0, 0, 0, 1, 1])
+    readings = generator.normal(size=(5, 4, 2)) * 100.0
+    wrong = np.array([[1.0, -2.0], [0.5, 3.0]])
+    left = np.einsum("wfs,ws->wf", readings, wrong[of_test])
+    passage = Through.of(readings, of_test)
+    starts = np.zeros((5, 2))
+    np.testing.assert_allclose(passage.unexplained(left, starts, starts), 0.0, atol=1e-10)
+    np.testing.assert_allclose(passage.begun(left, starts, starts)[0], wrong[of_test])
+    # what lies across all that a start can do stays as it is
+    across = generator.normal(size=(5, 4))
+    for rows in (of_test == 0, of_test == 1):
+        span = readings[rows].reshape(-1, 2)
+        flat = across[rows].ravel()
+        across[rows] = (flat - span @ np.linalg.lstsq(span, flat, rcond=None)[0]).reshape(-1, 4)
+    np.testing.assert_allclose(passage.unexplained(left + across, starts, starts), across, atol=1e-10)
+
+
+def test_short_tests_are_simulated_through_and_long_ones_in_windows(tanks: Path) -> None:
+    short = calibrated(logged(800), {}, unknowns=False)
+    layout = short.windows.layout
+    assert layout.memory > layout.width
+    # one test: one start
+    assert layout.begun.sum() == 1 and not layout.goes_on.any()
+    # no chapter is shorter than what the plant remembers
+    sizes = np.bincount(chapters_of(layout)) * layout.width
+    assert sizes.min() >= layout.memory - layout.width and len(sizes) >= 8
+    assert calibrated(logged(8000), {}, unknowns=False).windows.layout.memory == 0
+    assert calibrated(logged(300), {}, unknowns=False).windows.layout.memory == 0
+
+
+def test_readings_of_a_test_that_is_simulated_through_leap_nowhere(tanks: Path) -> None:
+    windows = calibrated(logged(800), {}, unknowns=False).windows
+    base = calibrated(logged(800), {}, unknowns=False).base.fitted.candidate
+    through = windows.readings(base)[0][:, 0]
+    cut = replace(windows, layout=replace(windows.layout, memory=0), starts=windows.starts * 1.02)
+    leaps = np.abs(np.diff(through))[windows.layout.width - 1 :: windows.layout.width]
+    others = np.abs(np.diff(cut.readings(base)[0][:, 0]))[windows.layout.width - 1 :: windows.layout.width]
+    assert leaps.max() < 0.5 * others.max()
+
+
+@pytest.mark.study
+def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    measured = logged(800, brim=7.0)
+    library = load_effects(plant=measured.plant)
+    chosen = {name: library[name] for name in NAMES}
+
+    def said() -> tuple[str, list[str]]:
+        found = answer(*agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width)), 0.0)
+        return found["verdict"], found["effects"]
+
+    # the other one limits the same tank at the same brim
+    word, names = said()
+    assert word in ("effect", "one_of") and names[0] == "spill_over"
+    monkeypatch.setattr(analysis, "simulated_through", lambda windows, base, free: windows)
+    assert said() == ("cannot_tell", [])
+
+
+@pytest.mark.study
+def test_what_few_chapters_do_not_show_is_looked_for_in_windows(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # simulated through there are nine chapters, too few for two things at once
+    measured = measured_tests([gauge.measured_log(brim=7.0, seed=9, samples=800, power=0.4)])
+    library = load_effects(plant=measured.plant)
+    names = ("spill_over", "flow_exponent_at_outflow", "overflow_at_lower", "sensor_offset")
+    at = partial(calibrated, measured, {name: library[name] for name in names})
+    said = []
+
+    def heard(one: Analysis) -> Verdict:
+        said.append((one.windows.layout.memory > 0, judged(one)))
+        return said[-1][1]
+
+    monkeypatch.setattr("hjcamp.diagnosis.decision.verdict.judged", heard)
+    found, verdict = agreed(at(), lambda width: at(width=width))
+    assert [(through, one.word) for through, one in said] == [(True, "outside_library"), (False, "effect")]
+    assert not found.windows.layout.memory and set(verdict.effects) == {"spill_over", "flow_exponent_at_outflow"}
+
+
+def test_one_set_of_logs_is_looked_at_in_one_way_whatever_is_asked(tanks: Path) -> None:
+    measured = logged(800)
+    fast = Candidate({"k1": 0.5, "k3": 0.5, "k4": 0.4}, {})
+    assert calibrated(measured, {}, fast, unknowns=False).windows.layout == calibrated(measured, {}, unknowns=False).windows.layout
+
+
+def test_next_plans_with_tests_that_are_simulated_through(tanks: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("logs").mkdir()
+    write_log(Path("logs/a.mcap"), gauge.measured_log(brim=7.0, seed=2, samples=800))
+    only = ["--only", ",".join(NAMES), "--effort", "quick"]
+    assert cli.run(["diagnose", "logs", *only]) == 0, capsys.readouterr().err
+    said = capsys.readouterr().out
+    assert "each test simulated through from its own start: the plant remembers" in said and ", tests simulated through" in said
+    answer_of = json.loads(Path("diagnose/answer.json").read_text())
+    assert answer_of["simulated_through"] and answer_of["verdict"] == "one_of"
+    assert cli.run(["next", "logs"]) == 0, capsys.readouterr().err
+    said = " ".join(capsys.readouterr().out.split())
+    assert "To be told apart: spill_over" in said and "standard deviations" in said
+    assert cli.run(["compare", "logs"]) == 0
+    assert "each test simulated through" in capsys.readouterr().out
+    assert "Predictions begin with each test, where each fits best" in Path("compare/index.html").read_text()
+
+
+@pytest.mark.study
+def test_what_takes_most_in_too_few_chapters_is_said(
+    tanks: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(Search, "matters", lambda *of, **told: False)
+    monkeypatch.setattr(Search, "follows_motion", lambda *of: Follows(0.0, 0.0))
+    Path("logs").mkdir()
+    write_log(Path("logs/a.mcap"), gauge.measured_log(brim=5.0, seed=2, samples=400))
+    assert cli.run(["diagnose", "logs", "--only", "spill_over,sensor_gain"]) == 0, capsys.readouterr().err
+    said = " ".join(capsys.readouterr().out.split())
+    assert "is shown to take it (spill_over would leave" in said and "of it, but not chapter by chapter: t =" in said
+    assert cli.run(["add", "spill_over", "logs", "--as", "with_spill"]) == 0
+    assert "The error falls, but not chapter by chapter" in " ".join(capsys.readouterr().out.split())
