@@ -49,7 +49,7 @@ class Scan:
     describing_bytes: int = 0
     metadata_bytes: int = 0
     loose: list[bytes] = field(default_factory=list)
-    records_left: int = MOST_RECORDS
+    records_left: int = field(default_factory=lambda: MOST_RECORDS)
 
     def add_loose(self, message: bytes) -> None:
         """Add a message record that is in no chunk; ``gather_loose`` makes stretches of them."""
