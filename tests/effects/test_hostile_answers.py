@@ -129,7 +129,7 @@ class Mine(Effect):
     [
         ('"""About."""', f'"""About."""\n{RUNS}'),
         ("import Effect", "import Effect, library"),
-        ("import Parameter", "import Parameter as abs"),
+        ("Effect, Parameter", "Effect, Parameter as abs"),
         ('plant = "axis"', f'plant = "axis"; other = {RUNS}'),
         ('Parameter("N", 1.0', f'Parameter("N", {RUNS}'),
         ("off=0.0", f"off={RUNS}"),
