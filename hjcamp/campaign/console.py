@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from hjcamp.errors import visible
 
@@ -27,6 +27,17 @@ def make_console(quiet: bool = False) -> Console:
     class Uncut(Console):
         def print(self, *objects: Any, **options: Any) -> None:
             super().print(*objects, **{"crop": False, **options})
+
+        @property
+        def file(self) -> IO[str]:
+            # a live bar lays a stream of its own over the one that escapes
+            found = super().file
+            within: IO[str] = getattr(found, "rich_proxied_file", found)
+            return within
+
+        @file.setter
+        def file(self, new: IO[str]) -> None:
+            self._file = new
 
         def render_str(self, text: str, **options: Any) -> Text:
             # before a table measures it

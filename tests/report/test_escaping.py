@@ -16,6 +16,8 @@ from rich.table import Table
 
 from hjcamp import cli
 from hjcamp.campaign.console import bold, make_console
+from hjcamp.campaign.progress import progress_bar
+from hjcamp.commands._streams import Visible
 from hjcamp.errors import visible
 from hjcamp.records.write import write_log
 from hjcamp.report.formats import IN_LATEX, escape_csv, escape_latex, escape_markdown
@@ -125,3 +127,16 @@ def test_a_name_is_printed_as_it_is_and_no_terminal_obeys_it(terminal: bool, nam
     assert kept.strip() in plain and f"[dim]{kept}".strip() in plain
     colours = set(re.findall(r"\x1b\[[0-9;]*m", printed))
     assert colours <= ({"\x1b[0m", "\x1b[1m", "\x1b[3m"} if terminal else set())
+
+
+def test_a_bar_is_drawn_though_texts_are_escaped(monkeypatch: pytest.MonkeyPatch) -> None:
+    stream = io.StringIO()
+    monkeypatch.setattr("sys.stdout", Visible(stream))
+    console = make_console()
+    console._force_terminal, console.legacy_windows = True, False
+    with progress_bar(console, 2, 0) as advance:
+        advance("\x1b[31mname/1")
+        print("\x1b[2Jprinted")
+    drawn = stream.getvalue()
+    assert "\x1b[?25l" in drawn and "\\x1b[2K" not in drawn and "\\x1b[?25" not in drawn
+    assert "\x1b[2J" not in drawn and "\x1b[31mname" not in drawn and "printed" in drawn
