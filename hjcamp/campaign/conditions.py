@@ -9,8 +9,8 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.campaign.campaign_file import RUN_KEYS, Axis, Campaign, label_of
-from hjcamp.configuration.composer import as_override, key_of
-from hjcamp.configuration.overrides import parse_overrides
+from hjcamp.configuration.composer import as_override
+from hjcamp.configuration.overrides import key_of, parse_overrides
 from hjcamp.errors import UsageError
 from hjcamp.records.plan import folder_name
 

@@ -10,7 +10,7 @@ from hjcamp.errors import UsageError, unknown
 from hjcamp.json_text import read_json
 
 if TYPE_CHECKING:
-    from hjcamp.effects._curve_template import Begun
+    from hjcamp.effects._begun import Begun
 
 ANSWER = "answer.json"
 KNOTS = 24
@@ -98,7 +98,8 @@ def _begun(content: Mapping[str, Any], file: Path) -> Begun:
 
 def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     from hjcamp.diagnosis.candidates.nonparametric_terms import BENT, SHARES, times_of
-    from hjcamp.effects._curve_template import Begun, Table, even_steps
+    from hjcamp.effects._begun import Begun, Table
+    from hjcamp.effects._curve_template import even_steps
     from hjcamp.effects._written import plain_origin
     from hjcamp.known_plants import find_plant
     from hjcamp.model.language.vocabulary import read_vocabulary

@@ -58,9 +58,9 @@ def call_hydra(arguments: list[str], yes: bool = False) -> None:
 
     from hjcamp.campaign import job as jobs
     from hjcamp.campaign.sweep import read_sweep
-    from hjcamp.configuration.composer import COMPOSE_ERRORS, Composer, free, key_of
+    from hjcamp.configuration.composer import COMPOSE_ERRORS, Composer, free
     from hjcamp.configuration.explain import explain
-    from hjcamp.configuration.overrides import parse_overrides
+    from hjcamp.configuration.overrides import key_of, parse_overrides
     from hjcamp.configuration.search_path import packaged_root
     from hjcamp.configuration.trust import check_overrides
 

@@ -305,11 +305,6 @@ def _circle(error: RecursionError) -> list[str]:
     return sorted({path for path in paths if isinstance(path, str) and paths.count(path) > 2})
 
 
-def key_of(override: Override) -> str:
-    """Return the group or parameter an override speaks of, without ``+`` and ``~``."""
-    return override.key_or_group if override.package is None else f"{override.key_or_group}@{override.package}"
-
-
 def as_override(key: str, value: Any) -> str:
     """Return ``key=value`` in Hydra's grammar; a key of a free mapping (effects) may be new, others must exist."""
     bare = key.lstrip("+")

@@ -26,3 +26,8 @@ def parse_overrides(lines: Sequence[str]) -> list[Override]:
                 f"cannot read the override {shown(line)}: {detail[:200]}. Expected GROUP=CHOICE or PARAMETER=VALUE"
             ) from error
     return parsed
+
+
+def key_of(override: Override) -> str:
+    """Return the group or parameter an override speaks of, without ``+`` and ``~``."""
+    return override.key_or_group if override.package is None else f"{override.key_or_group}@{override.package}"

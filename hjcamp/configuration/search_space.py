@@ -10,8 +10,7 @@ from typing import Any
 
 from hydra.core.override_parser.types import ChoiceSweep, IntervalSweep, Override, RangeSweep
 
-from hjcamp.configuration.composer import key_of
-from hjcamp.configuration.overrides import parse_overrides
+from hjcamp.configuration.overrides import key_of, parse_overrides
 from hjcamp.errors import UsageError, shown
 
 

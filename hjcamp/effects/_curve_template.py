@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from hjcamp.effects._begun import Begun, Table
 from hjcamp.effects._written import check_begun, check_effect_file
 from hjcamp.model.files.template_file import check_user_name, class_name, write_user_file
 
@@ -56,43 +56,6 @@ METHOD = '''    @staticmethod
 {terms}
         )
 '''
-
-
-@dataclass(frozen=True)
-class Table:
-    """Values at even steps of the driver, SI, added to ``slots`` with a ``factor`` (-1 or what turns with the motion).
-
-    They are taken from the slots ``against``.
-    """
-
-    amplitude: str
-    slots: tuple[str, ...]
-    values: tuple[float, ...]
-    unit: str
-    text: str
-    factor: str = ""
-    against: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Begun:
-    """What a file begins with: tables over one driver, from ``first`` to ``last``, SI.
-
-    ``expression`` says in names of the plant what drives it, ``arguments`` are these names; ``rests`` names the velocity by
-    which a state of its own knows for how long it rests.
-    """
-
-    plant: str
-    subsystem: str
-    driver: str
-    expression: str
-    arguments: tuple[str, ...]
-    unit: str
-    first: float
-    last: float
-    tables: tuple[Table, ...]
-    origin: str
-    rests: str = ""
 
 
 def even_steps(x: Sequence[float], y: Sequence[float | None], most: int) -> tuple[tuple[float, ...], float, float]:

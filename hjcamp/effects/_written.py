@@ -7,12 +7,9 @@ import keyword
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from hjcamp.effects._begun import Begun
 from hjcamp.errors import UsageError, shown
-
-if TYPE_CHECKING:
-    from hjcamp.effects._curve_template import Begun
 
 LONGEST_TEXT = 200
 FACTOR = r"(?:1|[A-Za-z]{1,12}(?:\^-?\d(?:\.\d)?)?)"

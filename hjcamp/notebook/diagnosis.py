@@ -16,7 +16,7 @@ from hjcamp.notebook.result import CALIBRATED, Picture, Result, figure_of, frame
 if TYPE_CHECKING:
     import polars as pl
 
-    from hjcamp.notebook.models import Model
+    from hjcamp.notebook.models import Added
     from hjcamp.notebook.proposal import Proposal
 
 CANDIDATES = ("effect", "posterior", "heldout_error_ratio", "parameter", "value", "unit", "low", "high")
@@ -101,15 +101,16 @@ class Diagnosis(Result):
         done = propose_after(diagnosed, rivals, tests, seed, progress_to(progress))
         return Proposal(done, answer(done, None, None, 0.0))
 
-    def add(self, as_: str, effects: str | Sequence[str] | None = None) -> Model:
+    def add(self, as_: str, effects: str | Sequence[str] | None = None) -> Added:
         """Add what was found to the model and save it as ``as_``; where several were named, say which ``effects``."""
-        from hjcamp.notebook.models import add
+        from hjcamp.notebook.models import added
 
         if effects is None and self.verdict != "effect":
             raise UsageError(
                 f"the verdict is {self.verdict}, so no effect is added by itself; say which: found.add('{as_}', effects=[...])"
             )
-        return add(self.effects if effects is None else effects, self.data, as_=as_, model=self.model)
+        names = self.effects if effects is None else effects.replace(",", " ").split() if isinstance(effects, str) else list(effects)
+        return added(names, self.data, as_, self.model)
 
 
 def diagnose(

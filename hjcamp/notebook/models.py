@@ -15,8 +15,6 @@ from hjcamp.notebook.result import CALIBRATED, Picture, Result, figure_of, frame
 if TYPE_CHECKING:
     import polars as pl
 
-    from hjcamp.notebook.diagnosis import Diagnosis
-
 PARAMETERS = ("effect", "parameter", "value", "unit", "low", "high")
 ERRORS = ("start", "before", "after", "floor")
 
@@ -120,39 +118,14 @@ class Calibrated(Model):
         return figure
 
 
-def add(
-    effects: str | Sequence[str] | Diagnosis,
-    tests: Tests | None = None,
-    *,
-    as_: str,
-    model: object = "published",
-    progress: Callable[[str, float], None] | None = None,
+def added(
+    names: Sequence[str], data: Data, as_: str, model: str, progress: Callable[[str, float], None] | None = None
 ) -> Added:
-    """Fit effects beside the base of ``model``, save the new model as conf/model/NAME.yaml, and return it; `hjcamp add`.
-
-    What is returned stands for its name: ``hjcamp.compare(data, model=["published", mine])``.
-
-    ``effects`` are names, or a diagnosis whose effects and tests are taken. Raises ``UsageError`` for unknown effects, effects
-    that the model has, and a name that is taken.
-
-    >>> mine = hjcamp.add("spring", "logs", as_="mine")
-    >>> mine.helps
-    True
-    >>> [row["parameter"] for row in mine.frame.to_dicts()]
-    ['stiffness', 'rest_position']
-    """
-    if not isinstance(effects, str | Sequence):
-        if tests is None:
-            return effects.add(as_)  # type: ignore[return-value]
-        effects = effects.effects
-    if tests is None:
-        raise UsageError("no logs were named: hjcamp.add(EFFECTS, TESTS, as_=NAME)")
-    data: Data = data_of(tests)
-    names = effects.replace(",", " ").split() if isinstance(effects, str) else list(effects)
+    """Fit the named effects beside the base of ``model`` on ``data``, save the new model as ``as_``, and return it."""
     if not names:
         raise UsageError("no effect was named: hjcamp.add(EFFECTS, TESTS, as_=NAME)")
     said = said_of(data)
-    done = said.added(data, names, as_, str(model), progress_to(progress))
+    done = said.added(data, names, as_, model, progress_to(progress))
     return Added(as_, done.path, done.content, done.found, said.OVER_FLOOR)
 
 

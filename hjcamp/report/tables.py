@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import polars as pl
 
@@ -12,14 +12,18 @@ from hjcamp.report.declared import TableDefinition
 from hjcamp.report.indicators import CHOICES, FURTHER, INDICATORS, STANDING, varied_columns
 from hjcamp.report.published import CAMPAIGNS, CONDITION, MEASURED_WITH, cell_key, published_cells
 
-if TYPE_CHECKING:
-    from hjcamp.report.against_run import RunComparison
-
 #: From how many published deviations on a difference is marked.
 FAR_OFF = 2.0
 BESIDE = {
     "_published_mean": pl.Float64, "_published_std": pl.Float64, "_decimals": pl.Int64, "_printed": pl.Boolean,
 }  # fmt: skip
+
+
+class AnotherRun(Protocol):
+    """A run to compare with, as `RunComparison` is."""
+
+    def beside(self, table: pl.DataFrame, names: Sequence[str], magnitudes: Sequence[str] = ()) -> pl.DataFrame:
+        """Return an aggregated table with the values of that run in columns of their own."""
 
 
 def aggregate(indicators: pl.DataFrame, keys: Sequence[str], names: Sequence[str] = INDICATORS) -> pl.DataFrame:
@@ -47,7 +51,7 @@ def aggregate(indicators: pl.DataFrame, keys: Sequence[str], names: Sequence[str
 
 
 def build_table(
-    indicators: pl.DataFrame, definition: TableDefinition, against: str | RunComparison | None = None
+    indicators: pl.DataFrame, definition: TableDefinition, against: str | AnotherRun | None = None
 ) -> pl.DataFrame:
     """Return the aggregated frame of one declared table: its choices, ``<indicator>_mean``, ``_std``, ``n``.
 
@@ -83,7 +87,7 @@ def build_table(
     return table.drop(pl.selectors.starts_with("_"))
 
 
-def by_condition(indicators: pl.DataFrame, against: str | RunComparison | None = "published") -> pl.DataFrame:
+def by_condition(indicators: pl.DataFrame, against: str | AnotherRun | None = "published") -> pl.DataFrame:
     """Return one row per condition with means, deviations and n, and the published values or another run's beside them."""
     table = aggregate(indicators, ["condition", "campaign", *CHOICES])
     if isinstance(against, str):

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from hjcamp.commands.any_plant.explorer import modelled_tests
+from hjcamp.diagnosis.data.measured_test import MeasuredTest
 from hjcamp.diagnosis.data.segments import Layout
-from hjcamp.diagnosis.data.tests import Measured, MeasuredTest, Sensor
+from hjcamp.diagnosis.data.tests import Measured, Sensor
 from hjcamp.known_plants import find_plant
 from hjcamp.records.log import TestLog
 

@@ -12,7 +12,8 @@ import pytest
 from hjcamp import cli
 from hjcamp.commands._plant_template import write_template
 from hjcamp.effects import load_effects
-from hjcamp.effects._curve_template import Begun, Table, curve_template
+from hjcamp.effects._begun import Begun, Table
+from hjcamp.effects._curve_template import curve_template
 from hjcamp.known_plants import find_plant
 from hjcamp.model.declare.effect import Effect
 from hjcamp.model.language.effect_units import check_units

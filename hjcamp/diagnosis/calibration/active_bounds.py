@@ -2,38 +2,35 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
 from hjcamp.diagnosis.estimation.intervals import Interval, intervals, limited
 from hjcamp.diagnosis.levels import LEVEL
+from hjcamp.diagnosis.selection.forward import Search
+from hjcamp.diagnosis.selection.scored import Scored
 
-if TYPE_CHECKING:
-    from hjcamp.diagnosis.calibration.analysis import Analysis
 
-
-def held_away(analysis: Analysis) -> tuple[str, ...]:
-    """Return the base parameters that stand at a bound, far from what is declared.
+def held_away(search: Search, base: Scored) -> tuple[str, ...]:
+    """Return the base parameters of a calibrated ``base`` that stand at a bound, far from what is declared.
 
     The base with that parameter as declared has to fit worse (likelihood ratio at the level of all claims): at a bound an interval
     tells little, and nothing of two gains whose product alone is told.
     """
-    parameters, fitted = analysis.measured.plant.parameters, analysis.base.fitted
-    names = set(analysis.measured.plant.base_parameters)
+    plant = search.windows.layout.measured.plant
+    parameters, names = plant.parameters, set(plant.base_parameters)
     return tuple(
         one.name
-        for one in intervals(fitted, analysis.search.chapters)
+        for one in intervals(base.fitted, search.chapters)
         if not one.effect and one.name in names and limited({"value": one.value, "at_bound": one.at_bound, **one.row})
-        and _away(analysis, one, parameters[one.name].default)
+        and _away(search, base, one, parameters[one.name].default)
     )  # fmt: skip
 
 
-def _away(analysis: Analysis, one: Interval, declared: float) -> bool:
+def _away(search: Search, base: Scored, one: Interval, declared: float) -> bool:
     from scipy.special import chdtri
 
     if one.value == declared:
         return False
-    fitted = analysis.base.fitted
+    fitted = base.fitted
     start, free = fitted.candidate.with_base({one.name: declared}), [each for each in fitted.free if each.name != one.name]
-    own = analysis.windows.begun_for(start, analysis.base.place)
+    own = search.windows.begun_for(start, base.place)
     return settled(own, start, free, turns=TURNS_OF_BASE).loss > fitted.loss + 0.5 * float(chdtri(1, LEVEL))

@@ -88,7 +88,7 @@ class Analysis:
     @cached_property
     def held(self) -> tuple[str, ...]:
         """The base parameters that a bound keeps away from what is declared."""
-        return held_away(self)
+        return held_away(self.search, self.base)
 
 
 def what_lacks(measured: Measured, layout: Layout) -> list[str]:

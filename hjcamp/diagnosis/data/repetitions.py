@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.diagnosis.data.measured_test import MeasuredTest
 from hjcamp.diagnosis.levels import MATTERS
-
-if TYPE_CHECKING:
-    from hjcamp.diagnosis.data.tests import MeasuredTest
 
 Array = NDArray[np.float64]
 # A course is compared by means over so many samples: a controller's answer to noise is none of it.

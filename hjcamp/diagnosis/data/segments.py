@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.diagnosis.data.tests import Measured, MeasuredTest
+from hjcamp.diagnosis.data.measured_test import MeasuredTest
+from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.model.run.simulator import Given
 
 Array = NDArray[np.float64]
@@ -156,7 +157,7 @@ class Layout:
     def fresh(self) -> NDArray[np.bool_]:
         """Whether nothing tells what an effect remembers where a window begins (windows,)."""
         found = self.begins[:: self.width] == 1
-        return found if self.apart or self.memory else found | ~self.goes_on
+        return found if self.apart or self.memory else np.asarray(found | ~self.goes_on)
 
     @cached_property
     def names(self) -> list[str]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.data.feedthrough import may_be_late, passed_to
+from hjcamp.diagnosis.data.measured_test import MeasuredTest
 from hjcamp.diagnosis.data.repetitions import apart_by_course
 from hjcamp.diagnosis.data.saturation import ends_of, within
 from hjcamp.diagnosis.data.sensor_noise import noise_of, without_passed
@@ -43,29 +44,6 @@ class Sensor:
     def quantity(self) -> str:
         """The name without its unit."""
         return self.field[: -len(unit_of_field(self.field, "").suffix) - 1]
-
-
-@dataclass(frozen=True)
-class MeasuredTest:
-    """One test, SI: ``time`` (n,), ``inputs`` (n, inputs of the plant), ``readings`` (n, sensors).
-
-    ``given`` are plant parameters that its metadata give (a mass, a supply). ``earlier`` are inputs (samples, inputs) that were logged
-    before the test begins; what was given before them is not known, and taken to be the first of them.
-    """
-
-    name: str
-    condition: str
-    time: Array
-    inputs: Array
-    readings: Array
-    given: tuple[tuple[str, float], ...]
-    log: TestLog
-    earlier: Array = field(default_factory=lambda: np.empty((0, 0)))
-
-    @property
-    def samples(self) -> int:
-        """Number of samples."""
-        return len(self.time)
 
 
 @dataclass(frozen=True)

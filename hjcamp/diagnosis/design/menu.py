@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.diagnosis.data.tests import Measured, MeasuredTest
+from hjcamp.diagnosis.data.measured_test import MeasuredTest
+from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.design.motions import motions
 from hjcamp.diagnosis.design.wanted import Wanted
 

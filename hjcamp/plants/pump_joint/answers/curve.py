@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
-    from hjcamp.effects._curve_template import Begun
+    from hjcamp.effects._begun import Begun
 
 KNOTS = 24
 # What the drivers are in its own names: expression, arguments, unit, the velocity by which a rest is known.
@@ -34,7 +34,8 @@ QUANTITIES = {
 
 def begun(row: Mapping[str, Any], file: Path) -> Begun:
     """Return what an effect file begins with from a row of the unknowns of a diagnosis."""
-    from hjcamp.effects._curve_template import Begun, Table, even_steps
+    from hjcamp.effects._begun import Begun, Table
+    from hjcamp.effects._curve_template import even_steps
     from hjcamp.effects._written import plain_origin
 
     driver, curve = str(row["driver"]), row["curve"]

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.campaign.campaign_file import RUN_KEYS
-from hjcamp.configuration.composer import as_override, free, key_of
-from hjcamp.configuration.overrides import parse_overrides
+from hjcamp.configuration.composer import as_override, free
+from hjcamp.configuration.overrides import key_of, parse_overrides
 from hjcamp.errors import UsageError, unknown
 from hjcamp.plants.pump_joint.analyses.evidence import evidence_of
 from hjcamp.plants.pump_joint.diagnosis.design.campaign_file import allowed_by
