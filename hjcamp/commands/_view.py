@@ -37,11 +37,11 @@ class View:
 def prepare_view(logs: list[Path], viewer: str, into: Path) -> View:
     """Write what a viewer needs for some logs of one plant; raises ``UsageError`` for an unknown viewer or too many logs."""
     from hjcamp.live.describe import channels_of, phases_of
+    from hjcamp.records.log import TOPIC
     from hjcamp.records.of_plant import plant_of
     from hjcamp.records.read import read_log
     from hjcamp.records.views.rerun_view import write_recording
     from hjcamp.records.views.viewer_layouts import write_layouts
-    from hjcamp.records.write import TOPIC
     from hjcamp.storage import check_place
 
     if viewer not in PROGRAMS:

@@ -14,8 +14,8 @@ from hjcamp.errors import UsageError
 from hjcamp.records.find import find_logs, of_the_plan, tell
 from hjcamp.records.log import TestLog
 from hjcamp.records.mcap.chunks import Damaged
-from hjcamp.records.mcap.scan import Scan, load, take, walk
-from hjcamp.records.read import attachments_of, metadata_of, read_log
+from hjcamp.records.mcap.scan import Scan, load, metadata_of, take, walk
+from hjcamp.records.read import attachments_of, read_log
 
 ROOM_BYTES = 128 * 2**20
 

@@ -119,7 +119,7 @@ def _slides(search: Search, fitted: Fitted, port: Port, others: NDArray[np.bool_
     each = speed.reshape(len(search.windows.starts), -1)
     least = AT_REST * _usual_speed(speed)
     found = (each.min(axis=1) > least) | (each.max(axis=1) < -least)
-    return found if others is None else found & others
+    return np.asarray(found if others is None else found & others)
 
 
 def _tried(search: Search, before: Fitted, effect: type[Effect], most: float) -> Iterator[Candidate]:

@@ -223,7 +223,7 @@ def _difference(courses: Mapping[str, Array], one: str, other: str) -> Array:
 
 
 def _drives(term: Any, name: str, driver: str) -> bool:
-    return dict(term.names).get(driver, driver) == name
+    return bool(dict(term.names).get(driver, driver) == name)
 
 
 def _port(plant: type[Plant], law: type[Effect], effect: type[Effect]) -> Port:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hjcamp.diagnosis.data.measured_test import MeasuredTest
 from hjcamp.diagnosis.data.tests import Measured
-from hjcamp.model.run.simulator import Given
+from hjcamp.model.declare.course import Given
 
 Array = NDArray[np.float64]
 ORDERS = 8

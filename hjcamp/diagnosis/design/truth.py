@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis, begin_hidden, first_starts
+from hjcamp.diagnosis.data.measured_test import MeasuredTest
 from hjcamp.diagnosis.data.segments import Layout
-from hjcamp.diagnosis.data.tests import Measured, MeasuredTest
+from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.design.wanted import Wanted
 from hjcamp.diagnosis.residuals.initial_states import estimated
 from hjcamp.diagnosis.residuals.windows import Place, Windows
@@ -131,7 +132,7 @@ def needed(analysis: Analysis, windows: Windows, model: Candidate) -> Array:
     def left_of(tried: Array) -> Array:
         shown, _ = run(windows, model, tried, ends, windows.starts)
         values = np.nan_to_num((layout.readings - shown) / spread, nan=1e3, posinf=1e3, neginf=-1e3)
-        return np.clip(values, -1e3, 1e3).reshape(len(layout.of_test), -1)
+        return np.asarray(np.clip(values, -1e3, 1e3).reshape(len(layout.of_test), -1))
 
     left = left_of(inputs)
     for _ in range(ROUNDS if free else 0):

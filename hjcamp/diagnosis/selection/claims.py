@@ -62,7 +62,7 @@ class Claims(Fits):
     def shortest_memory(self) -> float:
         """The time that the smooth part of a window resolves, s: what is forgotten sooner follows the moment for all that it shows."""
         layout = self.windows.layout
-        return layout.width / layout.basis.shape[1] * layout.measured.period
+        return float(layout.width / layout.basis.shape[1] * layout.measured.period)
 
     def only_scatter(self, model: Scored, before: Scored) -> bool:
         """Whether friction differs with place or time by no more than every contact's does: that is how friction is, no effect."""

@@ -214,7 +214,7 @@ def _sensitivities(simulator: Simulator, given: Given, names: Sequence[str]) -> 
 
     def readings(values: Mapping[str, float], starts: Array) -> Array:
         moved = Given(given.period, given.begins, given.time, given.inputs, starts)
-        return simulator.run_free(simulator.vector(values), moved)[0] / scale
+        return np.asarray(simulator.run_free(simulator.vector(values), moved)[0] / scale)
 
     columns = []
     for name, value in defaults.items():

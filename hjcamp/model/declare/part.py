@@ -7,7 +7,7 @@ import copy
 import inspect
 from collections.abc import Callable, Sequence
 from types import CodeType
-from typing import Any
+from typing import Any, cast
 
 from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.model.declare.part_lines import (
@@ -161,7 +161,7 @@ class _Writer:
             chain: list[Any] = [*self.stack[self.stack.index(found) :], found]
             names = " -> ".join(one.__name__ for one in chain)
             raise UsageError(f"{where}: part '{found.__name__}' calls itself ({names})")
-        return found
+        return cast("Callable[..., Any]", found)
 
     def _own(self, inner: _Writer, function: Function, label: str) -> None:
         """Refuse a second part that sets the same state or memory by its fixed name."""

@@ -54,7 +54,7 @@ def coloured(generator: np.random.Generator, samples: int, correlation: float, r
 
     keep = float(np.exp(-1.0 / max(correlation, 1e-9)))
     start = generator.standard_normal()
-    kicks = generator.standard_normal(samples)[:rows] * np.sqrt(1.0 - keep**2)
+    kicks: Array = generator.standard_normal(samples)[:rows] * np.sqrt(1.0 - keep**2)
     if not len(kicks):
         return kicks
     kicks[0] += keep * start

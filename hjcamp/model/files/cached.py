@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar, cast
 
 Given = ParamSpec("Given")
 Found = TypeVar("Found")
@@ -12,5 +12,4 @@ Found = TypeVar("Found")
 
 def cached(function: Callable[Given, Found]) -> Callable[Given, Found]:
     """Return `functools.cache` of a function whose arguments are classes, with its own signature for the type checker."""
-    kept: Any = functools.cache(function)
-    return kept
+    return cast("Callable[Given, Found]", functools.cache(function))

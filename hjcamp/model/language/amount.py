@@ -69,10 +69,10 @@ class Amount:
 
     def alike(self, other: Any, doing: str) -> Amount:
         """Return ``other`` as an amount of the same dimension, or refuse it; ``self`` may be the literal."""
-        other = Amount.of(other)
-        if self.dims != other.dims and not self.literal and not other.literal:
-            raise UsageError(f"{doing} {text(self.dims)} and {text(other.dims)}")
-        return other
+        found = Amount.of(other)
+        if self.dims != found.dims and not self.literal and not found.literal:
+            raise UsageError(f"{doing} {text(self.dims)} and {text(found.dims)}")
+        return found
 
     def _sum(self, other: Any, value: float, doing: str) -> Amount:
         other = self.alike(other, doing)

@@ -35,7 +35,8 @@ def with_amounts(function: Callable[..., float]) -> Callable[..., Any]:
     tree = ast.Module([_Numbers().visit(definition)], [])
     scope = names()
     exec(compile(ast.fix_missing_locations(tree), "<units>", "exec"), scope)
-    return scope[definition.name]
+    made: Callable[..., Any] = scope[definition.name]
+    return made
 
 
 def names() -> dict[str, Any]:
@@ -72,7 +73,8 @@ def _mathematics(name: str) -> Any:
         if name == "sqrt":
             return first**0.5
         if name == "pow":
-            return first ** arguments[1]
+            power: Amount = first ** arguments[1]
+            return power
         if name in ("hypot", "atan2", *SAME):
             second = arguments[1] if name == "copysign" else first.alike(arguments[1], f"{name} of")
             dims = dimension("1") if name == "atan2" else first.dims

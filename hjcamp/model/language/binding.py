@@ -5,7 +5,7 @@ from __future__ import annotations
 import copyreg
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, cast
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.declare.effect import Effect, Term
@@ -197,10 +197,11 @@ def _bound(
             groups[kind] |= {called[state]: term.on(names) for state, term in own_terms if state not in left_out}
     if unused := set(given) - set(body):
         raise unknown("parameter or state", sorted(unused)[0], [*effect.parameters, *effect.states], f"effect {name}")
-    bound: Any = Bound(effect.__name__, (Effect,), body)
+    bound = Bound(effect.__name__, (Effect,), body)
     bound.made_of = (effect, effect.name, plant, name, instance)
-    bound.name = name
-    return bound
+    made = cast("type[Effect]", bound)
+    made.name = name
+    return made
 
 
 def _read_by(effect: type[Effect], terms: Mapping[str, Term]) -> set[str]:

@@ -84,11 +84,11 @@ def time_of_day(ticks: np.ndarray) -> np.ndarray:
 
 def _going_on(ticks: np.ndarray, turn: int) -> np.ndarray:
     """Return a clock that begins again after ``turn`` as one that goes on."""
-    return ticks + turn * np.cumsum(np.diff(ticks, prepend=ticks[:1]) < -turn // 2)
+    return np.asarray(ticks + turn * np.cumsum(np.diff(ticks, prepend=ticks[:1]) < -turn // 2))
 
 
 def _since_first(ticks: np.ndarray) -> np.ndarray:
-    return (ticks - ticks[0]) * 1e-9
+    return np.asarray((ticks - ticks[0]) * 1e-9)
 
 
 def _of_the_day(hours: np.ndarray, half: polars.Series) -> np.ndarray:

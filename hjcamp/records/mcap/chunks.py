@@ -34,7 +34,7 @@ def expand(compression: str, data: bytes, most: int) -> bytes:
     """Return what can be decompressed of ``data``, at most ``most`` bytes and one more."""
     try:
         if compression == "lz4":
-            return lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=most + 1)
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=most + 1))
         # read() stops at its limit whatever size the frame declares
         with zstandard.ZstdDecompressor(max_window_size=MOST_CHUNK_BYTES).stream_reader(data) as reader:
             return reader.read(most + 1)

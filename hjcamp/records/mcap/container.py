@@ -31,7 +31,7 @@ def record_bytes(record: records.McapRecord) -> bytes:
     """Return a record with its opcode and length."""
     builder = RecordBuilder()
     record.write(builder)
-    return builder.end()
+    return bytes(builder.end())
 
 
 class Container:

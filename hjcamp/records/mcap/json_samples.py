@@ -57,7 +57,7 @@ class JsonDecoder:
 def _parse(messages: Sequence[bytes], first_sample: int, where: str) -> list[dict[str, Any]]:
     """Parse messages together, and one by one only where that fails, to say which is wrong."""
     try:
-        objects = json.loads(b"[" + b",".join(messages) + b"]")
+        objects: list[dict[str, Any]] = json.loads(b"[" + b",".join(messages) + b"]")
     except (ValueError, RecursionError):
         objects = []
     if len(objects) == len(messages) and all(type(entry) is dict for entry in objects):

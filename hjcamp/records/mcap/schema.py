@@ -25,4 +25,4 @@ def descriptor_set(fields: tuple[tuple[str, int], ...]) -> bytes:
             type=descriptor_pb2.FieldDescriptorProto.TYPE_DOUBLE,
             label=descriptor_pb2.FieldDescriptorProto.LABEL_OPTIONAL,
         )
-    return descriptor_pb2.FileDescriptorSet(file=[file]).SerializeToString(deterministic=True)
+    return bytes(descriptor_pb2.FileDescriptorSet(file=[file]).SerializeToString(deterministic=True))
