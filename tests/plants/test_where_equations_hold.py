@@ -78,6 +78,9 @@ def test_that_the_inputs_of_a_check_drove_a_state_too_far_is_said(folder: Path, 
         ([(2, 1.0)], [], "1.0 1"),  # a valve cannot open less than not at all
         ([], [(2, 1.0), (1, 1.0)], "0.1 2"),  # a piston in its stroke
         ([(2, 1.0), (1, 1.0)], [], "refused 1.0 2"),
+        # what these inputs do not tell, smaller ones tell less
+        ([(1, 1.0), (2, 0.1)], [(2, 1.0)], "refused 0.1 2"),
+        ([(2, 1.0)], [(1, 1.0)], "0.1 1"),
         ([(2, 0.01), (1, 0.01)], [(2, 1.0), (1, 1.0), (2, 0.1), (1, 0.1)], "refused 0.01 2"),  # where the equations hold
         ([], [(signs, share) for signs in (1, 2) for share in SHARES], "far 1.0 2"),
     ],

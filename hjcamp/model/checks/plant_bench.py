@@ -89,18 +89,22 @@ class FarAway(UsageError):  # noqa: N818 - it says where a test went, not that s
 def under_either(check: Callable[[tuple[float, ...], float], str]) -> str:
     """Return what a check says under inputs of both signs, else of one, of usual size, else of smaller.
 
-    What it says against the first under which states stay usual is raised.
+    What it says against inputs under which states stay usual stands for smaller ones of these signs: those show less. It is raised,
+    that against both signs first.
     """
-    objections: list[UsageError] = []
+    far: list[FarAway] = []
+    stands: dict[tuple[float, ...], UsageError] = {}
     for share in SHARES:
         for signs in (BOTH, ONE):
+            if signs in stands:
+                continue
             try:
                 return check(signs, share)
+            except FarAway as problem:
+                far.append(problem)
             except UsageError as problem:
-                objections.append(problem)
-        if not any(isinstance(one, FarAway) for one in objections):
-            break
-    raise next((one for one in objections if not isinstance(one, FarAway)), objections[0])
+                stands[signs] = problem
+    raise stands.get(BOTH) or stands.get(ONE) or far[0]
 
 
 def check_within(plant: type[Plant], states: Array, signs: tuple[float, ...], share: float) -> None:
