@@ -60,13 +60,13 @@ def _of_value(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tu
     places = [k for k, one in enumerate(fitted.free) if one.effect == known.effect.name]
     scales = np.array([fitted.free[k].scale for k in places])
     at_knots = np.array([fitted.free[k].of(fitted.candidate) for k in places]) * scales
-    hats = np.stack([np.interp(x, np.linspace(known.low, known.high, len(places)), one) for one in np.eye(len(places))], axis=1)
-    along = hats @ at_knots
+    knots, hats = _hats(model, known, np.linspace(known.low, known.high, len(places))), _hats(model, known, x)
+    along, at_knots = hats @ at_knots, knots @ at_knots
     values, known_there = 1.0 + known.amount(along), 1.0 + known.amount(at_knots)
     mean = known_there.mean()
     step = 1e-6
     steep, steep_there = ((known.amount(h + step) - known.amount(h - step)) / (2.0 * step) for h in (along, at_knots))
-    slopes = steep[:, None] * hats / mean - np.outer(values, steep_there) / (len(places) * mean**2)
+    slopes = steep[:, None] * hats / mean - np.outer(values, steep_there @ knots) / (len(places) * mean**2)
     whole = covariance_of(fitted, chapters).whole[np.ix_(places, places)] * np.outer(scales, scales)
     half = _reach(analysis) * np.sqrt(np.maximum(np.einsum("xk,kl,xl->x", slopes, whole, slopes), 0.0))
     share = values / mean - 1.0
@@ -83,12 +83,13 @@ def mean_over_knots(analysis: Analysis, model: Scored, known: Unknown, own: Inte
     fitted, free = model.fitted, model.fitted.free
     places = [k for k, one in enumerate(free) if one.effect == known.effect.name]
     base = next(k for k, one in enumerate(free) if not one.effect and one.name == own.name)
-    at_knots = np.array([free[k].value_in(fitted.candidate) for k in places])
+    knots = _hats(model, known, np.linspace(known.low, known.high, len(places)))
+    at_knots = knots @ np.array([free[k].value_in(fitted.candidate) for k in places])
     mean, value = float(np.mean(1.0 + known.amount(at_knots))), own.value
     slopes, step = np.zeros(len(free)), 1e-6
     slopes[base] = mean * (value if free[base].log else free[base].scale)
     steep = (known.amount(at_knots + step) - known.amount(at_knots - step)) / (2.0 * step)
-    slopes[places] = value * steep * [free[k].scale for k in places] / len(places)
+    slopes[places] = value * (steep @ knots) * [free[k].scale for k in places] / len(places)
     variance = float(slopes @ covariance_of(fitted, analysis.search.chapters).whole @ slopes)
     half = _reach(analysis) * math.sqrt(max(variance, 0.0))
     return replace(own, value=value * mean, low=value * mean - half, high=value * mean + half, at_bound=False, told=True)
@@ -108,13 +109,20 @@ def knots_of(analysis: Analysis, model: Scored, name: str) -> dict[str, list[flo
     """
     known = analysis.search.unknowns[name]
     own = model.fitted.candidate.effects[name]
-    places = np.linspace(known.low, known.high, len(known.amplitudes))
-    values = np.array([float(known.amount(own[knot])) for knot in known.amplitudes])
-    if known.quantity == "value":
-        values = (1.0 + values) / np.mean(1.0 + values) - 1.0
-    seen = _seen(model, known)
+    at_knots = np.array([own[knot] for knot in known.amplitudes])
+    places = np.linspace(known.low, known.high, len(at_knots))
     at = np.array(known.levels) if known.levels else places
-    return {"x": at.tolist(), "y": np.interp(at, places[seen], values[seen]).tolist()}
+    values = known.amount(_hats(model, known, at) @ at_knots)
+    if known.quantity == "value":
+        values = (1.0 + values) / np.mean(1.0 + known.amount(_hats(model, known, places) @ at_knots)) - 1.0
+    return {"x": at.tolist(), "y": values.tolist()}
+
+
+def _hats(model: Scored, known: Unknown, x: Array) -> Array:
+    """Return how much of the value at each knot a law has at ``x`` (n, knots), one that was not visited as those beside it."""
+    seen = _seen(model, known)
+    knots = np.linspace(known.low, known.high, len(seen))[seen]
+    return np.stack([np.interp(x, knots, one[seen]) for one in np.eye(len(seen))], axis=1)
 
 
 def _seen(model: Scored, known: Unknown) -> NDArray[np.bool_]:
