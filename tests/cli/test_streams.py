@@ -99,7 +99,8 @@ def test_little_memory_is_told_from_a_mistake() -> None:
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_a_second_interrupt_in_the_midst_of_the_first_ends_with_its_code() -> None:
     code = (
-        "import os, signal, sys\nfrom hjcamp import cli\n"
+        # a shell lets what it starts in the background ignore Ctrl-C
+        "import os, signal, sys\nsignal.signal(signal.SIGINT, signal.default_int_handler)\nfrom hjcamp import cli\n"
         "def once(text, code):\n    os.kill(os.getpid(), signal.SIGINT)\n"
         "cli._say, cli.app = once, lambda **words: os.kill(os.getpid(), signal.SIGINT)\n"
         "import atexit\natexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))\ncli.main()\n"

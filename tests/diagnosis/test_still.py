@@ -18,10 +18,12 @@ from hjcamp.diagnosis.results.answer import still_rows
 
 
 def test_an_input_that_never_moves_is_said_so(tanks: Path) -> None:
-    moving, logs = measured_log(seed=1), []
-    for log in (moving, measured_log(seed=2)):
+    moving, logs = measured_log(seed=3), []
+    for log in (measured_log(seed=1), measured_log(seed=2)):
         logs.append(replace(log, columns=log.columns | {"pump_v": np.full_like(log.columns["pump_v"], 2.5)}))
     assert measured_tests([moving]).still == {} and measured_tests([*logs, moving]).still == {}
+    # a log with the readings of another is a copy of it, and what its inputs did does not count
+    assert measured_tests([*logs, measured_log(seed=1)]).still == {"pump_v": 2.5}
     still = measured_tests(logs)
     assert still.still == {"pump_v": 2.5} and still_rows(still) == {"pump_v": {"value": 2.5, "unit": "V"}}
     (said,) = still_words(still_rows(still))

@@ -120,7 +120,7 @@ def test_of_a_short_log_windows_are_shorter_before_it_is_refused(axis: Path) -> 
 
 
 def test_each_of_several_short_tests_ends_with_a_rest_that_is_no_window(axis: Path) -> None:
-    logs = [measured_log(seconds=(samples + MOST_DELAY) * PERIOD) for samples in (333, 222)]
+    logs = [measured_log(seconds=(samples + MOST_DELAY) * PERIOD, seed=samples) for samples in (333, 222)]
     measured = measured_tests(logs)
     found = width_of(measured)
     assert not what_lacks(measured, Layout(measured, found)) and 333 // (555 // 24) + 222 // (555 // 24) < 24

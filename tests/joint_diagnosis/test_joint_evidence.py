@@ -25,7 +25,7 @@ def found() -> Any:
     """Return a diagnosis of three tests of equal length."""
     evidence = SimpleNamespace(
         edges=np.array([0, 100, 200, 300]), tests=[SimpleNamespace(name=f"ramp/{k}") for k in range(3)],
-        joined=lambda name: MEASURED[name],
+        joined=lambda name: MEASURED[name], conditions={"up": (0, 2), "down": (1,)},
     )  # fmt: skip
     return SimpleNamespace(features=SimpleNamespace(evidence=evidence))
 
@@ -36,7 +36,7 @@ def shown(*errors: tuple[float, float, float]) -> Any:
     size = np.where(TIME < 0.8, 0.1, 1.0)[:, None]
     readings = {f"model {k}": measured + size * np.array(one) for k, one in enumerate(errors)}
     missing: Any = None
-    return Shown(missing, readings, {name: one[:, 0] for name, one in readings.items()})
+    return Shown(missing, readings, readings)
 
 
 def test_the_channel_that_gains_most_in_the_test_that_is_worst() -> None:
@@ -48,9 +48,15 @@ def test_the_channel_that_gains_most_in_the_test_that_is_worst() -> None:
 
 def test_the_arm_where_nothing_was_named() -> None:
     assert _worst_test(found(), shown((0.1, 4e3, 2e4)))[1] == "arm angle"
-    [(name, (own, crossed))] = _correlations(found(), shown((0.1, 4e3, 2e4)))
+    [(name, (own, crossed))], repeated = _correlations(found(), shown((0.1, 4e3, 2e4)))
     assert name == "model 0" and len(own.values) == 51  # half of the shortest test
     assert crossed.name == "with the pump's angle before"
+    assert [one.name for one in repeated] == [own.name, crossed.name]
+    # chance makes more of the two of three tests that are repetitions
+    assert repeated[0].band[0] == pytest.approx(own.band[0] * np.sqrt(3 / 2))
+    once = found()
+    once.features.evidence.conditions = {"up": (0,), "down": (1,), "level": (2,)}
+    assert _correlations(once, shown((0.1, 4e3, 2e4)))[1] == []
 
 
 def test_the_driver_is_what_the_quantity_depends_on(monkeypatch: pytest.MonkeyPatch) -> None:
