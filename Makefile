@@ -81,6 +81,7 @@ demo: say-demo $(INSTALLED)
 
 lint: $(TESTABLE)
 	$(BIN)/ruff check hjcamp tests benchmarks
+	$(BIN)/ruff format --check hjcamp tests benchmarks
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 

@@ -34,9 +34,7 @@ def outcome(truth: Line, verdict: str, effects: Sequence[str]) -> str:
         if said == right:
             return "right"
         return "alike" if said and said <= right | alike else "false"
-    return {"outside_library": "outside", "nothing_missing": "nothing", "cannot_tell": "cannot_tell"}.get(
-        verdict, "failed"
-    )
+    return {"outside_library": "outside", "nothing_missing": "nothing", "cannot_tell": "cannot_tell"}.get(verdict, "failed")
 
 
 def good(line: Line) -> bool:

@@ -49,9 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not lines:
         print(f"no finished case of {given.tag} in {ledger.path}", file=sys.stderr)
         return 1 if whole else STOPPED
-    command = (
-        f"python benchmarks/hidden_effects.py --size {given.size} --effort {given.effort} --workers {given.workers}"
-    )
+    command = f"python benchmarks/hidden_effects.py --size {given.size} --effort {given.effort} --workers {given.workers}"
     command += "" if given.nulls is None else f" --nulls {given.nulls}"
     command += f" --shift {given.shift}" if given.shift else ""
     text = page(lines, cases, given.effort, given.tag, command, len(os.sched_getaffinity(0)))
@@ -72,12 +70,8 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--cluster", metavar="ADDRESS", help="a dask scheduler whose workers see this folder, or local")
     parser.add_argument("--nulls", type=int, help="rigs with nothing hidden; by default as the size says")
     parser.add_argument("--shift", type=int, default=0, metavar="N", help="added to every seed: the plan on other rigs")
-    parser.add_argument(
-        "--ledger", type=Path, default=LEDGER, metavar="FILE", help="one JSON line for each finished case"
-    )
-    parser.add_argument(
-        "--tag", default=code_version(), help="version of the code; the last commit that changed it by default"
-    )
+    parser.add_argument("--ledger", type=Path, default=LEDGER, metavar="FILE", help="one JSON line for each finished case")
+    parser.add_argument("--tag", default=code_version(), help="version of the code; the last commit that changed it by default")
     parser.add_argument("--page", type=Path, metavar="FILE", help="where the page goes once every case is finished")
     parser.add_argument("--score", action="store_true", help="run nothing, write the page of what is finished")
     given = parser.parse_args(arguments)

@@ -57,9 +57,7 @@ def _one(text: str, unit: str, field: str, parameter: str, same: bool = True) ->
 def _crossing(hidden: Values, base: Values) -> float:
     """Return the conductance at the pressure difference that friction asks for."""
     difference = 0.5 * (base["coulomb_positive"] + base["coulomb_negative"]) / JOINT_AREA
-    return hidden["cross_conductance"] / math.sqrt(
-        1 + difference / hidden.get("cross_turbulent_pressure", CROSS_TURBULENT)
-    )
+    return hidden["cross_conductance"] / math.sqrt(1 + difference / hidden.get("cross_turbulent_pressure", CROSS_TURBULENT))
 
 
 def _leak(hidden: Values, base: Values) -> float:
@@ -118,8 +116,7 @@ def _disc(hidden: Values, base: Values) -> float:
     oval = 0.4 * share * bool(hidden.get("disc_form"))
     return _swing(
         lambda at: (
-            math.atan2(share * math.sin(at + phase), 1 + share * math.cos(at + phase))
-            + oval * math.sin(2 * (at + phase))
+            math.atan2(share * math.sin(at + phase), 1 + share * math.cos(at + phase)) + oval * math.sin(2 * (at + phase))
         )
     )
 
@@ -263,9 +260,7 @@ def true_base(line: Mapping[str, Any]) -> dict[str, float]:
     """Return the base parameters of the hidden rig by our names (SI), those that still mean the same beside its effects."""
     base, hidden = line["truth"]["base"], line["truth"]["changes"]
     found = {
-        f"{kind}_{way}": base[f"{kind}_{way}"]
-        for kind in ("static", "coulomb", "viscous")
-        for way in ("positive", "negative")
+        f"{kind}_{way}": base[f"{kind}_{way}"] for kind in ("static", "coulomb", "viscous") for way in ("positive", "negative")
     }
     mean = 0.5 * (base["stiffness1"] + base["stiffness2"])
     found["line_stiffness"] = mean

@@ -44,9 +44,7 @@ class Campaign:
 
     def change(self, case: Case) -> list[Array]:
         """Return the change of the mean logs of every condition, (channels, n) each, over the scatter of one repetition."""
-        return scaled_change(
-            simulate_means(replace(case, conditions=self.case.conditions))[0], self.null, self.scatters
-        )
+        return scaled_change(simulate_means(replace(case, conditions=self.case.conditions))[0], self.null, self.scatters)
 
     @cached_property
     def base(self) -> Array:

@@ -36,9 +36,7 @@ def run_case(case: HiddenCase, effort: str, tag: str, seen: dict[str, Any] | Non
     line: dict[str, Any] = {"plan": PLAN, "tag": tag, "effort": effort, **case.row()}
     with tempfile.TemporaryDirectory(prefix="hidden_effects_") as temporary:
         folder = Path(temporary) / "logs"
-        path = write_case(
-            folder, case.effects, case.strength or "medium", case.seed, contact=case.contact, form="random"
-        )
+        path = write_case(folder, case.effects, case.strength or "medium", case.seed, contact=case.contact, form="random")
         line["truth"] = json.loads(path.read_text(encoding="utf-8"))
         line["visibility"] = visibility(case) if seen is None else seen
         began = time.perf_counter()

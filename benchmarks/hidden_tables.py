@@ -58,9 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not lines:
         print(f"no finished case of {given.tag} in {given.ledger}", file=sys.stderr)
         return 1
-    command = f"python benchmarks/hidden_tables.py --effort {given.effort}" + (
-        f" --shift {given.shift}" if given.shift else ""
-    )
+    command = f"python benchmarks/hidden_tables.py --effort {given.effort}" + (f" --shift {given.shift}" if given.shift else "")
     target = given.page or given.ledger.with_suffix(".md")
     write_whole(target, page(lines, len(cases), given.tag, command))
     print(f"page    {target}")

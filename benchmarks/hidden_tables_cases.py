@@ -110,8 +110,11 @@ def _indicators(rig: Case, number: int, repetition: int) -> list[float]:
     if rig.conditions[number].trajectory.startswith("cycloid"):
         late = float(error[1200:].mean())  # the motion lasts 1 s
     return [
-        float(np.sqrt(np.mean(error**2))), float(np.sqrt(np.mean(error[250:] ** 2))), float(np.abs(error).max()), late,
-    ]  # fmt: skip
+        float(np.sqrt(np.mean(error**2))),
+        float(np.sqrt(np.mean(error[250:] ** 2))),
+        float(np.abs(error).max()),
+        late,
+    ]
 
 
 def text_of(lines: Sequence[dict[str, Any]]) -> str:
@@ -121,9 +124,11 @@ def text_of(lines: Sequence[dict[str, Any]]) -> str:
     writer.writeheader()
     for line in lines:
         writer.writerow(
-            {key: "" if value is None else f"{value:.2f}" if key.endswith(("_deg", "_deviation")) else value
-             for key, value in line.items()}
-        )  # fmt: skip
+            {
+                key: "" if value is None else f"{value:.2f}" if key.endswith(("_deg", "_deviation")) else value
+                for key, value in line.items()
+            }
+        )
     return stream.getvalue()
 
 

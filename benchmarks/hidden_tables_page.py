@@ -60,11 +60,15 @@ def page(lines: Sequence[Line], planned: int, tag: str, command: str) -> str:
                 rows.append((title, *_cells(chosen)))
     cases = [
         (
-            line["name"], line["strength"] or "-", f"{line['visible']:.1f}" if line["effect"] else "-", outcome(line),
-            line["verdict"].replace("_", " "), ", ".join(line["effects"]) or "-",
+            line["name"],
+            line["strength"] or "-",
+            f"{line['visible']:.1f}" if line["effect"] else "-",
+            outcome(line),
+            line["verdict"].replace("_", " "),
+            ", ".join(line["effects"]) or "-",
         )
         for line in sorted(lines, key=lambda one: (one["kind"], one["name"]))
-    ]  # fmt: skip
+    ]
     unfinished = "" if len(lines) >= planned else f" **{planned - len(lines)} of them have not been run yet.**"
     return "\n".join(
         [

@@ -91,8 +91,7 @@ def with_effects(first: int, count: int) -> list[HiddenCase]:
     chosen += zip(range(first + APART, first + APART + others), cycle(outside), strict=False)
     chosen.sort(key=lambda one: one[0] % APART)
     return [
-        HiddenCase(f"{effect}-{strength}-{seed}", kind, (effect,), strength, seed)
-        for seed, (kind, strength, effect) in chosen
+        HiddenCase(f"{effect}-{strength}-{seed}", kind, (effect,), strength, seed) for seed, (kind, strength, effect) in chosen
     ]
 
 

@@ -67,7 +67,10 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
             f"what each effect gains on rigs with nothing missing, and what it is asked, in {tests} tests",
             ["effect", "promises on average", "usual", "asked"],
             (
-                [name, *(f"{gain:.2g}" for gain in (max(tests * promised, 0.0), usual_gain(name, tests), least_gain(name, tests)))]
+                [
+                    name,
+                    *(f"{gain:.2g}" for gain in (max(tests * promised, 0.0), usual_gain(name, tests), least_gain(name, tests))),
+                ]
                 for name, promised in sorted(promises_a_test().items(), key=lambda row: -row[1])
             ),
         )
@@ -86,10 +89,7 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
         table(
             "chance: the share of rigs whose p is at most as large, by twins alone and as it is told",
             ["p at most", *(f"{kind}, {name}" for name in sets for kind in ("twins", "told"))],
-            (
-                [f"{p:g}", *(share(found <= p) for rows in sets.values() for found in (twins(rows), told(rows)))]
-                for p in SHARES
-            ),
+            ([f"{p:g}", *(share(found <= p) for rows in sets.values() for found in (twins(rows), told(rows)))] for p in SHARES),
         )
     )
     parts.append(
@@ -138,7 +138,12 @@ def of_laws(effects: Rows) -> list[str]:
         "what speaks against a law that is exact, and rigs on which the law found is",
         ["what", "up to", "called outside though its effect is there", "named though another is there"],
         (
-            [AGAINST[kind].format(effect="the effect", driver="its driver"), f"{most:.3g}", share(own > most), share(others <= most)]
+            [
+                AGAINST[kind].format(effect="the effect", driver="its driver"),
+                f"{most:.3g}",
+                share(own > most),
+                share(others <= most),
+            ]
             for kind, (most, own, others) in spoken.items()
         ),
     )
@@ -160,7 +165,13 @@ def of_intervals(intervals: Rows) -> list[str]:
         held = [share(np.abs(error) <= reach * np.hypot(deviation, one)) for one in (0.0, form)]
         half = 100 * float(np.median(reach * np.hypot(deviation, form)))
         rows.append([f"{effect} {name}".strip(), *held, f"{100 * form:.2g} %", f"{half:.2g} %"])
-    head = ["parameter", "by the jackknife alone", f"with the form of laws ({100 * COVERED:g} % asked)", "form", "half width, median"]
+    head = [
+        "parameter",
+        "by the jackknife alone",
+        f"with the form of laws ({100 * COVERED:g} % asked)",
+        "form",
+        "half width, median",
+    ]
     return [table("intervals that hold the truth, where the effect alone was named", head, rows)]
 
 

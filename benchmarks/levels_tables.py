@@ -38,9 +38,7 @@ def write_tables(into: Path, lines: Sequence[Mapping[str, Any]], effects: bool) 
         write_table(into, map(row_of, lines), COLUMNS)
         return
     write_table(into, map(effect_row, lines), EFFECT_COLUMNS)
-    write_table(
-        into.with_name(INTERVALS.name), (row for line in lines for row in interval_rows(line)), INTERVAL_COLUMNS
-    )
+    write_table(into.with_name(INTERVALS.name), (row for line in lines for row in interval_rows(line)), INTERVAL_COLUMNS)
 
 
 def row_of(line: Mapping[str, Any]) -> dict[str, Any]:

@@ -121,9 +121,7 @@ def fight(left: Sequence[Question], workers: int, ledger: Ledger, tag: str, clus
     """Fight duels in processes of their own, or on a cluster, and keep each as it ends."""
     os.environ.update(dict.fromkeys(THREADS, "1"))
     columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(
-        *columns, TimeRemainingColumn(), speed_estimate_period=3600, console=Console(stderr=True)
-    ) as progress:
+    with Progress(*columns, TimeRemainingColumn(), speed_estimate_period=3600, console=Console(stderr=True)) as progress:
         task = progress.add_task("duels", total=len(left))
         calls = [(one,) for one in left]
         for line in there("next_value", "outcome", calls, cluster) if cluster else outcomes(left, workers):

@@ -34,9 +34,7 @@ STEPS = 4
 FIRST = Condition("sine_first", "sine_0p5hz", lambda: sine(0.5, 4), 60, 0.40)
 
 
-def logs_of(
-    effect: str, strength: str, seed: int, condition: Condition, first_test: int, repetitions: int
-) -> list[TestLog]:
+def logs_of(effect: str, strength: str, seed: int, condition: Condition, first_test: int, repetitions: int) -> list[TestLog]:
     """Return the repetitions of one condition on the truth plant, as logs."""
     case = build_case([effect], strength, seed, conditions=[condition])
     object.__setattr__(case, "first_test", first_test)

@@ -47,9 +47,7 @@ app = typer.Typer(
 
 @app.callback()
 def root(
-    version: Annotated[
-        bool, typer.Option("--version", callback=show_version, is_eager=True, help="Show the version.")
-    ] = False,
+    version: Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Show the version.")] = False,
 ) -> None:
     """Find what the model of a machine leaves out, from a file of its equations and two recordings of it."""
 

@@ -42,9 +42,7 @@ def connected(address: str, named: str = "--cluster ") -> Any:
                 return Client(processes=True, threads_per_worker=1, dashboard_address=None)
         return Client(address, timeout="10s")
     except (OSError, ValueError) as error:
-        raise UsageError(
-            f"{named}{address}: no dask scheduler answers ({error}); give tcp://HOST:PORT or local"
-        ) from None
+        raise UsageError(f"{named}{address}: no dask scheduler answers ({error}); give tcp://HOST:PORT or local") from None
 
 
 @contextmanager

@@ -64,9 +64,7 @@ def _values(text: str, where: str, construct: bool = True, mapping: bool = False
         if depth > DEEPEST:
             raise RecursionError
         if count > MOST_VALUES:
-            raise UsageError(
-                f"{where} holds {count:.3g} values, its aliases written out; at most {MOST_VALUES} are allowed"
-            )
+            raise UsageError(f"{where} holds {count:.3g} values, its aliases written out; at most {MOST_VALUES} are allowed")
         if mapping and node is not None and not isinstance(node, yaml.MappingNode):
             raise UsageError(f"{where}: names with values are needed (NAME: VALUE)")
         return None if node is None or not construct else loader.construct_document(node)

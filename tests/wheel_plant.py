@@ -44,20 +44,25 @@ DRY_WHEEL = (
     .replace('viscous = Parameter("N*m*s", 2e-4, (1e-7, 1e-1)', 'dry = Parameter("N*m", 1.2e-3, (1e-7, 1e-1)')
 )
 
-DRIVER = WHEEL.replace("class Wheel", "class Driver").replace("contact, outside, sensor", "contact, path, sensor").replace(
-    """        torque = actuator(parameter.gain * drive.voltage)
+DRIVER = (
+    WHEEL.replace("class Wheel", "class Driver")
+    .replace("contact, outside, sensor", "contact, path, sensor")
+    .replace(
+        """        torque = actuator(parameter.gain * drive.voltage)
         load = outside("N*m")
         rub = contact(state.speed, push=torque + load, viscous=parameter.viscous)
         rate.speed = body(torque + load - rub, mass=parameter.inertia, load=load)
 """,
-    """        volts = actuator(drive.voltage)
+        """        volts = actuator(drive.voltage)
         current = path((volts - parameter.constant * state.speed) / parameter.resistance)
         rub = contact(state.speed, viscous=parameter.viscous)
         rate.speed = body(parameter.constant * current - rub, mass=parameter.inertia)
 """,
-).replace(
-    'gain = Parameter("N*m/V", 1.5e-3, (1e-5, 1.0), "log-uniform", base=True)',
-    'resistance = Parameter("ohm", 2.0)\n    constant = Parameter("N*m/A", 4e-3, (1e-5, 1.0), "log-uniform", base=True)',
+    )
+    .replace(
+        'gain = Parameter("N*m/V", 1.5e-3, (1e-5, 1.0), "log-uniform", base=True)',
+        'resistance = Parameter("ohm", 2.0)\n    constant = Parameter("N*m/A", 4e-3, (1e-5, 1.0), "log-uniform", base=True)',
+    )
 )
 
 

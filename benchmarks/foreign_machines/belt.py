@@ -77,9 +77,11 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
     states, voltage = march(rate, [0.0] * 4, PERIOD, count, drive, 20)
     step = 2 * pi / 4096
     return {
-        "t_s": np.arange(count) * PERIOD, "u_V": voltage, "phi_rad": read(states[:, 0], step, 0.0, chance),
+        "t_s": np.arange(count) * PERIOD,
+        "u_V": voltage,
+        "phi_rad": read(states[:, 0], step, 0.0, chance),
         "x_mm": 1e3 * read(states[:, 2], 1e-5, v["noise"], chance),
-    }  # fmt: skip
+    }
 
 
 MACHINE = Machine(

@@ -86,9 +86,11 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
 
     states, voltage = march(rate, [0.0] * 5, PERIOD, count, lambda k, x: round(float(volts[k]) - 6.0 * x[0], 3), 10)
     return {
-        "t_s": np.arange(count) * PERIOD, "u_V": voltage, "x_mm": 1e3 * read(states[:, 0], 5e-5, v["noise"], chance),
+        "t_s": np.arange(count) * PERIOD,
+        "u_V": voltage,
+        "x_mm": 1e3 * read(states[:, 0], 5e-5, v["noise"], chance),
         "rope_deg": np.degrees(read(states[:, 2], 2 * pi / 8192, 0.0, chance)),
-    }  # fmt: skip
+    }
 
 
 MACHINE = Machine(

@@ -33,9 +33,7 @@ class Machine:
     samples: tuple[int, int]  # of one log; of each of three repetitions
     forms: tuple[Form[Values], ...]
 
-    def write(
-        self, folder: Path, effect: str, form: str, seed: int, one_log: bool, strength: str | float = 1.0
-    ) -> Path:
+    def write(self, folder: Path, effect: str, form: str, seed: int, one_log: bool, strength: str | float = 1.0) -> Path:
         """Write the case into `folder` and return the path of its sealed answer; see `truth.case_files`."""
         number = zlib.crc32(self.name.encode())
         chosen = find_form(self.forms, effect, form, seed)

@@ -67,9 +67,11 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
         bent = v["stiffness"] * twist * (1 + v["hard"] * twist * twist)
         slowed = v["wheel_drag"] * wheel + v["fan"] * wheel * abs(wheel) + v["brake"] * tanh(wheel / 0.2)
         return [
-            (torque - v["motor_drag"] * motor - bent) / v["motor_inertia"], motor - wheel,
-            (bent - slowed) / v["wheel_inertia"], (u - late) / v["lag"] if v["lag"] else 0.0,
-        ]  # fmt: skip
+            (torque - v["motor_drag"] * motor - bent) / v["motor_inertia"],
+            motor - wheel,
+            (bent - slowed) / v["wheel_inertia"],
+            (u - late) / v["lag"] if v["lag"] else 0.0,
+        ]
 
     states, torque = march(rate, [0.0, 0.0, 0.0, 0.0], PERIOD, count, lambda k, x: float(wanted[k]), 4)
     return {"t_s": np.arange(count) * PERIOD, "T_Nm": torque, "w_rad_s": read(states[:, 0], 0.02, v["noise"], chance)}

@@ -86,13 +86,19 @@ def measure(v: Values, course: np.random.Generator, chance: np.random.Generator,
     states, plate = march(rate, [0.0] * 4, PERIOD, count, lambda k, x: float(road[k]), 10)
     travel, wheel = states[:, 0] - states[:, 2], states[:, 2]
     return {
-        "t_s": np.arange(count) * PERIOD, "road_mm": 1e3 * plate,
-        "strut_mm": 1e3 * read(travel, 2e-5, v["noise"], chance), "wheel_mm": 1e3 * read(wheel, 2e-5, v["noise"], chance),
-    }  # fmt: skip
+        "t_s": np.arange(count) * PERIOD,
+        "road_mm": 1e3 * plate,
+        "strut_mm": 1e3 * read(travel, 2e-5, v["noise"], chance),
+        "wheel_mm": 1e3 * read(wheel, 2e-5, v["noise"], chance),
+    }
 
 
 MACHINE = Machine(
-    "suspension", PLANT, ("spring", "damper", "seal", "tyre"), RIG, measure,
+    "suspension",
+    PLANT,
+    ("spring", "damper", "seal", "tyre"),
+    RIG,
+    measure,
     {"time_s": "t_s", "travel_mm": "strut_mm", "wheel_mm": "wheel_mm", "road_m": {"column": "road_mm", "unit": "mm"}},
     (6000, 2500),
     (
@@ -101,4 +107,4 @@ MACHINE = Machine(
         Form("bump", "progressive", lambda v, s, r: {"bump": s * r.uniform(3e6, 6e6), "gap": 0.008}, drivers=("position",)),
         Form("lift", "tyre", lambda v, s, r: {"lift": r.uniform(350.0, 500.0) / s}, drivers=("position",)),
     ),
-)  # fmt: skip
+)

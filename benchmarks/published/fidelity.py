@@ -76,9 +76,7 @@ def section(name: str, cells: pl.DataFrame) -> list[str]:
 
 def page(cells: pl.DataFrame, seed: int) -> str:
     """Return the whole text."""
-    near = cells.filter(
-        pl.col("difference").abs() <= pl.max_horizontal(pl.lit(0.5), 0.3 * pl.col("published_mean").abs())
-    )
+    near = cells.filter(pl.col("difference").abs() <= pl.max_horizontal(pl.lit(0.5), 0.3 * pl.col("published_mean").abs()))
     lines = [HEADING.format(seed=seed)]
     lines.append(f"{near.height} of {cells.height} cells are within 0.5 deg or 30 % of what is printed.\n")
     lines += [*COMMON_CAUSE, ""]

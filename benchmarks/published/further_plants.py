@@ -65,9 +65,7 @@ def told(shown: bool) -> str:
 
 def timing_rows(frame: pl.DataFrame) -> dict[float, dict[str, tuple[float, float]]]:
     """Return the means of the laws for each dead time, ms."""
-    return {
-        ms: law_means(frame.filter(pl.col("condition").str.starts_with(f"{label}__"))) for label, ms in TIMES.items()
-    }
+    return {ms: law_means(frame.filter(pl.col("condition").str.starts_with(f"{label}__"))) for label, ms in TIMES.items()}
 
 
 def draw_timing(rows: dict[float, dict[str, tuple[float, float]]]) -> None:
@@ -168,24 +166,22 @@ def main() -> None:
     for name in ("previous_joint", "three_mode", "valve_timing", "two_pumps"):
         parser.add_argument(name, type=Path)
     given = parser.parse_args()
-    before, timing = (
-        pl.read_parquet(run / "tables/indicators.parquet") for run in (given.previous_joint, given.valve_timing)
-    )
+    before, timing = (pl.read_parquet(run / "tables/indicators.parquet") for run in (given.previous_joint, given.valve_timing))
     rows = timing_rows(timing)
     draw_timing(rows)
     frame = pressures(given.two_pumps)
     draw_pressures(given.two_pumps)
     table = (given.previous_joint / "tables/table_6_3_1_valves.md").read_text().split("\n", 2)[2]
     times = ["| dead time, ms | PVA | FFWD + PVA | sliding mode |", "|---:|---:|---:|---:|"]
-    times += [
-        f"| {ms:g} | " + " | ".join(f"{m:.2f} ± {s:.2f}" for m, s in laws.values()) + " |" for ms, laws in rows.items()
-    ]
+    times += [f"| {ms:g} | " + " | ".join(f"{m:.2f} ± {s:.2f}" for m, s in laws.values()) + " |" for ms, laws in rows.items()]
     text = Path(__file__).with_name("further_plants_reading.md").read_text()
     for mark, lines in (
-        ("<!-- table -->", [table]), ("<!-- criteria -->", judged(before)), ("<!-- timing -->", times),
+        ("<!-- table -->", [table]),
+        ("<!-- criteria -->", judged(before)),
+        ("<!-- timing -->", times),
         ("<!-- cycles -->", valve_cycles([given.previous_joint, given.three_mode])),
         ("<!-- pumps -->", two_pumps_table(frame)),
-    ):  # fmt: skip
+    ):
         text = text.replace(mark, "\n".join(lines))
     PAGE.write_text(text)
 

@@ -102,9 +102,7 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, help="where the runs are kept; a folder that is removed if not given")
     parser.add_argument("--repetitions", type=int, default=3)
     parser.add_argument("--campaigns", nargs="*", default=[*CHAPTER_5, *CHAPTER_4])
-    parser.add_argument(
-        "--on-rig", nargs="*", default=[*CHAPTER_5, *CHAPTER_4], help="campaigns for the virtual rig too"
-    )
+    parser.add_argument("--on-rig", nargs="*", default=[*CHAPTER_5, *CHAPTER_4], help="campaigns for the virtual rig too")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         folder = given.folder or Path(scratch)
@@ -121,8 +119,9 @@ def main() -> None:
             done.append(f"| {campaign} | {simulated} | {on_rig} | {number(cost[0])} | {number(cost[1])} |")
             tables += section(campaign, two, one, there) if judged else []
     head = [
-        "| campaign | tests done, simulator | tests done, virtual rig | RMSE1, times | e_max, times |", "|---|---:|---:|---:|---:|"
-    ]  # fmt: skip
+        "| campaign | tests done, simulator | tests done, virtual rig | RMSE1, times | e_max, times |",
+        "|---|---:|---:|---:|---:|",
+    ]
     note = [
         "\nTimes: pump 1 over pump 2, geometric mean over the conditions; the campaigns of chapter 4 have no tracking error."
     ]

@@ -56,9 +56,7 @@ def open_loops() -> None:
 
 def closed_loops() -> None:
     """PID with dither on cycloids of 2 s, with and without payload, with encoder counts and without."""
-    print(
-        "\n| PID on | payload | counts | error in 1 s, deg | in 2 s, deg | last 0.5 s, peak to peak, ours | reference |"
-    )
+    print("\n| PID on | payload | counts | error in 1 s, deg | in 2 s, deg | last 0.5 s, peak to peak, ours | reference |")
     print("|---|---|---|---:|---:|---:|---:|")
     for payload in (False, True):
         for direction, name in ((1.0, "cycloid_pos"), (-1.0, "cycloid_neg")):

@@ -69,9 +69,7 @@ def main(seconds: float = 10.0) -> None:
     for name, lengths in (("own work", own), ("  processor", processor), ("with client", whole)):
         median, high, worst = np.percentile(lengths, [50, 99.9, 100]) * 1e-3
         late = int((lengths > BUDGET_US * 1e3).sum())
-        print(
-            f"{name:<12} median {median:6.1f} us   99.9 % {high:6.1f} us   longest {worst:7.1f} us   over budget {late}"
-        )
+        print(f"{name:<12} median {median:6.1f} us   99.9 % {high:6.1f} us   longest {worst:7.1f} us   over budget {late}")
 
 
 if __name__ == "__main__":

@@ -46,9 +46,7 @@ def _joint(name: str, about: str, effects: tuple[str, ...], seed: int) -> LogSet
 def _other(
     name: str, about: str, write: Callable[..., Path], effect: str, form: str, one_log: bool, strength: str = "1"
 ) -> LogSet:
-    return LogSet(
-        name, about, partial(write, effect=effect, form=form, seed=SEED, one_log=one_log, strength=strength)
-    )
+    return LogSet(name, about, partial(write, effect=effect, form=form, seed=SEED, one_log=one_log, strength=strength))
 
 
 SETS = (

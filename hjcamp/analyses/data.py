@@ -101,7 +101,8 @@ def _doubtful_lines(logs: Sequence[TestLog]) -> str:
         for one in found:
             doubtful.setdefault(one.field, []).append(f"{log.path}: {one.line}")
     more = {
-        field: f" (and so in {counted(len(lines) - 1, 'more log')})" if len(lines) > 1 else "" for field, lines in doubtful.items()
+        field: f" (and so in {counted(len(lines) - 1, 'more log')})" if len(lines) > 1 else ""
+        for field, lines in doubtful.items()
     }
     return "".join(f"{lines[0]}{more[field]}\n" for field, lines in doubtful.items())
 

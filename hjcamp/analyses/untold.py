@@ -32,5 +32,6 @@ def untold(analysis: Analysis) -> list[str]:
     groups = [[found[k].name for k, own in zip(kept, group, strict=True) if own == each] for each in dict.fromkeys(group)]
     return [
         f"These tests do not tell {', '.join(names[:-1])} and {names[-1]} apart: give one of them (base=False)."
-        for names in groups if len(names) > 1
-    ]  # fmt: skip
+        for names in groups
+        if len(names) > 1
+    ]

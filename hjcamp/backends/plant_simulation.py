@@ -163,9 +163,7 @@ def _apart(values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, flo
 
 def start_of(config: Mapping[str, Any], plant: type[Plant], brought: Mapping[str, float]) -> dict[str, float]:
     """Return the plant's states at the begin of a test: as configured, else as ``brought`` there, else as declared, else 0."""
-    declared = {
-        name: state.start if isinstance(state.start, int | float) else 0.0 for name, state in plant.states.items()
-    }
+    declared = {name: state.start if isinstance(state.start, int | float) else 0.0 for name, state in plant.states.items()}
     return {name: float(value) for name, value in {**declared, **brought, **(config.get("start") or {})}.items()}
 
 

@@ -75,9 +75,7 @@ def label_of(key: str, value: Any) -> str:
 def _axis(name: str, values: Any, where: str) -> Axis:
     place = f"{where}, axis '{name}'"
     if isinstance(values, Mapping):
-        cases = {
-            label_of("", str(label)): _settings(bundle, f"{place}, case '{label}'") for label, bundle in values.items()
-        }
+        cases = {label_of("", str(label)): _settings(bundle, f"{place}, case '{label}'") for label, bundle in values.items()}
         count = len(values)
     elif isinstance(values, list | tuple):
         # A list holds values of the one group or parameter that the axis is named after.

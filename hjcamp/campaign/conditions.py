@@ -28,9 +28,7 @@ class Draft:
     overrides: tuple[str, ...]
 
 
-def draft_conditions(
-    campaign: Campaign, lines: Sequence[str], composer: Composer, most: int
-) -> tuple[Campaign, list[Draft]]:
+def draft_conditions(campaign: Campaign, lines: Sequence[str], composer: Composer, most: int) -> tuple[Campaign, list[Draft]]:
     """Return the campaign as narrowed by the command line, and its conditions in the order of the axes.
 
     ``lines`` are the user's overrides. They come after the campaign's: one of a fixed key replaces it, one of a varied
@@ -88,9 +86,7 @@ def _narrow(axis: Axis, item: Override, composer: Composer) -> Axis:
         return Axis(axis.name, {label_of(key, value): {key: value}})
     if composer.is_group(key):
         allowed = sorted({str(settings[key]) for settings in axis.cases.values() if key in settings})
-        raise UsageError(
-            f"'{item.input_line}': the axis '{axis.name}' sets {key} in its cases. Allowed: {', '.join(allowed)}"
-        )
+        raise UsageError(f"'{item.input_line}': the axis '{axis.name}' sets {key} in its cases. Allowed: {', '.join(allowed)}")
     cases = {label: {**settings, key: value} for label, settings in axis.cases.items()}
     return Axis(axis.name, cases)
 

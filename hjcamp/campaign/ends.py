@@ -40,9 +40,7 @@ def followed_error(columns: Mapping[str, NDArray[np.float64]], config: Mapping[s
 class Ends:
     """Hears of each test that ends; prints a line, in a file too, when the last test of a condition did."""
 
-    def __init__(
-        self, folder: RunFolder, waiting: Sequence[PlannedTest], console: Console, compiling: str = ""
-    ) -> None:
+    def __init__(self, folder: RunFolder, waiting: Sequence[PlannedTest], console: Console, compiling: str = "") -> None:
         plan = folder.plan
         self._folder, self._console, self._feed = folder, console, current_feed()
         self._left: dict[str, int] = {}
@@ -64,9 +62,7 @@ class Ends:
         done = outcome.state == "done"
         if self._feed is not None:
             log: Path | None = self._logs[outcome.test] if done else None
-            self._feed.ended(
-                outcome.test, name, log, outcome.error, "" if done else f"{outcome.test}: {outcome.message}"
-            )
+            self._feed.ended(outcome.test, name, log, outcome.error, "" if done else f"{outcome.test}: {outcome.message}")
         self._ended[name].append(outcome)
         self._left[name] -= 1
         if not self._left[name]:

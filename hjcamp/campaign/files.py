@@ -17,6 +17,4 @@ def write_json(path: Path, content: Any) -> None:
 
 def run_errors(folder: Path) -> AbstractContextManager[None]:
     """Turn a full or read-only disk into one message that says how the run in ``folder`` goes on."""
-    return disk_errors(
-        folder, f"free space, then go on with: hjcamp resume {folder}", "choose another folder with run_dir=DIR"
-    )
+    return disk_errors(folder, f"free space, then go on with: hjcamp resume {folder}", "choose another folder with run_dir=DIR")

@@ -81,9 +81,7 @@ def _meets(run: FoundRun, key: str, value: str) -> bool:
     for holder in (vars(run.plan), session):
         if key in holder and not isinstance(holder[key], dict | list | tuple):
             return _same(holder[key], value)
-    return any(
-        _same(one.choices.get(key), value) or _same(look_up(one.config, key), value) for one in run.plan.conditions
-    )
+    return any(_same(one.choices.get(key), value) or _same(look_up(one.config, key), value) for one in run.plan.conditions)
 
 
 def _same(there: Any, wanted: str) -> bool:

@@ -67,7 +67,9 @@ class RunFolder:
         self.save()
         left = sum(entry["state"] != "done" for entry in self.manifest["tests"].values())
         code_of = f"git {str(session['git'])[:12]}" if session.get("git") else f"version {session.get('version')}"
-        self.note(f"session {len(self.manifest['sessions'])}: {counted(left, 'test')} to make, {counted(workers, 'worker')}, {code_of}")
+        self.note(
+            f"session {len(self.manifest['sessions'])}: {counted(left, 'test')} to make, {counted(workers, 'worker')}, {code_of}"
+        )
 
     def keep_changes(self) -> str | None:
         """Write the changes on top of the commit into ``provenance/``; the name holds their hash. None: none, or > 1 MB."""
@@ -175,10 +177,7 @@ def _comparable(plan: Plan) -> dict[str, Any]:
         "seed": plan.seed,
         "tables": ", ".join(plan.tables),
         "conditions": ", ".join(one.name for one in plan.conditions),
-        **{
-            one.name: {k: v for k, v in one.config.items() if k not in ("repetitions", "seed")}
-            for one in plan.conditions
-        },
+        **{one.name: {k: v for k, v in one.config.items() if k not in ("repetitions", "seed")} for one in plan.conditions},
     }
 
 

@@ -21,9 +21,7 @@ def free_place(name: str, replace: bool) -> Path:
     return path
 
 
-def write_gains(
-    name: str, gains: Mapping[str, Mapping[str, float] | float], source: Sequence[str], replace: bool
-) -> Path:
+def write_gains(name: str, gains: Mapping[str, Mapping[str, float] | float], source: Sequence[str], replace: bool) -> Path:
     """Write ``conf/controller/gains/NAME.yaml`` in the working folder; ``source`` are lines that say where it is from.
 
     Raises ``UsageError`` where the file exists and is not to be replaced, or the name is none for a file.

@@ -76,9 +76,7 @@ def history_rows(moments: Sequence[Moment]) -> tuple[list[str], list[dict[str, A
     shared = [name for name in moments[0].samples if all(name in one.samples for one in moments)]
     if not shared:
         first = next(one for one in moments if not set(one.samples) & set(moments[0].samples) or one is moments[-1])
-        raise UsageError(
-            f"{moments[0].run} and {first.run} have no condition in common; filter the runs with KEY=VALUE"
-        )
+        raise UsageError(f"{moments[0].run} and {first.run} have no condition in common; filter the runs with KEY=VALUE")
     rows: list[dict[str, Any]] = []
     for place, one in enumerate(moments):
         samples = [one.samples[name] for name in shared]
@@ -87,7 +85,10 @@ def history_rows(moments: Sequence[Moment]) -> tuple[list[str], list[dict[str, A
         changed = _changed(moments[place - 1], one, shared) if place else []
         rows.append(
             {
-                "run": one.run, "started": one.started, "commit": one.commit, "version": one.version,
+                "run": one.run,
+                "started": one.started,
+                "commit": one.commit,
+                "version": one.version,
                 "tests": sum(sample.n for sample in samples),
                 "mean": sum(sample.mean for sample in samples) / len(samples),
                 "standard_error": math.sqrt(sum(known)) / len(known) if len(known) == len(samples) else None,
@@ -97,7 +98,7 @@ def history_rows(moments: Sequence[Moment]) -> tuple[list[str], list[dict[str, A
                     for name, sample in zip(shared, samples, strict=True)
                 },
             }
-        )  # fmt: skip
+        )
     return shared, rows
 
 

@@ -117,9 +117,7 @@ def run_campaign(config: DictConfig, sweep: bool) -> float | tuple[float, ...] |
     values = tuple(one.of(made.report.indicators) for one in objectives)
     said = [f"{one.text} = {value:.6g}" for one, value in zip(objectives, values, strict=True)]
     if brief:
-        said = [
-            "   ".join([f"job {hydra.job.num}", *said, varied, f"{time.monotonic() - begun:.1f} s", str(made.path)])
-        ]
+        said = ["   ".join([f"job {hydra.job.num}", *said, varied, f"{time.monotonic() - begun:.1f} s", str(made.path)])]
     for line in said:
         console.print(line if brief else f"  objective  {line}", markup=False)
     return values if len(values) > 1 else values[0]

@@ -17,8 +17,12 @@ if TYPE_CHECKING:
 
 KNOWN = (*INDICATORS, *FURTHER)
 OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv, ast.Pow: operator.pow
-}  # fmt: skip
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
 FUNCTIONS: dict[str, Callable[..., float]] = {"abs": abs, "sqrt": math.sqrt, "max": max, "min": min}
 SHOWN = 3
 LONGEST = 300
@@ -77,9 +81,7 @@ def _read(text: Any) -> Objective:
     try:
         formula = ast.parse(said, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise UsageError(
-            f"objective={shown(text)} is no formula; write one such as rmse1_deg + 0.1*e_max_deg"
-        ) from None
+        raise UsageError(f"objective={shown(text)} is no formula; write one such as rmse1_deg + 0.1*e_max_deg") from None
     names: dict[str, None] = {}
     _check(formula, said, names)
     if not names:

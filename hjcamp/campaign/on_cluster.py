@@ -53,8 +53,7 @@ def execute_for_another(job: Job) -> tuple[Outcome, bytes | None]:
     differs = [f"{key} {here.get(key)}, not {value}" for key, value in asked.items() if here.get(key) != value]
     if differs:
         message = (
-            f"a worker of the cluster runs another program: {'; '.join(differs)}; start it in this folder, with this "
-            "version"
+            f"a worker of the cluster runs another program: {'; '.join(differs)}; start it in this folder, with this version"
         )
         return Outcome(job.test.id, job.test.condition, "failed", 0.0, message, stops=1), None
     with tempfile.TemporaryDirectory(prefix="hjcamp_") as folder:

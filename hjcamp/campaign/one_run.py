@@ -34,9 +34,7 @@ class Made:
     report: Report | None
 
 
-def make_run(
-    plan: Plan, asked: Mapping[str, Any], lines: list[str], console: Console, run_dir: Path | None = None
-) -> Made:
+def make_run(plan: Plan, asked: Mapping[str, Any], lines: list[str], console: Console, run_dir: Path | None = None) -> Made:
     """Make every test of ``plan`` that is left, and the report; raises where tests failed.
 
     ``asked`` is the composed configuration of the call, ``lines`` its overrides; ``run_dir`` goes before that of the call.

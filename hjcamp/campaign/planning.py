@@ -41,9 +41,7 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
         campaign, drafts = draft_conditions(campaign, lines, composer, run.most_tests)
     drafts = _selected(drafts, run.conditions)
     _refuse_too_many(drafts, run, composer)
-    conditions = tuple(
-        _condition(draft, composer.compose(draft.overrides), repetitions, seed, composer) for draft in drafts
-    )
+    conditions = tuple(_condition(draft, composer.compose(draft.overrides), repetitions, seed, composer) for draft in drafts)
     _refuse_equal(conditions)
     tables = _tables(run.tables, composer)
     read_objectives(run.objective)

@@ -71,9 +71,7 @@ class _RunProgress(Progress):
 
 
 @contextmanager
-def progress_bar(
-    console: Console, total: int, done: int, kernels: Kernels | None = None
-) -> Iterator[Callable[[str], None]]:
+def progress_bar(console: Console, total: int, done: int, kernels: Kernels | None = None) -> Iterator[Callable[[str], None]]:
     """Show a bar on a terminal, elsewhere what has to be compiled and a line now and then; yields what to call after each test."""
     if not console.is_terminal:
         if kernels is not None and (words := kernels.words()):

@@ -95,9 +95,7 @@ def run_plan(
         again = result.stopped_again(stopper)
         raise kind(f"{stopper.message}\n{again}{counted(left, 'test')} left; go on with: hjcamp resume {folder.path}")
     if state == "interrupted" and left:
-        raise Interrupted(
-            f"stopped, {left} of {len(folder.plan.tests)} tests left; go on with: hjcamp resume {folder.path}"
-        )
+        raise Interrupted(f"stopped, {left} of {len(folder.plan.tests)} tests left; go on with: hjcamp resume {folder.path}")
     return result
 
 
@@ -148,9 +146,7 @@ def _run(
     return stoppers[0] if stoppers else None
 
 
-def _outcomes(
-    jobs: Sequence[Job], workers: tuple[int, bool], cluster: Any, stop: Callable[[], bool]
-) -> Iterator[Outcome]:
+def _outcomes(jobs: Sequence[Job], workers: tuple[int, bool], cluster: Any, stop: Callable[[], bool]) -> Iterator[Outcome]:
     if cluster is None:
         return outcomes(jobs, *workers, stop=stop)
     from hjcamp.campaign.on_cluster import outcomes_on_cluster

@@ -49,10 +49,8 @@ class SweepResult:
         front = [
             (job, own)
             for job, own in seen
-            if not any(
-                all(a <= b for a, b in zip(other, own, strict=True)) and other != own for _, other in seen
-            )
-        ]  # fmt: skip
+            if not any(all(a <= b for a, b in zip(other, own, strict=True)) and other != own for _, other in seen)
+        ]
         return [job for job, _ in sorted(front, key=lambda one: one[1])]
 
     def table(self) -> tuple[list[str], list[list[Any]]]:

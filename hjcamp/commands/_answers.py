@@ -81,9 +81,7 @@ def plant_answer(plant: type[Plant], effects: Sequence[str], unfit: Mapping[str,
         **plant_row(plant, effects),
         "states": [{"name": one.name, "unit": one.unit, "text": one.text} for one in plant.states.values()],
         "inputs": [{"name": one.name, "unit": one.unit, "text": one.text} for one in plant.inputs.values()],
-        "parameters": [
-            parameter_row(one) | {"base": one.name in plant.base_parameters} for one in plant.parameters.values()
-        ],
+        "parameters": [parameter_row(one) | {"base": one.name in plant.base_parameters} for one in plant.parameters.values()],
         "equations": [
             {"mark": one.mark, "target": one.target, "expression": one.expression, "unit": one.unit or None}
             for one in vocabulary.statements

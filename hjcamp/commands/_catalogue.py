@@ -36,9 +36,7 @@ def write_pages(folder: Path, tell: Callable[[str], None] = lambda text: None) -
         library = libraries[name]
         linked = {one: effect.sentence() for one, effect in library.effects.items() if one in known}
         others = {
-            file: library.names[file]
-            for file in library.names
-            if not set(library.names[file]) <= set(known) and file in known
+            file: library.names[file] for file in library.names if not set(library.names[file]) <= set(known) and file in known
         }
         linked |= {file: library.effects[called[0]].sentence() for file, called in others.items()}
         pages[f"plant_{name}"] = plant_page(

@@ -49,9 +49,7 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
     values = [told_error(one.value, one.error, one.unit) for one in shown]
     picture = draw_corner([one.label for one in shown], values, correlation[np.ix_(drawn, drawn)])
     which = f": {len(drawn)} of {len(found)}, those of effects and those most alike" if len(drawn) < len(found) else ""
-    return [*parts, page.picture(f"Fitted parameters, two by two{which}", picture), page.note(SAID)], {
-        "corner": picture
-    }
+    return [*parts, page.picture(f"Fitted parameters, two by two{which}", picture), page.note(SAID)], {"corner": picture}
 
 
 def known_rows(found: Sequence[Estimate], correlation: Array) -> list[list[str]]:

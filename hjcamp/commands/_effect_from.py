@@ -71,9 +71,7 @@ def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
     try:
         return _begun(content, file)
     except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError) as problem:
-        raise UsageError(
-            f"{file}: the curve of its unknown is not whole ({type(problem).__name__}: {problem})"
-        ) from None
+        raise UsageError(f"{file}: the curve of its unknown is not whole ({type(problem).__name__}: {problem})") from None
 
 
 def _begun(content: Mapping[str, Any], file: Path) -> Begun:
@@ -112,7 +110,9 @@ def _of_any_plant(plant: str, row: Mapping[str, Any], file: Path) -> Begun:
     values, first, last = even_steps(row["knots"]["x"], row["knots"]["y"], KNOTS)
     quantity, signal = str(row["quantity"]), str(row["signal"])
     groups = (vocabulary.signals, found.states, found.inputs, found.parameters, ("time",))
-    known = {name for group in groups for name in group} | {port.names.get("direction", "") for port in vocabulary.ports.values()}
+    known = {name for group in groups for name in group} | {
+        port.names.get("direction", "") for port in vocabulary.ports.values()
+    }
     for name in (*signal.split(" - "), *row["slots"]):
         if name not in known:
             raise unknown("name", str(name), known, f"{file} (plant {plant})")

@@ -23,9 +23,7 @@ def equations_of(names: Sequence[str], library: Mapping[str, type[Effect]]) -> s
     for name in names:
         found = equations(library[name])
         drawn = mathml(found[0]) if found else ""
-        parts.append(
-            f'<h3><a href="{PREFIX}{name}.html">{name}</a></h3><p>{escape(library[name].sentence())}</p>{drawn}'
-        )
+        parts.append(f'<h3><a href="{PREFIX}{name}.html">{name}</a></h3><p>{escape(library[name].sentence())}</p>{drawn}')
     return "\n".join(parts)
 
 

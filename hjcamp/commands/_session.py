@@ -101,9 +101,7 @@ def free_standard_output() -> None:
 
 def no_logs() -> UsageError:
     """Return the refusal of a call that names neither logs nor tables."""
-    return UsageError(
-        "name run folders, folders of logs or log files; or --tables with a published table or a CSV file"
-    )
+    return UsageError("name run folders, folders of logs or log files; or --tables with a published table or a CSV file")
 
 
 def tell_of_views(console: Console, files: list[Path]) -> None:

@@ -28,9 +28,7 @@ def show_sweep(overrides: list[str], folder: Path | None) -> None:
     check_overrides(lines, parse_overrides)
     sweep = read_sweep(parsed, composer)
     console = make_console()
-    fixed = {
-        f"{one.get_key_element()}={one.get_value_element_as_str()}" for one in parsed if not one.is_sweep_override()
-    }
+    fixed = {f"{one.get_key_element()}={one.get_value_element_as_str()}" for one in parsed if not one.is_sweep_override()}
     table = Table(box=None, header_style="bold")
     for name in ("job", "varied", "conditions", "tests", "motion"):
         table.add_column(name, overflow="fold")
@@ -46,9 +44,7 @@ def show_sweep(overrides: list[str], folder: Path | None) -> None:
         console.print(f"objective  {one.text}, the mean over the tests of a job", markup=False)
     if sweep.space:
         count = "an unknown number of" if sweep.count is None else str(sweep.count)
-        console.print(
-            f"{count} jobs, their values chosen by hydra/sweeper={sweep.sweeper}, one after the other", markup=False
-        )
+        console.print(f"{count} jobs, their values chosen by hydra/sweeper={sweep.sweeper}, one after the other", markup=False)
         for key, value in sweep.space.items():
             console.print(f"  {key} = {value}", markup=False)
         console.print("the two ends of what it may choose:")

@@ -70,8 +70,12 @@ def prepare_view(logs: list[Path], viewer: str, into: Path) -> View:
         made = [write_recording(into / f"{_stem(path, log)}.rrd", log, panels, phases) for path, log in read]
         return View(viewer, tuple(made), (begin, *map(str, made)), program is not None)
     states = {"phase": f"{TOPIC}.phase"} if "phase" in there else {}
-    layouts = write_layouts(into, {title: [(TOPIC, name, label) for name, label in fields.items()]
-                                   for title, fields in panels.items()}, plant.name, states)  # fmt: skip
+    layouts = write_layouts(
+        into,
+        {title: [(TOPIC, name, label) for name, label in fields.items()] for title, fields in panels.items()},
+        plant.name,
+        states,
+    )
     if viewer == "foxglove":
         advice = f"in Foxglove: Layouts, Import from file, {layouts[0]}"
         return View(viewer, (layouts[0],), (begin, *map(str, logs)), program is not None, advice)

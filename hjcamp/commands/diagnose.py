@@ -41,7 +41,8 @@ def diagnose(
         str | None, typer.Option(help="Effects that get a row whatever they explain, with commas; your own always do.")
     ] = None,
     shadow: Annotated[
-        bool, typer.Option("--shadow", hidden=True, help="Decide by nested choice and a confidence set as well (decision_shadow).")
+        bool,
+        typer.Option("--shadow", hidden=True, help="Decide by nested choice and a confidence set as well (decision_shadow)."),
     ] = False,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""

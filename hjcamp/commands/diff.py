@@ -96,9 +96,7 @@ def _print_results(console: Console, found: dict[str, Any], all_rows: bool) -> N
 
 
 def _shown(row: dict[str, Any]) -> list[str]:
-    texts = [
-        "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value) for value in row["values"]
-    ]
+    texts = ["none" if value is None else f"{value:g}" if isinstance(value, float) else str(value) for value in row["values"]]
     return ["absent" if place in row["absent_in"] else text for place, text in enumerate(texts)]
 
 

@@ -42,12 +42,8 @@ def effects(
         typer.Option("--figure", help="Draw tests without and with the effect into this file (png, svg, pdf)."),
     ] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", hidden=True)] = False,
-    plant: Annotated[
-        str, typer.Option(help=f"Which plant's effects; {DEFAULT} if not given.", show_default=False)
-    ] = "",
-    on: Annotated[
-        str, typer.Option(help="With new: write it for this kind of place, on any plant.", show_default=False)
-    ] = "",
+    plant: Annotated[str, typer.Option(help=f"Which plant's effects; {DEFAULT} if not given.", show_default=False)] = "",
+    on: Annotated[str, typer.Option(help="With new: write it for this kind of place, on any plant.", show_default=False)] = "",
     begun: Annotated[
         Path | None,
         typer.Option(
@@ -198,9 +194,7 @@ def show_effect(name: str, plant: str = "") -> dict[str, Any]:
         low, high = parameter.bounds
         absent = "" if parameter.off is None else f"{parameter.off:g}"
         bounds = f"{low:g} ... {high:g}"
-        table.add_row(
-            parameter.name, parameter.unit, f"{parameter.default:g}", bounds, parameter.prior, absent, parameter.text
-        )
+        table.add_row(parameter.name, parameter.unit, f"{parameter.default:g}", bounds, parameter.prior, absent, parameter.text)
     console.print(table)
     if effect.acts_on:
         console.print(

@@ -18,7 +18,9 @@ def register(app: typer.Typer) -> None:
 def explain(
     word: Annotated[
         list[str] | None,
-        typer.Argument(help="A word, such as floor, 'posterior weight' or path; none for all of the answers.", show_default=False),
+        typer.Argument(
+            help="A word, such as floor, 'posterior weight' or path; none for all of the answers.", show_default=False
+        ),
     ] = None,
     json: AnswerFile = None,
 ) -> None:

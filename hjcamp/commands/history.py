@@ -20,9 +20,7 @@ def register(app: typer.Typer) -> None:
 def history(
     words: Annotated[
         list[str],
-        typer.Argument(
-            metavar="campaign=NAME [KEY=VALUE...] [INDICATOR]", help="The runs, filtered as by ls; rmse1_deg."
-        ),
+        typer.Argument(metavar="campaign=NAME [KEY=VALUE...] [INDICATOR]", help="The runs, filtered as by ls; rmse1_deg."),
     ],
     over: Annotated[str, typer.Option(help="commits (the newest run of each) or runs.")] = "commits",
     folder: Annotated[Path | None, typer.Option(help="Where to look; runs and multirun by default.")] = None,
@@ -74,7 +72,9 @@ def history(
         table.add_row(*cells)
     console.print(table)
     said = f"deg, mean over {counted(len(shared), 'condition')} ± its standard error"
-    console.print(f"  {said}; changed: conditions that differ from the row before, the largest named", style="dim", markup=False)
+    console.print(
+        f"  {said}; changed: conditions that differ from the row before, the largest named", style="dim", markup=False
+    )
     if without:
         none = counted(len(without), "run has", "runs have")
         console.print(f"  {none} no report: {', '.join(without[:3])}", markup=False, soft_wrap=True)

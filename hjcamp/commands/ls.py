@@ -50,9 +50,7 @@ def ls(
     if columns is not None and not names:
         raise UsageError("--columns: name at least one column, such as  --columns run,payload,rmse1_deg")
     added = [name.removeprefix("+") for name in names]
-    shown = list(
-        dict.fromkeys([*USUAL, *added] if not names or any(one.startswith("+") for one in names) else ["run", *added])
-    )
+    shown = list(dict.fromkeys([*USUAL, *added] if not names or any(one.startswith("+") for one in names) else ["run", *added]))
     check_answer_file(json)
     if page is not None:
         check_place(page, "--page")
@@ -70,9 +68,7 @@ def ls(
     if page is not None:
         console.print(f"page    {page}", markup=False, soft_wrap=True)
     if not runs:
-        console.print(
-            "no runs found" + (" that meet the filters" if filters else "; the first: hjcamp run campaign=NAME")
-        )
+        console.print("no runs found" + (" that meet the filters" if filters else "; the first: hjcamp run campaign=NAME"))
         return
     table = Table(box=None, header_style="bold")
     for name in shown:

@@ -21,16 +21,12 @@ def register(app: typer.Typer) -> None:
 def next_(
     words: Annotated[
         list[str] | None,
-        typer.Argument(
-            metavar="[PATH...] [KEY=VALUE...]", help="Logs (none: before the first test), and what is fixed."
-        ),
+        typer.Argument(metavar="[PATH...] [KEY=VALUE...]", help="Logs (none: before the first test), and what is fixed."),
     ] = None,
     rivals: Annotated[list[str] | None, typer.Option(help="Effects to set apart: A,B. 'nothing' can be one.")] = None,
     tests: Annotated[int, typer.Option(help="How many tests to propose.")] = 3,
     name: Annotated[str | None, typer.Option("--as", help="Name of the campaign: campaigns/NAME.yaml.")] = None,
-    json: Annotated[
-        Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")
-    ] = None,
+    json: Annotated[Path | None, typer.Option(help="Write the answer for programs to this file; - is standard output.")] = None,
     effort: Annotated[str, typer.Option(help="Effort of the diagnosis: quick, standard or thorough.")] = "standard",
     workers: Annotated[int | None, typer.Option(help="Workers of the diagnosis; the number of processors by default.")] = None,
     seed: Annotated[int, typer.Option(help="Seed of everything that is simulated.")] = 1,

@@ -20,9 +20,7 @@ def register(app: typer.Typer) -> None:
 def paper(
     paths: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="RUN...", help="Runs, folders of logs, and answers of compare, diagnose, calibrate (.json)."
-        ),
+        typer.Argument(metavar="RUN...", help="Runs, folders of logs, and answers of compare, diagnose, calibrate (.json)."),
     ],
     folder: Annotated[Path, typer.Option("--as", metavar="DIR", help="The folder to write; main.tex there is kept.")],
     style: Annotated[str, typer.Option(help="plain, ieee, elsevier, springer or thesis.")] = "plain",
@@ -57,8 +55,7 @@ def paper(
     wanted = [name.strip() for name in (only or "").split(",") if name.strip()]
     made = write_paper(paths, folder, chosen, kinds, documented, wanted)
     numbers = {
-        name: {"value": one.value, "uncertainty": one.uncertainty, "unit": one.unit}
-        for name, one in made.numbers.items()
+        name: {"value": one.value, "uncertainty": one.uncertainty, "unit": one.unit} for name, one in made.numbers.items()
     }
     write_answer(
         json,
@@ -76,14 +73,10 @@ def paper(
         )
     )
     if numbers:
-        name, one = next(
-            (item for item in made.numbers.items() if item[1].uncertainty), next(iter(made.numbers.items()))
-        )
+        name, one = next((item for item in made.numbers.items() if item[1].uncertainty), next(iter(made.numbers.items())))
         console.print(f"  such as \\{name} = {one.latex}", markup=False, soft_wrap=True)
     console.print(f"  cite    {' '.join(made.cite) or 'nothing'}", markup=False, soft_wrap=True)
-    console.print(
-        f"  next    cd {folder} && pdflatex main && bibtex main && pdflatex main", markup=False, soft_wrap=True
-    )
+    console.print(f"  next    cd {folder} && pdflatex main && bibtex main && pdflatex main", markup=False, soft_wrap=True)
 
 
 def documented(plant: str, names: set[str]) -> Sequence[object]:

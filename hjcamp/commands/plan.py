@@ -39,9 +39,7 @@ def plan(
         from hjcamp.commands._sweep_plan import show_sweep
 
         if json is not None or condition is not None or cfg:
-            raise UsageError(
-                "-m shows the jobs of a sweep; --json, --condition and --cfg show one run: give one value each"
-            )
+            raise UsageError("-m shows the jobs of a sweep; --json, --condition and --cfg show one run: give one value each")
         show_sweep(overrides or [], config_dir)
         return
     made = compose_plan(overrides or [], config_dir)

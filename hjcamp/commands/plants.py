@@ -74,9 +74,7 @@ def show_list() -> dict[str, Any]:
     console.print(table)
     for problem in faults.values():
         console.print(f"  not a plant: {problem}", style="red", markup=False, soft_wrap=True)
-    console.print(
-        "  one of them: hjcamp plants NAME; one of your own: hjcamp plants new NAME", style="dim", markup=False
-    )
+    console.print("  one of them: hjcamp plants NAME; one of your own: hjcamp plants new NAME", style="dim", markup=False)
     rows = [plant_row(plant, list(library_of(plant).effects)) for plant in found.values()]
     return {"schema": "hjcamp.plants/1", "plants": rows}
 

@@ -23,20 +23,14 @@ def register(app: typer.Typer) -> None:
 
 def report(
     path: Annotated[Path, typer.Argument(help="A run folder or a folder of logs.")],
-    against: Annotated[
-        str | None, typer.Option(help="What stands beside: published, or another run folder.")
-    ] = "published",
+    against: Annotated[str | None, typer.Option(help="What stands beside: published, or another run folder.")] = "published",
     check: Annotated[
         str | None, typer.Option(help="Fail where a mean is outside these tolerances: a YAML file, or default.")
     ] = None,
-    summary: Annotated[
-        Path | None, typer.Option(help="Write a summary in Markdown to this file, for a CI job's page.")
-    ] = None,
+    summary: Annotated[Path | None, typer.Option(help="Write a summary in Markdown to this file, for a CI job's page.")] = None,
     junit: Annotated[Path | None, typer.Option(help="Write the check as JUnit XML to this file; with --check.")] = None,
     output: Annotated[Path | None, typer.Option(help="Another folder for tables and page.")] = None,
-    template: Annotated[
-        Path | None, typer.Option(help="Make the page by this template of yours (docs/templates.md).")
-    ] = None,
+    template: Annotated[Path | None, typer.Option(help="Make the page by this template of yours (docs/templates.md).")] = None,
     repetition: Annotated[
         int | None, typer.Option(help="Draw this repetition of each condition alone, into repetition_N of the folder.")
     ] = None,

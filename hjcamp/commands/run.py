@@ -35,9 +35,7 @@ def register(app: typer.Typer) -> None:
 
 
 def run(
-    arguments: Annotated[
-        list[str] | None, typer.Argument(metavar="OVERRIDES", autocompletion=complete_override)
-    ] = None,
+    arguments: Annotated[list[str] | None, typer.Argument(metavar="OVERRIDES", autocompletion=complete_override)] = None,
 ) -> None:
     """Run a campaign: every condition, every repetition, then tables and report. All of Hydra's command line."""
     if arguments and arguments[0] in ("--help", "-h"):

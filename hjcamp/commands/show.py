@@ -34,18 +34,14 @@ def show(run: Annotated[Path, typer.Argument(help="The run folder.")], json: Ans
     found = FoundRun(run, folder.plan, folder.manifest)
     write_answer(json, run_answer(found))
     console = make_console()
-    console.print(
-        bold(str(run), f"   {folder.plan.campaign}, {found.state}, {found.done} of {len(folder.plan.tests)} tests")
-    )
+    console.print(bold(str(run), f"   {folder.plan.campaign}, {found.state}, {found.done} of {len(folder.plan.tests)} tests"))
     console.print(f"  {common_choices(folder.plan)}", markup=False)
     for name, labels in folder.plan.axes.items():
         console.print(f"  {name}: {' '.join(labels)}", markup=False)
     for session in folder.manifest["sessions"]:
         commit = str(session.get("git") or "no git")[:12] + ("+changes" if session.get("git_changes_sha256") else "")
         ended = session.get("ended_at") or "not ended"
-        console.print(
-            f"  {session['started_at']} to {ended}, {session.get('host')}, hjcamp {session['version']}, {commit}"
-        )
+        console.print(f"  {session['started_at']} to {ended}, {session.get('host')}, hjcamp {session['version']}, {commit}")
     failed = [(name, entry) for name, entry in folder.manifest["tests"].items() if entry["state"] == "failed"]
     for name, entry in failed[:SHOWN]:
         console.print(f"  failed  {name}: {entry.get('message')}", style="red", markup=False)

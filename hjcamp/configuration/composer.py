@@ -43,9 +43,7 @@ from hjcamp.model.language.field_unit import FIELD_UNITS
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
 #: Groups whose choices make other parts of the configuration.
 WITHOUT_KEY = ("campaign", "plant")
-COMPOSE_ERRORS = (
-    HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError, RecursionError
-)  # fmt: skip
+COMPOSE_ERRORS = (HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError, RecursionError)
 MAIN = "config"
 FREE_KEYS = ("effects.", "model.effects.", "model.parameters.", "parameters.", "start.")
 
@@ -166,7 +164,9 @@ class Composer:
             if choice is not None and any(part[:1] in ("", ".", "_") for part in str(choice).split("/")):
                 raise unknown(group, str(choice), self.options(group))
             if choice is not None and group not in config and "/" not in group and group not in WITHOUT_KEY:
-                raise UsageError(f"{group}={choice}: this choice gives no '{group}' (an '@package' at its top puts it elsewhere?)")
+                raise UsageError(
+                    f"{group}={choice}: this choice gives no '{group}' (an '@package' at its top puts it elsewhere?)"
+                )
             if choice is not None and isinstance(config.get(group), dict) and group != "campaign":
                 config[group].setdefault("name", choice)
         return Composition(config, choices)
@@ -174,9 +174,7 @@ class Composer:
     def _refuse_unfit(self, overrides: Sequence[str]) -> None:
         """Raise ``UsageError`` for a controller that does not fit the plant: its values may follow hardware that is not there."""
         chosen = dict(line.partition("=")[::2] for line in overrides if line.startswith(("plant=", "controller=")))
-        if chosen.get("plant") not in self.options("plant") or chosen.get("controller") not in self.options(
-            "controller"
-        ):
+        if chosen.get("plant") not in self.options("plant") or chosen.get("controller") not in self.options("controller"):
             return
         from hjcamp.configuration.plant_settings import refuse_unfit
 
@@ -288,9 +286,7 @@ class Composer:
     def places(self) -> list[str]:
         """Return where configuration is looked for, first wins."""
         sources = self._loader.repository.get_sources()
-        return [
-            f"{source.scheme()}://{source.path}" for source in sources if source.provider not in ("hydra", "schema")
-        ]
+        return [f"{source.scheme()}://{source.path}" for source in sources if source.provider not in ("hydra", "schema")]
 
 
 @functools.lru_cache(maxsize=1024)

@@ -19,9 +19,7 @@ def parse_overrides(lines: Sequence[str]) -> list[Override]:
         try:
             parsed.append(parser.parse_override(line))
         except (HydraException, ValueError, RecursionError) as error:
-            detail = (
-                str(error).splitlines()[0].split(". See ")[0].split("; use ")[0] if str(error) else "not understood"
-            )
+            detail = str(error).splitlines()[0].split(". See ")[0].split("; use ")[0] if str(error) else "not understood"
             raise UsageError(
                 f"cannot read the override {shown(line)}: {detail[:200]}. Expected GROUP=CHOICE or PARAMETER=VALUE"
             ) from error

@@ -65,15 +65,11 @@ def check_plant_configuration(config: Mapping[str, Any], further_keys: tuple[str
     for key in config:
         if key not in (*GROUPS, *VALUES, "effects", "controller_model", *further_keys):
             if key in ABSENT:
-                raise UsageError(
-                    f"plant {config['plant'].get('name')}: it has no group '{key}', which belongs to {DEFAULT}"
-                )
+                raise UsageError(f"plant {config['plant'].get('name')}: it has no group '{key}', which belongs to {DEFAULT}")
             raise unknown("group or parameter", str(key), (*GROUPS, *VALUES, "effects"))
     for group in GROUPS:
         if not isinstance(config.get(group), Mapping):
-            raise UsageError(
-                f"{group} is {shown(config.get(group))}; a choice of the group with its parameters is needed"
-            )
+            raise UsageError(f"{group} is {shown(config.get(group))}; a choice of the group with its parameters is needed")
     checked(PlantGroup, config["plant"], "plant")
     plant = plant_in(config)
     if config["backend"].get("name") != "simulation":

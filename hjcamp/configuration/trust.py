@@ -25,7 +25,9 @@ HYDRA_MAY = (
 )  # fmt: skip
 #: What a reference in a file may call: an environment variable of whoever reads it is not among it.
 RESOLVERS = ("milli", "first", "oc.select")
-REFERENCES = f"a reference is ${{KEY}}, or one of {', '.join(f'${{{name}:...}}' for name in RESOLVERS)}; on the command line any"
+REFERENCES = (
+    f"a reference is ${{KEY}}, or one of {', '.join(f'${{{name}:...}}' for name in RESOLVERS)}; on the command line any"
+)
 _REFERENCE = re.compile(r"\$\{\s*(?:(?P<call>[\w.]+)\s*:|[\w.@/\[\]-]+\s*(?P<end>\}))?")
 _PARTS = re.compile(r"[\s./@:+~]+")
 
@@ -132,7 +134,9 @@ def _texts(content: Any) -> Iterator[str]:
             yield from _texts(value)
 
 
-def _refused(path: Path, word: str, reason: str, allowed: str = "a configuration file holds values only: take it out") -> UsageError:
+def _refused(
+    path: Path, word: str, reason: str, allowed: str = "a configuration file holds values only: take it out"
+) -> UsageError:
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
     line = next((number for number, text in enumerate(lines, 1) if word in text), None)
     where = f"{path}: line {line}" if line else str(path)

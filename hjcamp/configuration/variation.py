@@ -80,7 +80,9 @@ class Variations:
         config = copy.deepcopy(config)
         for override in values:
             _set(config, override)
-        return Loaded(resolved(config, self._resolved), {name: choice for found in choices.values() for name, choice in found.items()})
+        return Loaded(
+            resolved(config, self._resolved), {name: choice for found in choices.values() for name, choice in found.items()}
+        )
 
     def _together(self, plant: list[Override], chosen: Mapping[str, list[Override]]) -> list[list[str]]:
         """Return the groups whose choices change the same part of the configuration, together; others alone."""
@@ -106,9 +108,7 @@ class Variations:
                 base, _ = self._part(plant, [])
                 if list(base.config) != list(loaded.config):
                     raise NotJoinedError
-                changed = frozenset(
-                    key for key, part in loaded.config.items() if _text(part) != _text(base.config[key])
-                )
+                changed = frozenset(key for key, part in loaded.config.items() if _text(part) != _text(base.config[key]))
             known[key] = loaded, changed
         return known[key]
 

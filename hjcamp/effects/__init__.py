@@ -27,9 +27,7 @@ def imposed_files() -> dict[str, type[Effect]]:
     return scan(Path(__file__).parent / "imposed", f"{__name__}.imposed", Effect)
 
 
-def library_of(
-    plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | None = None, imposed: bool = False
-) -> Library:
+def library_of(plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | None = None, imposed: bool = False) -> Library:
     """Return the effects that fit a plant, generic ones bound to its places, and why the others do not.
 
     With ``imposed`` those as well that an experimenter puts on a rig on purpose.

@@ -158,9 +158,7 @@ def _names(kind: Kind, plant: type[Plant] | None) -> list[str]:
     if plant is not None:
         for port in read_vocabulary(plant).ports.values():
             if port.kind == kind.name:
-                lines += _wrapped(
-                    f"{kind.name.capitalize()} '{port.name}' of {plant.name} offers {', '.join(port.names)}."
-                )
+                lines += _wrapped(f"{kind.name.capitalize()} '{port.name}' of {plant.name} offers {', '.join(port.names)}.")
     return lines
 
 

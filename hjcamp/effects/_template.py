@@ -52,9 +52,7 @@ def write_template(name: str, folder: Path, plant: type[Plant], taken: Iterable[
 def _names(plant: type[Plant]) -> str:
     vocabulary = read_vocabulary(plant)
     slots = [f"{line.target} [{line.unit}]" for line in vocabulary.slots.values()]
-    signals = [
-        f"{line.target} [{line.unit}]" for name, line in vocabulary.signals.items() if name not in vocabulary.slots
-    ]
+    signals = [f"{line.target} [{line.unit}]" for name, line in vocabulary.signals.items() if name not in vocabulary.slots]
     given = [
         f"{name} [{item.unit}]"
         for group in (plant.states, plant.inputs)

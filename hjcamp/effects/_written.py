@@ -85,7 +85,9 @@ def _is_line(one: ast.stmt) -> bool:
 
 def _is_formula(value: ast.expr) -> bool:
     calls = [node for node in ast.walk(value) if isinstance(node, ast.Call)]
-    named = all(isinstance(call.func, ast.Name) and call.func.id in ("abs", "min", "max") and not call.keywords for call in calls)
+    named = all(
+        isinstance(call.func, ast.Name) and call.func.id in ("abs", "min", "max") and not call.keywords for call in calls
+    )
     return named and all(isinstance(node, (ast.Call, *FORMULA)) for node in ast.walk(value))
 
 

@@ -25,9 +25,7 @@ class ContactCreep(Effect):
     works_on = "coulomb"
     granted = "creep_speed"
     claimed = False
-    creep_speed = Parameter(
-        "speed", 0.05, (1e-4, 1.0), "log-uniform", "speed at which 95 % of the friction are there", off=0.0
-    )
+    creep_speed = Parameter("speed", 0.05, (1e-4, 1.0), "log-uniform", "speed at which 95 % of the friction are there", off=0.0)
     sharpness = Parameter("1", 1.0, (0.7, 4.0), text="1: bends from rest on; 2: straight at first, nearly a tanh", shape=True)
 
     @staticmethod

@@ -26,9 +26,7 @@ class CoulombAsymmetry(Effect):
 
     acts_on = "contact"
     works_on = "coulomb"
-    asymmetry = Parameter(
-        "1", 0.1, (-0.9, 0.9), text="share more in the positive direction, less in the other", off=0.0
-    )
+    asymmetry = Parameter("1", 0.1, (-0.9, 0.9), text="share more in the positive direction, less in the other", off=0.0)
 
     @staticmethod
     def static(static, direction, push, asymmetry):

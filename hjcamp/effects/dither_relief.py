@@ -21,9 +21,7 @@ class DitherRelief(Effect):
     plant = "pump_joint"
     subsystem = "joint"
     static_relief = Parameter("1/V", 0.2, (0.0, 0.8), text="share of static friction taken away by each volt", off=0.0)
-    coulomb_relief = Parameter(
-        "1/V", 0.1, (0.0, 0.8), text="share of Coulomb friction taken away by each volt", off=0.0
-    )
+    coulomb_relief = Parameter("1/V", 0.1, (0.0, 0.8), text="share of Coulomb friction taken away by each volt", off=0.0)
 
     @staticmethod
     def friction_static(friction_static, dither, static_relief):

@@ -20,9 +20,7 @@ class FlowExponent(Effect):
 
     acts_on = "path"
     exponent = Parameter("1", 0.1, (-0.5, 1.0), text="exponent added to that of the published law", off=0.0)
-    reference = Parameter(
-        "head", 1.0, (0.1, 10.0), "log-uniform", "head at which the published flow holds", shape=True
-    )
+    reference = Parameter("head", 1.0, (0.1, 10.0), "log-uniform", "head at which the published flow holds", shape=True)
 
     @staticmethod
     def flow(flow, head, exponent, reference):

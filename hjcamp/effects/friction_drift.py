@@ -32,18 +32,14 @@ class FrictionDrift(Effect):
 
     acts_on = "contact"
     scatters = True
-    drift = Parameter(
-        "1/period", 5e-5, (-1e-3, 2e-3), text="share of dry friction gained in each second at first", off=0.0
-    )
+    drift = Parameter("1/period", 5e-5, (-1e-3, 2e-3), text="share of dry friction gained in each second at first", off=0.0)
     viscous_drift = Parameter(
         "1/period", 0.0, (-1e-3, 2e-3), text="share of viscous friction gained in each second at first", off=0.0
     )
     settling_time = Parameter(
         "period", 1e4, (200.0, 1e5), "log-uniform", "time after which the rate has fallen to 37 %", shape=True
     )
-    pace = Parameter(
-        "speed", 50.0, (0.05, 50.0), "log-uniform", "speed at which travel counts as much as time", shape=True
-    )
+    pace = Parameter("speed", 50.0, (0.05, 50.0), "log-uniform", "speed at which travel counts as much as time", shape=True)
     travelled = State("travel", text="travel since the start of the command")
     last_position = State("travel", text="place one sample ago")
 

@@ -23,9 +23,7 @@ class GravityLoad(Effect):
     exact_in = ("arm_angle",)
     load_mass = Parameter("kg", 8.5e-3, (0.0, 0.5), text="mass of the payload", off=0.0)
     radius = Parameter("m", 0.02, (1e-3, 0.2), text="distance of the payload from the axis")
-    rest_angle = Parameter(
-        "rad", 0.0, (-3.2, 3.2), text="arm angle at which the payload hangs straight down", shape=True
-    )
+    rest_angle = Parameter("rad", 0.0, (-3.2, 3.2), text="arm angle at which the payload hangs straight down", shape=True)
 
     @staticmethod
     def load_force(arm_angle, pulley_radius, load_mass, radius, rest_angle):

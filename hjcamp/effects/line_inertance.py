@@ -22,9 +22,7 @@ class LineInertance(Effect):
     plant = "pump_joint"
     subsystem = "lines"
     same_as = ("payload_inertia",)
-    inertance = Parameter(
-        "kg/m^4", 4.2e7, (0.0, 2e9), "log-normal", "inertance of one line beyond the published mass", off=0.0
-    )
+    inertance = Parameter("kg/m^4", 4.2e7, (0.0, 2e9), "log-normal", "inertance of one line beyond the published mass", off=0.0)
     far_share = Parameter("1", 0.0, (0.0, 1.0), text="share of the compliance on the joint's side of it", shape=True)
     late_pump_flow = State("m^3/s", 1e-10, 1e-6, text="flow from the pump some milliseconds ago")
     late_slider_flow = State("m^3/s", 1e-10, 1e-6, text="flow to the sliders some milliseconds ago")

@@ -19,9 +19,7 @@ class Overflow(Effect):
 
     acts_on = "store"
     brim = Parameter("level", 0.8, (0.1, 10.0), "log-uniform", "level of the brim", shape=True)
-    spill = Parameter(
-        "loss/level", 10.0, (0.0, 1e3), text="flow over the brim for each unit of level above it", off=0.0
-    )
+    spill = Parameter("loss/level", 10.0, (0.0, 1e3), text="flow over the brim for each unit of level above it", off=0.0)
 
     @staticmethod
     def loss(level, brim, spill):

@@ -12,9 +12,7 @@ from hjcamp.model.declare.parameter import Parameter
 def along(friction, travel, amplitude, period, phase, concentration):
     """Return the friction at this place."""
     k = concentration if abs(concentration) > 1e-6 else 1e-6
-    return friction * (
-        1.0 + amplitude * expm1(k * sin(2.0 * pi * travel / period + phase)) * abs(k) / (k * expm1(abs(k)))
-    )
+    return friction * (1.0 + amplitude * expm1(k * sin(2.0 * pi * travel / period + phase)) * abs(k) / (k * expm1(abs(k))))
 
 
 class PositionFriction(Effect):
@@ -34,9 +32,7 @@ class PositionFriction(Effect):
     acts_on = "contact"
     scatters = True
     amplitude = Parameter("1", 0.2, (0.0, 0.9), text="largest change of dry friction over its mean", off=0.0)
-    viscous_amplitude = Parameter(
-        "1", 0.0, (0.0, 0.9), text="largest change of viscous friction over its mean", off=0.0
-    )
+    viscous_amplitude = Parameter("1", 0.0, (0.0, 0.9), text="largest change of viscous friction over its mean", off=0.0)
     period = Parameter("travel", 1.0, (0.02, 4.0), "log-uniform", "travel of one period", shape=True)
     phase = Parameter("rad", 0.0, (-3.15, 3.15), text="phase at travel 0", shape=True)
 

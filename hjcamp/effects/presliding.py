@@ -119,9 +119,7 @@ class Presliding(Effect):
         level = static - (static - coulomb) * weakness
         force = (deflection + stiff_deflection / 0.2 + soft_deflection / 1.8) / (3.0 * compliance)
         slip = speed * min(abs(force) / level, 1.0) ** lateness
-        return (slip * slip / (slip * slip + fall_velocity * fall_velocity) - weakness) / (
-            2.0 * pi * sqrt(mass * compliance)
-        )
+        return (slip * slip / (slip * slip + fall_velocity * fall_velocity) - weakness) / (2.0 * pi * sqrt(mass * compliance))
 
     @staticmethod
     def locks(locks):

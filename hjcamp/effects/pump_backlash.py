@@ -23,9 +23,7 @@ class PumpBacklash(Effect):
 
     plant = "pump_joint"
     subsystem = "pump"
-    play = Parameter(
-        "m", 2e-5, (2e-6, 5e-4), "log-uniform", "whole travel of the nut between both flanks", shape=True, off=0.0
-    )
+    play = Parameter("m", 2e-5, (2e-6, 5e-4), "log-uniform", "whole travel of the nut between both flanks", shape=True, off=0.0)
     worn = Parameter("1/m^2", 0.0, (0.0, 1e7), text="how fast the play falls away from the middle of the travel")
     gap = State("m", 1e-9, 1e-5, text="travel of the nut ahead of the pistons")
     closing_speed = State("m/s", 1e-6, 0.01, text="speed of the nut relative to the pistons in this sample")

@@ -18,10 +18,10 @@ class Saturation(Effect):
     """
 
     acts_on = "actuator"
-    limit = Parameter(
-        "command", 1.0, (0.05, 20.0), "log-uniform", "largest size of what is delivered", shape=True, off=20.0
+    limit = Parameter("command", 1.0, (0.05, 20.0), "log-uniform", "largest size of what is delivered", shape=True, off=20.0)
+    softness = Parameter(
+        "1", 0.0, (0.0, 1.0), text="0: a sharp limit; 1: what is delivered bends from the first volt on", shape=True
     )
-    softness = Parameter("1", 0.0, (0.0, 1.0), text="0: a sharp limit; 1: what is delivered bends from the first volt on", shape=True)
 
     @staticmethod
     def command(command, limit, softness):

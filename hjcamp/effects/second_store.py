@@ -21,7 +21,12 @@ class SecondStore(Effect):
     acts_on = "store"
     conductance = Parameter("loss/level", 0.1, (0.0, 100.0), text="flow for each unit by which the levels differ", off=0.0)
     delay = Parameter(
-        "period", 50.0, (1.0, 1e4), "log-uniform", "time in which the second level comes to meet a first one at rest", shape=True
+        "period",
+        50.0,
+        (1.0, 1e4),
+        "log-uniform",
+        "time in which the second level comes to meet a first one at rest",
+        shape=True,
     )
     beside = State("level", 1e-5, text="level of the second store")
 

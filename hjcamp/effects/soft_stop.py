@@ -18,9 +18,7 @@ class SoftStop(Effect):
     """
 
     acts_on = "body"
-    free_travel = Parameter(
-        "position", 0.8, (0.01, 10.0), "log-uniform", "travel to each side of the centre", shape=True
-    )
+    free_travel = Parameter("position", 0.8, (0.01, 10.0), "log-uniform", "travel to each side of the centre", shape=True)
     centre = Parameter("position", 0.0, (-10.0, 10.0), text="middle of the free travel", shape=True)
     stiffness = Parameter("force/position", 2.0, (0.0, 1e4), text="force for each unit of travel beyond it", off=0.0)
 

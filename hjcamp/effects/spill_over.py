@@ -19,9 +19,7 @@ class SpillOver(Effect):
 
     acts_on = "store"
     brim = Parameter("level", 0.8, (0.1, 10.0), "log-uniform", "level of the brim", shape=True)
-    spill = Parameter(
-        "loss/level", 10.0, (0.0, 1e3), text="flow over the brim for each unit of level above it", off=0.0
-    )
+    spill = Parameter("loss/level", 10.0, (0.0, 1e3), text="flow over the brim for each unit of level above it", off=0.0)
     caught = Parameter("1", 0.5, (0.0, 1.0), text="share of it that the store below catches")
 
     @staticmethod

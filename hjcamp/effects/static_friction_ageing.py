@@ -21,9 +21,7 @@ class StaticFrictionAgeing(Effect):
     acts_on = "contact"
     works_on = "static"
     growth = Parameter("1", 0.4, (0.0, 4.0), text="growth of static friction after a long rest", off=0.0)
-    half_time = Parameter(
-        "period", 300.0, (5.0, 3e4), "log-uniform", "rest after which half of it has come", shape=True
-    )
+    half_time = Parameter("period", 300.0, (5.0, 3e4), "log-uniform", "rest after which half of it has come", shape=True)
     rest_before = Parameter("period", 2e3, (10.0, 1e6), "log-uniform", "rest before the log began", shape=True)
     rest_began = State("s", 1e-6, 1.0, text="time at which the contact came to rest")
 

@@ -18,9 +18,7 @@ class ViscousAsymmetry(Effect):
 
     acts_on = "contact"
     works_on = "viscous"
-    asymmetry = Parameter(
-        "1", 0.2, (-0.9, 0.9), text="share more in the positive direction, less in the other", off=0.0
-    )
+    asymmetry = Parameter("1", 0.2, (-0.9, 0.9), text="share more in the positive direction, less in the other", off=0.0)
 
     @staticmethod
     def viscous(viscous, velocity, asymmetry):

@@ -58,9 +58,7 @@ class Feed:
             "state": "running",
             "words": "",
         }
-        self._put(
-            {"kind": "run", "run": {**about, **self._run, "conditions": self._counts, "here": sum(kept.values())}}
-        )
+        self._put({"kind": "run", "run": {**about, **self._run, "conditions": self._counts, "here": sum(kept.values())}})
 
     def look(self, test: str, condition: str) -> Look:
         """Return what is shown the samples of a test while it is made."""
@@ -76,8 +74,7 @@ class Feed:
                 self._put({"kind": "test", "test": told})
             missed = np.full(len(samples.columns["time_s"]), float(samples.missed))
             columns = {**samples.columns, "missed_samples": missed}
-            head = {"kind": "samples", "test": test, "columns": list(columns), "start": samples.start,
-                    "first": samples.first}  # fmt: skip
+            head = {"kind": "samples", "test": test, "columns": list(columns), "start": samples.start, "first": samples.first}
             self._put(head, block_of(columns))
 
         return look

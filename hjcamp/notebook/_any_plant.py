@@ -97,9 +97,7 @@ def added(data: Data, names: Sequence[str], name: str, model: str, report: Repor
     return add(data, names, name, model, report)
 
 
-def calibrated(
-    data: Data, name: str, only: Sequence[str], overwrite: bool, report: Report
-) -> tuple[Path, dict[str, Any], Any]:
+def calibrated(data: Data, name: str, only: Sequence[str], overwrite: bool, report: Report) -> tuple[Path, dict[str, Any], Any]:
     """Fit the base parameters and save them: the model's file, rows, the analysis."""
     from hjcamp.analyses.calibrating import fit_plant
 

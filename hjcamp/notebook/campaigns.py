@@ -99,9 +99,7 @@ class Run(Result):
         figure = Picture(figsize=(7.4, 1.0 + 0.3 * len(names)), layout="constrained")
         axis = figure.subplots()
         rows = [
-            (names.index(one), value)
-            for one, value in self.frame.select("condition", indicator).rows()
-            if value is not None
+            (names.index(one), value) for one, value in self.frame.select("condition", indicator).rows() if value is not None
         ]
         axis.plot([value for _, value in rows], [place for place, _ in rows], "o", color=BLUE, markersize=4, alpha=0.6)
         axis.set_yticks(range(len(names)), names, fontsize=8)
@@ -262,6 +260,4 @@ def _of(made: Any) -> Run:
     from hjcamp.campaign.conclude import grouped
 
     found = made.report
-    return Run(
-        made.path, found.page, found.indicators, found.tables, found.comparison, dict(grouped(made.result.warnings))
-    )
+    return Run(made.path, found.page, found.indicators, found.tables, found.comparison, dict(grouped(made.result.warnings)))

@@ -178,11 +178,13 @@ def plants(name: str | None = None) -> Catalogue | OnePlant:
         return OnePlant(plant)
     rows = [
         {
-            "plant": key, "what": one.sentence(), "effects": len(library_of(one).effects),
+            "plant": key,
+            "what": one.sentence(),
+            "effects": len(library_of(one).effects),
             "measured": ", ".join([channel.field for channel in one.channels] or list(one.measured)),
         }
         for key, one in plants_beside_faults()[0].items()
-    ]  # fmt: skip
+    ]
     return Catalogue(f"{len(rows)} plants", frame_of(rows, PLANTS))
 
 

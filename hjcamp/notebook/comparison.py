@@ -62,9 +62,7 @@ class Comparison(Result):
         return Path(said_of(self.data).comparison_page(self.found, Path(folder)))
 
 
-def compare(
-    tests: Tests, model: object = "published", progress: Callable[[str, float], None] | None = None
-) -> Comparison:
+def compare(tests: Tests, model: object = "published", progress: Callable[[str, float], None] | None = None) -> Comparison:
     """Return how far one or several models are off on measured tests, and where; `hjcamp compare`.
 
     ``tests`` are loaded ones or paths, ``model`` a name or a list of names (or what `add` gave); ``progress`` hears (what is

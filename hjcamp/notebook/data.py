@@ -44,11 +44,15 @@ class Data(Read, Result):
             repetitions = {name: None if one is None else int(one) for name, one in repetitions.items()}
         rows = [
             {
-                "test": name, "condition": log.condition_key, "repetition": repetitions[name],
-                "samples": log.samples, "duration_s": log.duration, "log": str(log.path),
+                "test": name,
+                "condition": log.condition_key,
+                "repetition": repetitions[name],
+                "samples": log.samples,
+                "duration_s": log.duration,
+                "log": str(log.path),
             }
             for name, log in self._named.items()
-        ]  # fmt: skip
+        ]
         return frame_of(rows, COLUMNS)
 
     @cached_property

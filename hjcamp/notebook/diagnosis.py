@@ -56,12 +56,15 @@ class Diagnosis(Result):
         """The candidates, best first: a row for each parameter of each, SI."""
         rows = [
             interval_row(
-                row, effect=one["effect"], posterior=one["posterior"], heldout_error_ratio=one["heldout_error_ratio"],
+                row,
+                effect=one["effect"],
+                posterior=one["posterior"],
+                heldout_error_ratio=one["heldout_error_ratio"],
                 parameter=name,
             )
             for one in self.answer["candidates"]
             for name, row in one["parameters"].items()
-        ]  # fmt: skip
+        ]
         return frame_of(rows, CANDIDATES)
 
     @property
@@ -109,7 +112,13 @@ class Diagnosis(Result):
             raise UsageError(
                 f"the verdict is {self.verdict}, so no effect is added by itself; say which: found.add('{as_}', effects=[...])"
             )
-        names = self.effects if effects is None else effects.replace(",", " ").split() if isinstance(effects, str) else list(effects)
+        names = (
+            self.effects
+            if effects is None
+            else effects.replace(",", " ").split()
+            if isinstance(effects, str)
+            else list(effects)
+        )
         return added(names, self.data, as_, self.model)
 
 

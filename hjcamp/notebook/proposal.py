@@ -39,11 +39,15 @@ class Proposal(Result):
     def frame(self) -> pl.DataFrame:
         """The five best tests with the separation of each pair, in standard deviations."""
         rows = [
-            {**{key: one[key] for key in COLUMNS[:3]}, "rivals": " / ".join(pair["rivals"]),
-             "separation": pair["separation"], "worth_it": one in self.answer["tests"]}
+            {
+                **{key: one[key] for key in COLUMNS[:3]},
+                "rivals": " / ".join(pair["rivals"]),
+                "separation": pair["separation"],
+                "worth_it": one in self.answer["tests"],
+            }
             for one in (*self.answer["tests"], *self.answer["others"])
             for pair in one["pairs"]
-        ]  # fmt: skip
+        ]
         return frame_of(rows, COLUMNS)
 
     def plot(self) -> Picture:

@@ -53,7 +53,11 @@ def told_glitches(name: str, values: Array, times: Array, unit: str, analog: boo
         more = f", and {counted(len(held) - 1, 'time')} more" if len(held) > 1 else ""
         goes = ", to the end" if last == len(values) - 1 else ", and jumps on from there"
         until = f"{times[first]:.6g} to {times[last]:.6g} s{goes}"
-        end = " (its smallest or largest value: the sensor may end there)" if values[first] in (values.min(), values.max()) else ""
+        end = (
+            " (its smallest or largest value: the sensor may end there)"
+            if values[first] in (values.min(), values.max())
+            else ""
+        )
         yield (
             f"'{name}' is {values[first]:.4g} {unit} in {last - first + 1} samples, {until}{more}{end}. "
             "Where the sensor or its logger stood still, make two logs of it, before and after"

@@ -83,7 +83,11 @@ def freezes(values: Array) -> list[tuple[int, int]]:
     others = steps[~(spiked | still)[:-1]]
     if len(others) < FEWEST:
         return []
-    share, largest, noisy = (np.count_nonzero(others == 0.0) + 1) / (len(others) + 1), float(np.abs(others).max()), _alternates(others)
+    share, largest, noisy = (
+        (np.count_nonzero(others == 0.0) + 1) / (len(others) + 1),
+        float(np.abs(others).max()),
+        _alternates(others),
+    )
     return [
         (first, end)
         for first, end in rows

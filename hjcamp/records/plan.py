@@ -128,9 +128,7 @@ def config_sha256(config: Mapping[str, Any]) -> str:
     return sha256_of({key: value for key, value in config.items() if key not in OF_THE_RUN})
 
 
-def plan_sha256(
-    campaign: str, tables: Sequence[str], repetitions: int, seed: int, conditions: Sequence[Condition]
-) -> str:
+def plan_sha256(campaign: str, tables: Sequence[str], repetitions: int, seed: int, conditions: Sequence[Condition]) -> str:
     """Return the hash of all that decides the results of a run."""
     return sha256_of([campaign, tables, repetitions, seed, [[one.name, one.config] for one in conditions]])
 

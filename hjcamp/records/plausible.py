@@ -116,9 +116,10 @@ def _of_measured(log: TestLog, table: FieldTable, watched: Watched) -> Iterator[
     absent = told_no_readings(watched.name, values, unit) if values is not None else ""
     found = [
         one
-        for name in (watched.name, *watched.along) if name in log.columns
+        for name in (watched.name, *watched.along)
+        if name in log.columns
         for one in _outside(name, log, table, watched.low, watched.high, refused=name == watched.name)
-    ]  # fmt: skip
+    ]
     own = [one for one in found if one.field == watched.name]
     yield from (one for one in found if one not in own)
     if own or absent:
@@ -229,7 +230,9 @@ def _wrong_unit(field: Field, size: float, times: float, unit: str, factor: floa
     """Return in words that a column may be in ``unit``, ``factor`` of its own unit, and which other mistake looks the same."""
     plain = field.unit == "1"
     own = "a ratio" if plain else field.unit
-    alike = (name for name, one in units_of(field).items() if not one.shift and math.isclose(one.factor * factor, 1.0, rel_tol=1e-6))
+    alike = (
+        name for name, one in units_of(field).items() if not one.shift and math.isclose(one.factor * factor, 1.0, rel_tol=1e-6)
+    )
     taken = " or ".join([f"{unit} read as {own}", *(f"{own} as {name}" for name in alike)])
     off = f"{max(factor, 1.0 / factor):.4g} times too {'small' if factor > 1.0 else 'large'}"
     return (

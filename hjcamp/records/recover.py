@@ -122,9 +122,7 @@ def _remarks(samples: Samples, period: float) -> list[str]:
     return remarks
 
 
-def _verification(
-    path: Path, whole: bool, samples: Samples, result: Salvage, found: tuple[Finding, ...] = ()
-) -> Verification:
+def _verification(path: Path, whole: bool, samples: Samples, result: Salvage, found: tuple[Finding, ...] = ()) -> Verification:
     metadata, period = metadata_of(result.found), USUAL_PERIOD_S
     with suppress(UsageError):
         period = period_of(metadata, str(path))

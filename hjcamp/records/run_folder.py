@@ -82,8 +82,7 @@ def refuse_links_out(folder: Path) -> None:
             target = Path(os.path.realpath(path))  # takes a link to itself, too
             if os.path.islink(path) and not target.is_relative_to(root):
                 raise UsageError(
-                    f"{path} is a link that leads out of the run folder, to {target}; a run writes into "
-                    "its own folder only"
+                    f"{path} is a link that leads out of the run folder, to {target}; a run writes into its own folder only"
                 )
 
 

@@ -111,9 +111,7 @@ class LogWriter:
                 media_type = MEDIA_TYPES.get(Path(name).suffix, "application/octet-stream")
                 self._container.add_attachment(name, media_type, content, self._start_ns)
             units = {name: table.field(name).unit for name in self.names}
-            self._container.add_channel(
-                TOPIC, descriptor_set(tuple(zip(self.names, self._numbers, strict=True))), units
-            )
+            self._container.add_channel(TOPIC, descriptor_set(tuple(zip(self.names, self._numbers, strict=True))), units)
 
     def append(self, sample: Mapping[str, float]) -> None:
         """Add one sample (field name to value); every field given at the start must be there."""
@@ -187,9 +185,7 @@ class LogWriter:
     def __enter__(self) -> LogWriter:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if kind is None:
             self.close()
         else:

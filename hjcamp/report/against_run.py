@@ -171,9 +171,7 @@ class RunComparison:
         if left:
             notes.append(f"In the baseline alone: {_some(left)}.")
         if self._same_draws():
-            notes.append(
-                "Tests of equal number share their seed; the test takes them as independent, which is cautious."
-            )
+            notes.append("Tests of equal number share their seed; the test takes them as independent, which is cautious.")
         return notes
 
     @property
@@ -182,7 +180,9 @@ class RunComparison:
         known = self.cells.drop_nulls("p_holm")
         differing = known.filter(pl.col("p_holm") < SIGNIFICANT).height
         unknown = self.cells.height - known.height
-        said = f"{differing} of {known.height} means differ from those of {self.baseline.name} (p < {SIGNIFICANT:g}, Welch, Holm)"
+        said = (
+            f"{differing} of {known.height} means differ from those of {self.baseline.name} (p < {SIGNIFICANT:g}, Welch, Holm)"
+        )
         return said + (f"; {unknown} cannot be judged: fewer than two tests." if unknown else ".")
 
     def _same_draws(self) -> bool:

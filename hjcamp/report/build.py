@@ -136,9 +136,7 @@ def build_report(
     if effects.height:
         write_frame(target / "tables", "effects", effects)
     differs = differences(conditions.iter_rows(named=True))
-    write_frame(
-        target / "tables", "indicators", indicators.select(*COLUMNS, *IDENTITY, *FURTHER, *varied_columns(indicators))
-    )
+    write_frame(target / "tables", "indicators", indicators.select(*COLUMNS, *IDENTITY, *FURTHER, *varied_columns(indicators)))
     for name, sheet in zip(tables, sheets, strict=True):
         write_frame(target / "tables", name, tables[name].select(~INTERNAL))
         replace_file(target / "tables" / f"{name}.md", to_markdown(sheet))
@@ -174,9 +172,7 @@ def build_report(
     )
 
 
-def _main_effects(
-    factors: Sequence[Factor], indicators: pl.DataFrame, effects: pl.DataFrame
-) -> dict[str, tuple[str, str]]:
+def _main_effects(factors: Sequence[Factor], indicators: pl.DataFrame, effects: pl.DataFrame) -> dict[str, tuple[str, str]]:
     """Return the picture of what varies, nothing where no effect has an interval."""
     names = [name for name in INDICATORS if (effects["indicator"] == name).any()]
     shown = [one for one in factors if (effects["axis"] == one.name).any()]

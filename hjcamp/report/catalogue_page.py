@@ -56,9 +56,7 @@ def described(kind: type, known: Collection[str] = (), ending: str = ".html") ->
 def _linked(text: str, known: Collection[str], ending: str) -> str:
     marked = re.sub(r"``?([^`]+)``?", r"\1", text)
     words = re.split(r"\b([a-z][a-z0-9_]*)\b", marked)
-    linked = [
-        f'<a href="{word}{ending}">{word}</a>' if "_" in word and word in known else escape(word) for word in words
-    ]
+    linked = [f'<a href="{word}{ending}">{word}</a>' if "_" in word and word in known else escape(word) for word in words]
     joined = "".join(linked)
     # a name of one word is a link only where the text points at it
     for word in re.findall(r"see ([a-z]+)", marked):
@@ -92,9 +90,13 @@ def _row(one: Parameter) -> list[str]:
 
 
 def plant_page(
-    name: str, plant: type, values: Sequence[Sequence[str]], places: Sequence[Sequence[str]],
-    effects: Mapping[str, str], unfit: Mapping[str, str],
-) -> str:  # fmt: skip
+    name: str,
+    plant: type,
+    values: Sequence[Sequence[str]],
+    places: Sequence[Sequence[str]],
+    effects: Mapping[str, str],
+    unfit: Mapping[str, str],
+) -> str:
     """Return the page of one plant: its equation and source, parameters, places, effects that fit and why others do not."""
     fitting = "".join(f'<li><a href="{one}.html">{one}</a>: {escape(said)}</li>' for one, said in effects.items())
     parts = [
@@ -120,9 +122,7 @@ def index_page(effects: Sequence[EffectEntry], plants: Mapping[str, type]) -> st
         groups.setdefault(one.effect.acts_on or one.effect.subsystem, []).append(one)
     parts = []
     for group, members in groups.items():
-        rows = "".join(
-            f'<li><a href="{one.name}.html">{one.name}</a>: {escape(one.effect.sentence())}</li>' for one in members
-        )
+        rows = "".join(f'<li><a href="{one.name}.html">{one.name}</a>: {escape(one.effect.sentence())}</li>' for one in members)
         parts += [page.heading(f"On: {group}"), f"<ul>{rows}</ul>"]
     listed = "".join(
         f'<li><a href="plant_{name}.html">{name}</a>: {escape(docstring_sentence(plant))}</li>'

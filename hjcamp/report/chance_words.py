@@ -27,4 +27,3 @@ def chance_words(p_value: float, gain: float, drawn: ArrayLike) -> str:
     least = f", the least that {len(gains)} replicates can show" if at_resolution(p_value, len(gains)) else ""
     most = f"; gain {plain(gain)} against at most {plain(float(gains.max()), 2)}" if len(gains) else ""
     return f"{p_words(p_value, len(gains))}{least}{most}"
-

@@ -100,9 +100,7 @@ def check(
     groups = means_of(comparison, limits)
     if not groups:
         why = "".join(f"; {len(names)} of them: {reason}" for reason, names in list((differs or {}).items())[:3])
-        raise UsageError(
-            f"nothing to check: none of these conditions has a {_beside(comparison)} value with a tolerance{why}"
-        )
+        raise UsageError(f"nothing to check: none of these conditions has a {_beside(comparison)} value with a tolerance{why}")
     found = []
     for (_, indicator), cells in groups.items():
         outside = [cell for cell in cells if not _within(cell, limits[indicator])]

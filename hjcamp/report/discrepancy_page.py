@@ -46,9 +46,7 @@ def side_by_side(pictures: Sequence[tuple[str, str]]) -> str:
     if not pictures:
         return ""
     return (
-        '<div class="evidence">'
-        + "".join(f"<figure>{shaded(tidy(svg), told)}</figure>" for told, svg in pictures)
-        + "</div>"
+        '<div class="evidence">' + "".join(f"<figure>{shaded(tidy(svg), told)}</figure>" for told, svg in pictures) + "</div>"
     )
 
 

@@ -95,9 +95,7 @@ class Exploration:
         entry["start"] = float(time[0] + step * (self._stretch - 1) / 2)
         entry["step"] = float(step * self._stretch)
         entry["curves"] = [
-            self._packed(model, channel, values, name)
-            for model, channels in every
-            for channel, values in channels.items()
+            self._packed(model, channel, values, name) for model, channels in every for channel, values in channels.items()
         ]
         told = errors or {}
         found = [_finite(told[one]) if one in told else _errors(measured, given.get(one, {})) for one in self._models]
@@ -149,8 +147,11 @@ def described(channel: str, where: str) -> dict[str, Any]:
     """Return name, label and unit of a channel as people read them; a name without a unit is refused."""
     unit = unit_of_field(channel, where)
     said = label(channel)
-    return {"name": channel, "label": label(channel.removesuffix(f"_{unit.suffix}")) if said == channel.replace("_", " ") else said,
-            "unit": "" if unit.shown == "1" else unit.shown}  # fmt: skip
+    return {
+        "name": channel,
+        "label": label(channel.removesuffix(f"_{unit.suffix}")) if said == channel.replace("_", " ") else said,
+        "unit": "" if unit.shown == "1" else unit.shown,
+    }
 
 
 def channel_label(channel: str) -> str:

@@ -43,11 +43,13 @@ def worst_table(rows: Sequence[Mapping[str, Any]]) -> tuple[tuple[str, ...], lis
     repeated = any(row["shared"] is not None for row in rows)
     columns = [
         [
-            readable(row["condition"]), channel_label(row["channel"]), f"{row['over_floor']:.2f}",
+            readable(row["condition"]),
+            channel_label(row["channel"]),
+            f"{row['over_floor']:.2f}",
             *(["" if row["shared"] is None else told(row["shared"], row["unit"])] if repeated else []),
         ]
         for row in rows
-    ]  # fmt: skip
+    ]
     return WORST if repeated else WORST[:-1], columns
 
 

@@ -92,7 +92,7 @@ WORDS: Mapping[str, str] = {
     "method of the parameter's name.",
     "missing quantity": "The force, flow, command or reading that would have to be added to the calibrated model, instant by "
     "instant, for it to agree with the measurement.",
-}  # fmt: skip
+}
 ALSO: Mapping[str, str] = {
     "remembers": "memory", "whole test": "whole tests", "runs_away": "runs away", "run away": "runs away",
     "delays": "delay", "over the floor": "normalised error", "over_floor": "normalised error",
@@ -149,9 +149,7 @@ def plain_word(text: str) -> str:
 @cache
 def _pattern() -> re.Pattern[str]:
     names = sorted({*WORDS, *ALSO} - EVERYDAY, key=len, reverse=True)
-    return re.compile(
-        r"(?<![\w-])(" + "|".join(re.escape(escape(name)) for name in names) + r")(?![\w-])", re.IGNORECASE
-    )
+    return re.compile(r"(?<![\w-])(" + "|".join(re.escape(escape(name)) for name in names) + r")(?![\w-])", re.IGNORECASE)
 
 
 def glossed(text: str) -> str:

@@ -82,10 +82,7 @@ def read_origin(run_dir: Path) -> RunOrigin:
 
 def origin_facts(origin: RunOrigin, logs: Sequence[TestLog]) -> list[tuple[str, str]]:
     """Return what made this run as (name, value) pairs for a reader."""
-    facts = [
-        (name, ", ".join(sorted({log.metadata[name] for log in logs if name in log.metadata})))
-        for name in FROM_METADATA
-    ]
+    facts = [(name, ", ".join(sorted({log.metadata[name] for log in logs if name in log.metadata}))) for name in FROM_METADATA]
     facts = [(name, _shortened(value)) for name, value in facts if value]
     for key in ("repetitions", "seed", "sha256"):
         if key in origin.plan:

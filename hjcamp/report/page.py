@@ -88,8 +88,7 @@ def build_page(
     drawn = [_Drawn(name, f"condition-{number}", one) for number, (name, one) in enumerate(pictures.items(), start=1)]
     numbered = {one.name: one.anchor for one in drawn}
     first = [
-        picture_html(name, f"campaign-{number}", *one)
-        for number, (name, one) in enumerate((further or {}).items(), start=1)
+        picture_html(name, f"campaign-{number}", *one) for number, (name, one) in enumerate((further or {}).items(), start=1)
     ]
     return pieces_of(
         "report.html",
@@ -120,8 +119,7 @@ def folded(sheet: Sheet) -> str:
 def table_html(sheet: Sheet) -> str:
     """Return one sheet as a heading, a table and its notes."""
     headers = "".join(
-        f'<th{_class("published" if header in BESIDE else "")} scope="col">{escape(header)}</th>'
-        for header in sheet.headers
+        f'<th{_class("published" if header in BESIDE else "")} scope="col">{escape(header)}</th>' for header in sheet.headers
     )
     rows = "\n".join(_row_html(row, len(sheet.headers)) for row in sheet.rows)
     source = [f"Layout: {sheet.source}. Mean ± sample standard deviation, deg."] if sheet.source else []

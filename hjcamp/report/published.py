@@ -11,5 +11,8 @@ CONDITION: tuple[str, ...] = _VALUES.CONDITION
 MEASURED_WITH: dict[str, str] = _VALUES.MEASURED_WITH
 CAMPAIGNS: dict[str, tuple[str, ...]] = _VALUES.CAMPAIGNS
 cell_key, published_cells, standing, beside_refit = (
-    _VALUES.cell_key, _VALUES.published_cells, _VALUES.standing, _VALUES.beside_refit,
-)  # fmt: skip
+    _VALUES.cell_key,
+    _VALUES.published_cells,
+    _VALUES.standing,
+    _VALUES.beside_refit,
+)

@@ -21,9 +21,7 @@ def run_difference(one: Path, other: Path) -> dict[str, Any]:
     """
     found = RunComparison(read_tests(one), read_tests(other))
     ours, theirs = found.run.conditions, found.baseline.conditions
-    facts = {
-        name: [_values(tests.metadata, name) for tests in (found.run, found.baseline)] for name in ORIGIN
-    }  # fmt: skip
+    facts = {name: [_values(tests.metadata, name) for tests in (found.run, found.baseline)] for name in ORIGIN}
     return {
         "schema": SCHEMA,
         "runs": [str(one), str(other)],

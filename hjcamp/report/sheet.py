@@ -79,9 +79,7 @@ def arrange_lines(table: pl.DataFrame) -> list[Sheet]:
     return [_of_conditions(table, "lines", "Line pressure and command", names, [note])] if names else []
 
 
-def _of_conditions(
-    table: pl.DataFrame, name: str, title: str, indicators: Sequence[str], notes: Sequence[str]
-) -> Sheet:
+def _of_conditions(table: pl.DataFrame, name: str, title: str, indicators: Sequence[str], notes: Sequence[str]) -> Sheet:
     keys = [name for name in CHOICES if table[name].n_unique() > 1]
     if not keys or table.select(keys).is_duplicated().any():
         keys = ["condition", *keys]
@@ -140,9 +138,7 @@ def _arrange_across(rows: Sequence[dict[str, Any]], definition: TableDefinition,
                 pair = _pair(member, name, definition, compared) if member else nothing
                 cells += [_improved(pair[0], member, base, name), *pair[1:]] if member and base else pair
             for column in definition.from_print:
-                cells.append(
-                    Cell(_printed(dict(zip(keys, values, strict=True)), column, name, definition), "published")
-                )
+                cells.append(Cell(_printed(dict(zip(keys, values, strict=True)), column, name, definition), "published"))
             body.append(cells)
     return _sheet(definition, headers, body, rows)
 
@@ -160,9 +156,7 @@ def _improved(cell: Cell, row: dict[str, Any], base: dict[str, Any], name: str) 
     return replace(cell, text=f"{cell.text} ({percent:+.0f} %)")
 
 
-def _sheet(
-    definition: TableDefinition, headers: list[str], body: list[list[Cell]], rows: Sequence[Mapping[str, Any]]
-) -> Sheet:
+def _sheet(definition: TableDefinition, headers: list[str], body: list[list[Cell]], rows: Sequence[Mapping[str, Any]]) -> Sheet:
     notes = list(definition.notes)
     if _beside(rows) == "published" and any(cell.mark for row in body for cell in row):
         notes.append(FAR_OFF_NOTE)

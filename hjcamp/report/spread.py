@@ -148,7 +148,6 @@ class Gathering:
         called = "simulated" if self._called == {"simulated"} else "measured"
         return Condition(self._name, self._tests, time, signals, called)
 
-
     def _apart(self, name: str, time: Array) -> tuple[Array, ...]:
         """Return the first repetitions of a signal one by one at common times; none of one alone."""
         courses = self._single.get(name, [])

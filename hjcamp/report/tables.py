@@ -15,8 +15,11 @@ from hjcamp.report.published import CAMPAIGNS, CONDITION, MEASURED_WITH, cell_ke
 #: From how many published deviations on a difference is marked.
 FAR_OFF = 2.0
 BESIDE = {
-    "_published_mean": pl.Float64, "_published_std": pl.Float64, "_decimals": pl.Int64, "_printed": pl.Boolean,
-}  # fmt: skip
+    "_published_mean": pl.Float64,
+    "_published_std": pl.Float64,
+    "_decimals": pl.Int64,
+    "_printed": pl.Boolean,
+}
 
 
 class AnotherRun(Protocol):
@@ -43,16 +46,12 @@ def aggregate(indicators: pl.DataFrame, keys: Sequence[str], names: Sequence[str
     kept += [] if "condition" in keys else [pl.col("condition").first().alias("_condition")]
     numbers = [pl.col(name).mean().alias(f"{name}_mean") for name in names]
     numbers += [pl.col(name).std().alias(f"{name}_std") for name in names]
-    ordered = [
-        expression for pair in zip(numbers[: len(names)], numbers[len(names) :], strict=True) for expression in pair
-    ]
+    ordered = [expression for pair in zip(numbers[: len(names)], numbers[len(names) :], strict=True) for expression in pair]
     count = pl.len().cast(pl.Int64).alias("n")
     return frame.group_by(keys, maintain_order=True).agg(*ordered, count, *kept)
 
 
-def build_table(
-    indicators: pl.DataFrame, definition: TableDefinition, against: str | AnotherRun | None = None
-) -> pl.DataFrame:
+def build_table(indicators: pl.DataFrame, definition: TableDefinition, against: str | AnotherRun | None = None) -> pl.DataFrame:
     """Return the aggregated frame of one declared table: its choices, ``<indicator>_mean``, ``_std``, ``n``.
 
     With arrows declared, ``<indicator>_arrow`` is ↓, ↑ or =. With ``against="published"`` each indicator has
@@ -67,9 +66,7 @@ def build_table(
     for group, names in definition.by.items():
         frame = frame.filter(pl.col(group).is_in(names)) if names else frame
     if definition.across:
-        matches = [
-            pl.all_horizontal(pl.col(group) == name for group, name in c.where.items()) for c in definition.across
-        ]
+        matches = [pl.all_horizontal(pl.col(group) == name for group, name in c.where.items()) for c in definition.across]
         frame = frame.filter(pl.any_horizontal(matches))
     table = aggregate(frame, definition.keys, definition.indicators)
     table = table.filter(pl.any_horizontal(pl.col(f"{name}_mean").is_not_null() for name in definition.indicators))
@@ -149,24 +146,18 @@ def _position(group: str, names: Sequence[str]) -> pl.Expr:
 def _with_arrows(table: pl.DataFrame, definition: TableDefinition) -> pl.DataFrame:
     arrows = definition.arrows
     assert arrows is not None
-    keys = [
-        name for name in table.columns if name in (*CHOICES, "condition") and name not in (arrows.group, "condition")
-    ]
+    keys = [name for name in table.columns if name in (*CHOICES, "condition") and name not in (arrows.group, "condition")]
     for name in arrows.indicators:
         other = table.filter(pl.col(arrows.group) == arrows.against)
         other = other.select(*keys, pl.col(f"{name}_mean").alias("_other")).unique(keys, keep="first")
         change = pl.col(f"{name}_mean") - pl.col("_other")
-        arrow = (
-            pl.when(change < 0).then(pl.lit("↓")).when(change > 0).then(pl.lit("↑")).when(change == 0).then(pl.lit("="))
-        )
+        arrow = pl.when(change < 0).then(pl.lit("↓")).when(change > 0).then(pl.lit("↑")).when(change == 0).then(pl.lit("="))
         shown = pl.when(pl.col(arrows.group) == arrows.of).then(arrow).alias(f"{name}_arrow")
         table = table.join(other, on=keys, how="left", maintain_order="left").with_columns(shown).drop("_other")
     return table
 
 
-def _beside(
-    table: pl.DataFrame, tables: Sequence[str], names: Sequence[str], magnitudes: Sequence[str] = ()
-) -> pl.DataFrame:
+def _beside(table: pl.DataFrame, tables: Sequence[str], names: Sequence[str], magnitudes: Sequence[str] = ()) -> pl.DataFrame:
     """Put the cells of some published tables beside the rows whose configuration is that of the published test."""
     values: dict[str, list[Any]] = {f"{name}{suffix}": [] for name in names for suffix in BESIDE}
     differs: list[str | None] = []
@@ -178,9 +169,7 @@ def _beside(
             printed = any((one["table"], one["cell"], name) in _cells() for one in standing)
             for suffix, value in zip(BESIDE, (*(found or (None, None, None)), printed), strict=True):
                 values[f"{name}{suffix}"].append(value)
-        why = [
-            one["differs"] for one in standing if any((one["table"], one["cell"], name) in _cells() for name in names)
-        ]
+        why = [one["differs"] for one in standing if any((one["table"], one["cell"], name) in _cells() for name in names)]
         differs.append(None if equal or not why else why[0])
     kinds = [kind for _ in names for kind in BESIDE.values()]
     table = table.with_columns(pl.Series(name, values[name], kind) for name, kind in zip(values, kinds, strict=True))

@@ -91,9 +91,7 @@ class FittedSheet:
         for place in columns:
             header = self.sheet.headers[place]
             # Where nothing else helps a long name is folded; a number or its mark never is.
-            table.add_column(
-                header, style="dim" if header in BESIDE else "", no_wrap=place not in keys, overflow="fold"
-            )
+            table.add_column(header, style="dim" if header in BESIDE else "", no_wrap=place not in keys, overflow="fold")
         for row in self.sheet.rows:
             table.add_row(*[_text(row[place]) for place in columns if place < len(row)])
         return table

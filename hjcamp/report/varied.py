@@ -105,9 +105,7 @@ def indicators_frame(
     return frame_with_varied(rows, attached, axes or {})
 
 
-def frame_with_varied(
-    rows: list[dict[str, Any]], attached: Sequence[bytes], axes: Mapping[str, Sequence[str]]
-) -> pl.DataFrame:
+def frame_with_varied(rows: list[dict[str, Any]], attached: Sequence[bytes], axes: Mapping[str, Sequence[str]]) -> pl.DataFrame:
     """Return rows as a frame, with what varies; ``attached`` is the configuration in the log of each."""
     for name, values in varied(attached, rows, axes).items():
         for row, value in zip(rows, values, strict=True):

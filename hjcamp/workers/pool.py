@@ -81,9 +81,7 @@ class Crew:
             self._client = None
 
 
-def _in_order(
-    function: Callable[[Item], Result], items: Sequence[Item], futures: Sequence[Future[Result]]
-) -> Iterator[Result]:
+def _in_order(function: Callable[[Item], Result], items: Sequence[Item], futures: Sequence[Future[Result]]) -> Iterator[Result]:
     try:
         for item, future in zip(items, futures, strict=True):
             yield function(item) if future.cancel() else future.result()

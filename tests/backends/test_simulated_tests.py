@@ -52,9 +52,7 @@ def digest(columns: dict[str, np.ndarray]) -> str:
 
 
 def test_procedure_builds_up_the_initial_pressures(composer: Composer) -> None:
-    config = composer.compose(
-        ["trajectory=ramp_pos", "controller=pid", "rig.sensors.pressure_noise_mpa=0", *QUIET]
-    ).config
+    config = composer.compose(["trajectory=ramp_pos", "controller=pid", "rig.sensors.pressure_noise_mpa=0", *QUIET]).config
     columns, _ = run_test(config, 1)
     phase, p1, p2 = columns["phase"], columns["pressure1_mpa"], columns["pressure2_mpa"]
     # 1 mm/s of a 6.35 mm piston into 0.0257 MPa/mm3: 0.814 MPa/s in both lines, from 0.06 to 0.26 MPa

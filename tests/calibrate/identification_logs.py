@@ -67,9 +67,7 @@ def leakage_log(start: float = 0.64, threshold: float = 0.59, seed: int = 0) -> 
     return make({**columns, "pump_deg": still}, repetition=str(seed))
 
 
-def friction_log(
-    speed: float, static: float = 7.2, coulomb: float = 5.27, viscous: float = 23.5, seed: int = 0
-) -> TestLog:
+def friction_log(speed: float, static: float = 7.2, coulomb: float = 5.27, viscous: float = 23.5, seed: int = 0) -> TestLog:
     """Return one stroke upwards and one downwards at a slider ``speed`` (m/s), equal friction both ways."""
     generator = np.random.default_rng([seed, round(speed * 1e6)])
     scatter = math.exp(generator.normal(0.0, 0.01))

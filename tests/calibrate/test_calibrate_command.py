@@ -76,9 +76,7 @@ def test_kinds_are_seen_in_the_samples_and_named_by_the_campaign() -> None:
     assert kind_of(named) == "leakage"
 
 
-def test_json_logs_without_optional_fields_give_a_model_by_name(
-    folder: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_json_logs_without_optional_fields_give_a_model_by_name(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (folder / "logs").mkdir()
     for name, logs in rig_logs().items():
         for number, log in enumerate(logs):

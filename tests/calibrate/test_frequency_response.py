@@ -51,9 +51,7 @@ def test_a_system_that_follows_has_no_bandwidth() -> None:
     assert bandwidth([Point("x", f, 1.0 + 0j) for f in (1.0, 10.0)]) is None
 
 
-@pytest.mark.parametrize(
-    ("frequency", "seconds", "said"), [(501.0, 2.0, "at most 500 Hz"), (0.5, 4.0, "needs a test of 8 s")]
-)
+@pytest.mark.parametrize(("frequency", "seconds", "said"), [(501.0, 2.0, "at most 500 Hz"), (0.5, 4.0, "needs a test of 8 s")])
 def test_what_cannot_be_seen_is_refused(frequency: float, seconds: float, said: str) -> None:
     time = np.arange(0.0, seconds, 1e-3)
     with pytest.raises(UsageError, match=said):

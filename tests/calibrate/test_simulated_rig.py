@@ -45,8 +45,7 @@ def test_a_random_rig_is_recovered() -> None:
 def test_open_loop_validation_draws_model_against_measurement() -> None:
     logs = run_campaign("open_loop_validation", [], Composer(), 2)
     logs = [
-        type(log)(log.columns, {**log.metadata, "trajectory": "sine_2hz_open_loop", "controller": "open_loop"})
-        for log in logs
+        type(log)(log.columns, {**log.metadata, "trajectory": "sine_2hz_open_loop", "controller": "open_loop"}) for log in logs
     ]
     found = validate(logs, configuration_for)
     assert [chart.figure for chart in found.charts] == ["4.6.3", "4.6.4"]

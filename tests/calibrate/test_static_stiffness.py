@@ -53,10 +53,13 @@ def made_log(config: dict[str, Any], force: float, first: float, second: float, 
     time = np.arange(500) * 1e-3
     on = np.where((time >= 0.1) & (time < 0.4), travel, 0.0)
     columns = {
-        "time_s": time, "phase": np.full(500, 3.0), "reference_deg": np.zeros(500),
+        "time_s": time,
+        "phase": np.full(500, 3.0),
+        "reference_deg": np.zeros(500),
         "arm_deg": np.degrees(on / RADIUS),
-        "pressure1_mpa": 0.4 - first * on / AREA2 * 1e-6, "pressure2_mpa": 0.4 + second * on / AREA2 * 1e-6,
-    }  # fmt: skip
+        "pressure1_mpa": 0.4 - first * on / AREA2 * 1e-6,
+        "pressure2_mpa": 0.4 + second * on / AREA2 * 1e-6,
+    }
     return TestLog(columns, {"condition": f"{force:g}"}, {})
 
 

@@ -67,9 +67,7 @@ def test_effects_are_removed_and_the_adjustment_follows_friction(config: dict[st
     assert config["procedure"]["adjustment"]["positive_mpa"] == 0.2
 
 
-def test_smallest_first_and_a_part_that_fails_has_its_reason(
-    composer: Composer, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_smallest_first_and_a_part_that_fails_has_its_reason(composer: Composer, monkeypatch: pytest.MonkeyPatch) -> None:
     def errors(config: dict[str, Any], repetitions: int, seed: int) -> np.ndarray:
         given = config["model"].get("parameters") or {}
         if "moving_mass" in given:

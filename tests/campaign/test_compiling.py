@@ -55,11 +55,11 @@ def test_the_kernels_left_are_counted_down_whoever_compiles(
     choices = (("controller=pid",), ("controller=ffwd_pid",), ("controller=pid", "payload=brass_8p5g"))
     kernels = kernels_of(configured(composer, *overrides) for overrides in choices)
     assert list(kernels.needed) == [
-        "the test loop with no effect", "the model of the feedforward", "the test loop with payload_inertia",
-    ]  # fmt: skip
-    assert (
-        "3 of 3 kernels left: the test loop with no effect; the model of the feedforward and 1 more" in kernels.words()
-    )
+        "the test loop with no effect",
+        "the model of the feedforward",
+        "the test loop with payload_inertia",
+    ]
+    assert "3 of 3 kernels left: the test loop with no effect; the model of the feedforward and 1 more" in kernels.words()
     for text, last in list(kernels.needed.values())[:2]:
         assert not is_compiled(text, last)
         compiled(text, last)
@@ -207,9 +207,7 @@ def test_a_gain_set_that_is_there_is_refused_before_anything_is_computed(
     assert (place / "mine.yaml").read_text() == "# mine\n"
 
 
-def test_tuning_says_what_is_compiled(
-    cold: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_tuning_says_what_is_compiled(cold: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
     from hjcamp.plants.pump_joint.studies.ziegler_nichols import CriticalPoint
 
     monkeypatch.setattr("hjcamp.plants.pump_joint.studies.critical_gain.critical_point", lambda *given: CriticalPoint(2.0, 0.1))

@@ -63,9 +63,7 @@ LONG = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=pytest.mark.study) if one in LONG else one for one in CAMPAIGNS]
-)
+@pytest.mark.parametrize("name", [pytest.param(one, marks=pytest.mark.study) if one in LONG else one for one in CAMPAIGNS])
 def test_every_condition_of_a_campaign(composer: Composer, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     campaign = read_campaign(composer.compose([f"campaign={name}"]).config["campaign"], name)
     for draft in draft_conditions(campaign, [], composer, 10_000)[1]:

@@ -21,7 +21,10 @@ def test_rows_columns_order_and_answer(composer: Composer, empty_folder: Path) -
         asked = [f"payload={payload}"]
         plan = make_plan(composer.compose(asked).config, None, asked, composer)
         folder, _ = folder_for(plan, {}, asked, Path(f"runs/{payload}"))
-        content = {"a": {"n": 1, "rmse1_deg": {"mean": mean, "std": None}}, "b": {"n": 1, "rmse1_deg": {"mean": mean + 1, "std": None}}}
+        content = {
+            "a": {"n": 1, "rmse1_deg": {"mean": mean, "std": None}},
+            "b": {"n": 1, "rmse1_deg": {"mean": mean + 1, "std": None}},
+        }
         (folder.path / "metrics.json").write_text(json.dumps(content))
     runs = find_runs([Path("runs")])
     rows = in_order(rows_of(runs, ["run", "payload", "rmse1_deg", "controller.positive.kp"]), "-rmse1_deg")

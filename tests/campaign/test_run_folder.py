@@ -40,9 +40,7 @@ def test_a_new_folder_says_what_was_asked(plan: Plan, empty_folder: Path) -> Non
     assert not list(folder.path.rglob("*.part"))
 
 
-def test_the_configuration_says_what_runs_and_not_what_a_campaign_replaces(
-    composer: Composer, empty_folder: Path
-) -> None:
+def test_the_configuration_says_what_runs_and_not_what_a_campaign_replaces(composer: Composer, empty_folder: Path) -> None:
     lines = ["campaign=robustness_vertical"]
     asked = composer.compose(lines).config
     folder, _ = folder_for(make_plan(asked, "robustness_vertical", lines, composer), asked, lines, None)
@@ -59,7 +57,10 @@ def test_the_configuration_says_what_runs_and_not_what_a_campaign_replaces(
         ([1, 1], 1),
         ([1, 2], "varies"),
         ([{"a": 1}, {"a": 1, "b": 2}], {"a": 1, "b": "varies"}),
-        ([{"name": "x", "a": {"p": 1, "q": 1}}, {"name": "x", "a": {"p": 2, "q": 1}}], {"name": "x", "a": {"p": "varies", "q": 1}}),
+        (
+            [{"name": "x", "a": {"p": 1, "q": 1}}, {"name": "x", "a": {"p": 2, "q": 1}}],
+            {"name": "x", "a": {"p": "varies", "q": 1}},
+        ),
         ([{"name": "x", "a": 1}, {"name": "y", "a": 1}], "varies"),
         ([None, {}], "varies"),
         ([[1, 2], [1, 3]], "varies"),

@@ -71,9 +71,13 @@ TEXTS = {
     "trajectories/slope.py": TRAJECTORY,
 }
 DIAGNOSIS = {
-    "verdict": "effect", "effects": ["string_elasticity"], "calibration": {},
-    "candidates": [{"effect": "string_elasticity", "parameters": {"stiffness": {"value": 1e4, "unit": "N/m", "ci95": [9e3, 1e4]}}}],
-}  # fmt: skip
+    "verdict": "effect",
+    "effects": ["string_elasticity"],
+    "calibration": {},
+    "candidates": [
+        {"effect": "string_elasticity", "parameters": {"stiffness": {"value": 1e4, "unit": "N/m", "ci95": [9e3, 1e4]}}}
+    ],
+}
 
 # Each kind of file with the calls that read it; none of them has a kernel to compile.
 PLAN_OWN = (("plan", "trajectory=own"), ("plan", "controller=own"), ("plan",))
@@ -112,9 +116,7 @@ def prepared(folder: Path) -> None:
     from hjcamp import cli
 
     os.chdir(folder)
-    code = cli.run(
-        ["run", "campaign=controllers", "conditions=[ramp_pos__pid,ramp_neg__pid]", "repetitions=2", "run_dir=run"]
-    )
+    code = cli.run(["run", "campaign=controllers", "conditions=[ramp_pos__pid,ramp_neg__pid]", "repetitions=2", "run_dir=run"])
     assert code == 0, "the run of the study failed"
     for name, text in TEXTS.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)

@@ -160,7 +160,9 @@ def main() -> int:
                         bad += 1
                         print(f"FAULT {command}, {way}: {'; '.join(found)}: {' '.join(said.split())[-300:]}", flush=True)
                     shutil.rmtree(folder)
-    print(f"{sum(codes.values())} disturbed calls: {', '.join(f'{count} {key}' for key, count in sorted(codes.items()))}; {bad} faults")
+    print(
+        f"{sum(codes.values())} disturbed calls: {', '.join(f'{count} {key}' for key, count in sorted(codes.items()))}; {bad} faults"
+    )
     return int(bad > 0)
 
 

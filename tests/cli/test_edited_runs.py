@@ -116,10 +116,13 @@ def test_a_link_in_the_folder_leads_nowhere_else(call: Call, run: Path, name: st
 
 
 WRITERS = {
-    "compare": ("compare", "compare {run}"), "diagnose": ("diagnose", "diagnose {run}"), "next": ("next", "next {run}"),
-    "repetition_1": ("repetition_1", "report {run} --repetition 1"), "export": ("", "log export {run}"),
+    "compare": ("compare", "compare {run}"),
+    "diagnose": ("diagnose", "diagnose {run}"),
+    "next": ("next", "next {run}"),
+    "repetition_1": ("repetition_1", "report {run} --repetition 1"),
+    "export": ("", "log export {run}"),
     "view": ("", "log view {run} --with plotjuggler --no-open"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("kind", ["folder", "file in it", "dangling", "part", "folder in it"])

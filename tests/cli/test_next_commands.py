@@ -40,9 +40,7 @@ def advised(out: str) -> list[list[str]]:
         (["campaign=two_pumps"], "compare"),
     ],
 )
-def test_what_is_advised_succeeds(
-    empty_folder: Path, capfd: pytest.CaptureFixture[str], call: list[str], first: str
-) -> None:
+def test_what_is_advised_succeeds(empty_folder: Path, capfd: pytest.CaptureFixture[str], call: list[str], first: str) -> None:
     (empty_folder / "campaigns").mkdir()
     (empty_folder / "campaigns" / "two_pumps.yaml").write_text(TWO_PUMPS)
     assert cli.run(["run", *call, "repetitions=1", "run_dir=a run"]) == 0

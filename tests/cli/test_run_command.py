@@ -44,9 +44,7 @@ def written(folder: Path) -> list[str]:
         (["-m", "seed=1,2", "controller.positive.kp=inf"], "controller.positive.kp is inf"),
     ],
 )
-def test_bad_input_is_one_message_and_nothing_is_written(
-    call: Call, tmp_path: Path, arguments: list[str], words: str
-) -> None:
+def test_bad_input_is_one_message_and_nothing_is_written(call: Call, tmp_path: Path, arguments: list[str], words: str) -> None:
     code, out, err = call("run", *arguments)
     assert code == 2
     assert words in err
@@ -105,8 +103,6 @@ def test_a_glob_is_a_job_for_each_choice_that_matches(call: Call, asked: str, ch
     assert [word for word in out.split() if word.startswith("payload=") and word != f"payload={asked}"][: len(chosen)] == [
         f"payload={one}" for one in chosen
     ]
-
-
 
 
 @pytest.mark.parametrize(
@@ -255,9 +251,7 @@ def test_runs_are_listed_shown_and_reported(call: Call, tmp_path: Path) -> None:
         (("effects", "leakage", "payload.mass_g=-1", "--figure", "x.png"), "payload.mass_g is -1"),
     ],
 )
-def test_every_command_checks_the_values_first(
-    call: Call, tmp_path: Path, arguments: tuple[str, ...], words: str
-) -> None:
+def test_every_command_checks_the_values_first(call: Call, tmp_path: Path, arguments: tuple[str, ...], words: str) -> None:
     code, _, err = call(*arguments)
     assert code == 2
     assert words in err

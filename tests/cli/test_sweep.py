@@ -135,9 +135,7 @@ def test_a_trial_that_fails_ends_the_sweep_with_its_message(tuned: Call) -> None
         ("range(1,2,nan)", "finite"),
     ],
 )
-def test_a_range_that_holds_no_number_is_refused_in_one_sentence(
-    tuned: Call, tmp_path: Path, values: str, why: str
-) -> None:
+def test_a_range_that_holds_no_number_is_refused_in_one_sentence(tuned: Call, tmp_path: Path, values: str, why: str) -> None:
     for command in ("plan", "run"):
         code, _, err = tuned(command, "-m", *SMALL, "hydra/sweeper=optuna", f"{KP}={values}", "objective=rmse1_deg")
         assert code == 2 and why in err and f"{KP}={values}" in err and err.count("\n") == 1, err

@@ -212,7 +212,10 @@ def test_the_spindle_is_accepted_and_its_recordings_are_those_of_their_program(
         ({"logs": [{"duration_s": 15.0}, {"duration_s": 14.6}]}, "2 logs, 30 s of motion"),
         ({"verdict": "effect", "effects": ["a"], "error": {"baseline": 13.02, "augmented": 0.97}}, "by 13.02 times"),
         ({"helps": False, "effects": ["a", "b"], "error": {"before": 2.0, "after": 2.1}}, "a and b does not help: 2.00 times"),
-        ({"models": [{"name": "published", "score": 6.14}], "calibrated": {"name": "c", "score": 2.13}}, "published 6.14, c 2.13."),
+        (
+            {"models": [{"name": "published", "score": 6.14}], "calibrated": {"name": "c", "score": 2.13}},
+            "published 6.14, c 2.13.",
+        ),
         ({}, ""),
     ],
 )
@@ -312,7 +315,10 @@ def test_part_of_the_truth_is_part_of_it() -> None:
 )
 def test_the_last_sentence_is_computed_from_what_was_found(value: float, interval: tuple[float, float], said: str) -> None:
     row = {"value": 2.0, "unit": "N", "ci95": list(interval), "published": 1.0}
-    found = {"candidates": [{"effect": "leakage", "parameters": {"x": row}}], "calibration": {"mass": row | {"ci95": [1.0, 3.0]}}}
+    found = {
+        "candidates": [{"effect": "leakage", "parameters": {"x": row}}],
+        "calibration": {"mass": row | {"ci95": [1.0, 3.0]}},
+    }
     hidden = {"parameters": {"leakage": {"x": value}}, "base": {"mass": 2.9}}
     said = said.format("the 95 % interval of what was found")
     assert compared(hidden, found) == said and compared(hidden, {}) == ""

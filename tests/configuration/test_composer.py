@@ -35,9 +35,7 @@ def test_a_composition_leaves_no_trace_in_the_next(composer: Composer) -> None:
     ("choice", "gain", "static", "direction"),
     [("experiment", 1.23, False, "positive"), ("design", 1.0, True, "reference")],
 )
-def test_both_feedforwards_can_be_chosen(
-    composer: Composer, choice: str, gain: float, static: bool, direction: str
-) -> None:
+def test_both_feedforwards_can_be_chosen(composer: Composer, choice: str, gain: float, static: bool, direction: str) -> None:
     config = composer.compose(["controller=ffwd_pid", f"controller/feedforward={choice}"]).config["controller"]
     expected = {"variant": choice, "gain": gain, "static_friction": static, "friction_direction": direction}
     assert config["feedforward"] == expected
@@ -124,9 +122,7 @@ def test_the_folder_one_works_in_comes_first(empty_folder: Path) -> None:
 def test_a_named_folder_comes_before_the_one_worked_in(empty_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for folder, mass in (("here", 1.0), ("named", 2.0)):
         (empty_folder / folder / "conf" / "payload").mkdir(parents=True)
-        (empty_folder / folder / "conf" / "payload" / "none.yaml").write_text(
-            f"name: none\nmass_g: {mass}\nradius_mm: 5.0\n"
-        )
+        (empty_folder / folder / "conf" / "payload" / "none.yaml").write_text(f"name: none\nmass_g: {mass}\nradius_mm: 5.0\n")
     monkeypatch.chdir(empty_folder / "here")
     assert Composer().compose([]).config["payload"]["mass_g"] == 1.0
     monkeypatch.setenv("HJCAMP_CONF", str(empty_folder / "named"))

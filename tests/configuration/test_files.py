@@ -63,9 +63,7 @@ def test_refused_by_name(empty_folder: Path, file: str, content: str | bytes, li
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    "reader", [read_import_map, read_tolerances, read_definition, read_yaml], ids=lambda one: one.__name__
-)
+@pytest.mark.parametrize("reader", [read_import_map, read_tolerances, read_definition, read_yaml], ids=lambda one: one.__name__)
 def test_aliases_of_aliases_in_other_files(empty_folder: Path, reader: Callable[[Path], object]) -> None:
     begin = time.monotonic()
     for content, words in (
@@ -85,8 +83,7 @@ def test_aliases_of_aliases_in_other_files(empty_folder: Path, reader: Callable[
 def test_a_log_with_aliases_of_aliases_counts_as_one_without_configuration() -> None:
     begin = time.monotonic()
     assert (
-        configuration(BOMB.encode()) == {}
-        and attached_configuration(TestLog({}, {}, {"config.yaml": BOMB.encode()})) is None
+        configuration(BOMB.encode()) == {} and attached_configuration(TestLog({}, {}, {"config.yaml": BOMB.encode()})) is None
     )
     assert time.monotonic() - begin < 20.0
 

@@ -55,9 +55,12 @@ def swept(answer: Callable[[dict[str, str]], Any], *words: str, objective: Any =
 @pytest.mark.parametrize("sampler", ["tpe", "cmaes"])
 def test_it_finds_the_gain(sampler: str) -> None:
     jobs = swept(
-        lambda job: (float(job[KP]) - 0.9) ** 2, f"{KP}=interval(0.5,1.5)", "pump=pump1",
-        "hydra.sweeper.sampler.seed=1", f"hydra/sweeper/sampler={sampler}",
-    )  # fmt: skip
+        lambda job: (float(job[KP]) - 0.9) ** 2,
+        f"{KP}=interval(0.5,1.5)",
+        "pump=pump1",
+        "hydra.sweeper.sampler.seed=1",
+        f"hydra/sweeper/sampler={sampler}",
+    )
     assert len(jobs) == 20 and {job["pump"] for job in jobs} == {"pump1"}
     assert min(abs(float(job[KP]) - 0.9) for job in jobs) < 0.05
 
@@ -65,9 +68,12 @@ def test_it_finds_the_gain(sampler: str) -> None:
 @pytest.mark.parametrize("way", ["minimize", "maximize"])
 def test_a_direction_decides_where_it_looks(way: str) -> None:
     jobs = swept(
-        lambda job: float(job[KP]), f"{KP}=tag(log,interval(0.01,1.0))", f"hydra.sweeper.direction={way}",
-        "hydra.sweeper.n_trials=40", "hydra.sweeper.sampler.seed=2",
-    )  # fmt: skip
+        lambda job: float(job[KP]),
+        f"{KP}=tag(log,interval(0.01,1.0))",
+        f"hydra.sweeper.direction={way}",
+        "hydra.sweeper.n_trials=40",
+        "hydra.sweeper.sampler.seed=2",
+    )
     late = sorted(float(job[KP]) for job in jobs[20:])
     assert late[10] < 0.05 if way == "minimize" else late[10] > 0.2  # the middle of the range is 0.1
 
@@ -86,9 +92,12 @@ def test_two_objectives_with_a_seed_give_the_same_values_again(sampler: str) -> 
 
 def test_a_kept_study_goes_on_with_other_values(tmp_path: Path) -> None:
     kept = (
-        f"hydra.sweeper.storage=sqlite:///{tmp_path}/gain.db", "hydra.sweeper.study_name=gain",
-        "hydra.sweeper.sampler.seed=1", "hydra.sweeper.n_trials=3", f"{KP}=interval(0.5,1.5)",
-    )  # fmt: skip
+        f"hydra.sweeper.storage=sqlite:///{tmp_path}/gain.db",
+        "hydra.sweeper.study_name=gain",
+        "hydra.sweeper.sampler.seed=1",
+        "hydra.sweeper.n_trials=3",
+        f"{KP}=interval(0.5,1.5)",
+    )
     values = {job[KP] for _ in range(2) for job in swept(lambda job: float(job[KP]), *kept)}
     assert len(values) == 6
     with pytest.raises(UsageError, match=r"the study gain in .* was begun with hydra.sweeper.direction=\[minimize\]"):

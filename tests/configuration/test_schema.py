@@ -107,9 +107,7 @@ def test_every_choice_of_ours_fits(composer: Composer, empty_folder: Path) -> No
 @pytest.mark.parametrize("backend", ["simulation", "nidaqmx"])
 def test_every_campaign_of_ours_fits(composer: Composer, empty_folder: Path, backend: str) -> None:
     for campaign in composer.options("campaign"):
-        if backend == "nidaqmx" and composer.compose([f"campaign={campaign}"]).config["campaign"].get("fixed", {}).get(
-            "plant"
-        ):
+        if backend == "nidaqmx" and composer.compose([f"campaign={campaign}"]).config["campaign"].get("fixed", {}).get("plant"):
             continue  # another plant has no wiring
         # The conditions of our campaigns are composed one by one in the tests of planning.
         check_call([f"campaign={campaign}", f"backend={backend}"], composer)

@@ -28,13 +28,17 @@ FILES = {
     "hydra in a model": ("model/friend.yaml", "# @package _global_\nhydra:\n  job: {chdir: true}\n", "line 2: 'hydra' belongs"),
     "a package in hydra": ("model/friend.yaml", "# @package hydra.callbacks\nx: {a: 1}\n", "@package hydra.callbacks"),
     "defaults into hydra": ("model/friend.yaml", "defaults:\n  - /payload@hydra.callbacks.x: none\n", "reaches into 'hydra'"),
-    "defaults override hydra": ("model/friend.yaml", "defaults:\n  - override /hydra/launcher: joblib\n", "reaches into 'hydra'"),
+    "defaults override hydra": (
+        "model/friend.yaml",
+        "defaults:\n  - override /hydra/launcher: joblib\n",
+        "reaches into 'hydra'",
+    ),
     "not UTF-8": ("model/friend.yaml", b"name: friend\nunit: \xb0C\n", "line 2: this is not UTF-8 text"),
     "the main configuration": ("config.yaml", f"hydra: {{callbacks: {{x: {CALL}}}}}\n", "line 1: 'hydra' belongs"),
     "defaults of the main one": ("config.yaml", "defaults:\n  - override hydra/launcher: mine\n", "reaches into 'hydra'"),
     "a callback group": ("hydra/launcher/basic.yaml", f"x: {CALL}\n", "hydra/launcher/basic.yaml: configuration of 'hydra'"),
     "a sweeper group": ("hydra/sweeper/basic.yaml", "max_batch_size: 1\n", "hydra/sweeper/basic.yaml: configuration of"),
-}  # fmt: skip
+}
 ALWAYS_READ = ("config.yaml", "hydra/")
 
 
@@ -84,9 +88,7 @@ def test_whichever_way_the_folder_comes(
 
 
 def test_a_model_that_compare_is_given(empty_folder: Path) -> None:
-    write(
-        empty_folder / "conf" / "model" / "friend.yaml", f"# @package _global_\nhydra: {{callbacks: {{x: {CALL}}}}}\n"
-    )
+    write(empty_folder / "conf" / "model" / "friend.yaml", f"# @package _global_\nhydra: {{callbacks: {{x: {CALL}}}}}\n")
     with pytest.raises(UsageError, match=r"friend\.yaml: line 2"):
         Composer().model("friend")
 
@@ -143,9 +145,7 @@ def test_every_file_of_ours_would_pass_as_a_users(empty_folder: Path) -> None:
     assert [composer.compose(lines).config for lines in choices] == expected
 
 
-def test_an_own_main_configuration_runs_with_our_hydra(
-    empty_folder: Path, call: Callable[..., tuple[int, str]]
-) -> None:
+def test_an_own_main_configuration_runs_with_our_hydra(empty_folder: Path, call: Callable[..., tuple[int, str]]) -> None:
     text = (packaged_root() / "conf" / "config.yaml").read_text()
     without = text[: text.index("\nhydra:")].replace("  - override hydra/job_logging: disabled\n", "")
     assert "pump: pump2" in without and "hydra" not in without
@@ -220,7 +220,10 @@ def test_a_reference_to_a_key_and_one_on_the_command_line_are_read(
     empty_folder: Path, call: Callable[..., tuple[int, str]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SECRET_TOKEN", "7.5")
-    write(empty_folder / "conf/payload/friend.yaml", "name: friend\nmass_g: ${oc.select:pump.nothing,8.5}\nradius_mm: ${.mass_g}\n")
+    write(
+        empty_folder / "conf/payload/friend.yaml",
+        "name: friend\nmass_g: ${oc.select:pump.nothing,8.5}\nradius_mm: ${.mass_g}\n",
+    )
     config = Composer().compose(["payload=friend", "pump.bore_mm=${oc.env:SECRET_TOKEN}"]).config
     assert config["payload"]["mass_g"] == config["payload"]["radius_mm"] == 8.5
     assert float(config["pump"]["bore_mm"]) == 7.5

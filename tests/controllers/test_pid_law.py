@@ -23,9 +23,7 @@ def transcribed(reference: np.ndarray, velocity: np.ndarray, arm: np.ndarray, fi
         direction = np.sign(velocity[j]) or direction
         kp, ki, kd = POSITIVE if direction > 0 else NEGATIVE
         before = error[j - n] if j >= n else error[0]
-        command[j] = 8.5 * (
-            kp * error[j] + ki * error[: j + 1].sum() * period + kd * (error[j] - before) / (n * period)
-        )
+        command[j] = 8.5 * (kp * error[j] + ki * error[: j + 1].sum() * period + kd * (error[j] - before) / (n * period))
     return command
 
 
@@ -60,9 +58,7 @@ def test_law_equals_its_transcription(first: float, n: int) -> None:
     resting = (time < 0.1) | ((time > 0.3) & (time < 0.4))
     velocity = np.where(resting, 0.0, velocity)
     arm = reference + 0.01 * np.random.default_rng(3).standard_normal(700)
-    assert commanded(reference, velocity, arm, first, n) == pytest.approx(
-        transcribed(reference, velocity, arm, first, n)
-    )
+    assert commanded(reference, velocity, arm, first, n) == pytest.approx(transcribed(reference, velocity, arm, first, n))
 
 
 def test_a_bumpless_change_of_gains_sums_the_error_with_the_gain_of_each_sample() -> None:

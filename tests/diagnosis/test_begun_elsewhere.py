@@ -48,7 +48,10 @@ def test_a_base_in_a_poor_place_is_begun_from_where_a_fit_beside_it_has_led_it(s
     ],
 )
 def test_a_parameter_that_would_go_on_beyond_its_bound_is_held(
-    slab: Measured, declared: float, bounds: tuple[float, float], held: tuple[str, ...]  # noqa: F811
+    slab: Measured,  # noqa: F811
+    declared: float,
+    bounds: tuple[float, float],
+    held: tuple[str, ...],
 ) -> None:
     plant = find_plant("slab")
     plant.parameters["loss"] = replace(plant.parameters["loss"], default=declared, bounds=bounds)
@@ -58,7 +61,8 @@ def test_a_parameter_that_would_go_on_beyond_its_bound_is_held(
 
 
 def test_two_gains_of_which_the_product_alone_is_told_are_held_where_it_would_go_on(
-    slab: Measured, tmp_path: Path  # noqa: F811
+    slab: Measured,  # noqa: F811
+    tmp_path: Path,
 ) -> None:
     both = '    gain = Parameter("1", 0.5, (0.1, 0.6), base=True)\n    scale = Parameter("1", 0.5, (0.1, 0.6), base=True)\n    period'
     text = PLANT.replace("    period", both).replace("drive.power -", "parameter.gain * parameter.scale * drive.power -")

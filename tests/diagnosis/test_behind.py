@@ -52,8 +52,9 @@ def test_a_lag_behind_a_dead_band_stands_beside_that_of_the_sensor(winding: Meas
     found = judged(analysis)
     assert (found.word, set(found.effects)) == ("one_of", {"dead_band", "action_lag", "sensor_lag"})
     assert {frozenset(one) for one in found.confidence_set} == {
-        frozenset(("dead_band", "action_lag")), frozenset(("dead_band", "sensor_lag"))
-    }  # fmt: skip
+        frozenset(("dead_band", "action_lag")),
+        frozenset(("dead_band", "sensor_lag")),
+    }
     for model in (found.model, *found.rivals):
         effects = model.fitted.candidate.effects
         assert effects["dead_band"]["width"] == pytest.approx(BAND, rel=0.02)
@@ -87,7 +88,11 @@ def test_the_search_goes_on_from_the_lag_beside_which_least_is_left() -> None:
     search.steps, search.look = [], look  # type: ignore[method-assign,assignment]
     model, step = search.by_another_lag(fits["sensor_lag"], ("sensor_lag",), look(fits["sensor_lag"]))  # type: ignore[arg-type]
     # alone it takes less, and what diverges is not looked at
-    assert (model.names, step.before.names, search.windows.place) == (("command_delay",), ("command_delay",), ("command_delay",))
+    assert (model.names, step.before.names, search.windows.place) == (
+        ("command_delay",),
+        ("command_delay",),
+        ("command_delay",),
+    )
     assert [one.before.names for one in search.steps] == [("command_delay",)]
     # where nothing is beside it, no other lag is looked at
     calm = look(fits["sensor_lag"])

@@ -54,8 +54,10 @@ def test_an_inertia_that_differs_in_one_condition_is_told(tmp_path: Path, monkey
     found = verdict.differs.parameters["inertia"]
     assert next(iter(verdict.differs.parameters)) == "inertia"
     assert {name: one.value / INERTIA for name, one in found.items()} == {
-        "slow": pytest.approx(1.0, rel=0.01), "fast": pytest.approx(1.0, rel=0.01), "loaded": pytest.approx(1.6, rel=0.01)
-    }  # fmt: skip
+        "slow": pytest.approx(1.0, rel=0.01),
+        "fast": pytest.approx(1.0, rel=0.01),
+        "loaded": pytest.approx(1.6, rel=0.01),
+    }
     row = answer(analysis, verdict, 0.0)["by_condition"]
     assert row["left"] == pytest.approx(1.0, abs=0.1)
     assert row["parameters"]["inertia"]["conditions"]["loaded"]["value"] == pytest.approx(1.6 * INERTIA, rel=0.01)

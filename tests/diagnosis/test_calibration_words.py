@@ -32,7 +32,9 @@ def test_a_parameter_at_its_bound_that_the_tests_do_not_tell_asks_whether_they_c
     assert held_by_bounds(untold) == []
     untold["push_gain"]["told"] = False
     [said] = held_by_bounds(untold)
-    assert said.startswith("push gain stands at its bound, 0.02 N, and these tests do not tell it") and "a sign or a unit" in said
+    assert (
+        said.startswith("push gain stands at its bound, 0.02 N, and these tests do not tell it") and "a sign or a unit" in said
+    )
 
 
 def test_what_was_found_beside_is_marked_where_a_bound_stops_it() -> None:
@@ -51,10 +53,12 @@ def test_no_friction_at_all_and_a_delay_at_its_longest_are_no_wrong_sign() -> No
 @pytest.mark.parametrize(
     ("value", "low", "at_bound", "said"),
     [
-        (0.004, 0.003, True, ["stands at the most"]), (0.0022, 0.0021, False, ["The current acts 0.0022 s late, more than"]),
-        (0.0022, 0.0019, False, []), (-0.002, -0.002, True, []),
+        (0.004, 0.003, True, ["stands at the most"]),
+        (0.0022, 0.0021, False, ["The current acts 0.0022 s late, more than"]),
+        (0.0022, 0.0019, False, []),
+        (-0.002, -0.002, True, []),
     ],
-)  # fmt: skip
+)
 def test_a_delay_that_no_log_is_off_by_is_said(value: float, low: float, at_bound: bool, said: list[str]) -> None:
     late = {"delay.current": row(value, low, 0.004, at_bound)["push_gain"]}
     found = late_inputs(late, ["spring"], 0.002)
@@ -74,7 +78,9 @@ def test_a_delay_that_no_log_is_off_by_is_said(value: float, low: float, at_boun
         (0.4e-5, True, 9e-4, True, True),
     ],
 )
-def test_bounds_that_follow_from_declared_sizes_are_told(value: float, told: bool, width: float, at_bound: bool, said: bool) -> None:
+def test_bounds_that_follow_from_declared_sizes_are_told(
+    value: float, told: bool, width: float, at_bound: bool, said: bool
+) -> None:
     base = {"gain": {"published": 2e-5, "value": value, "unit": "N*m", "ci95": [value, value], "at_bound": False}}
     if not told:
         base["gain"]["told"] = False
@@ -107,7 +113,9 @@ def test_what_acts_in_few_parts_of_the_tests_is_said_though_it_is_not_shown() ->
         {"effect": "overflow", "heldout_error_ratio": 0.856, "t": 4.2, "t_needed": 85.0, "parameters": {}},
     ]
     [said] = seldom(rows, 0.24)
-    assert said.startswith("overflow would take 14 %, but in too few parts of the tests") and "record more of the motion" in said
+    assert (
+        said.startswith("overflow would take 14 %, but in too few parts of the tests") and "record more of the motion" in said
+    )
     delay = {"delay": {"value": 0.372, "unit": "s"}, "dead_share": {"value": 0.5, "unit": "1"}}
     [said] = seldom([rows[1] | {"effect": "command_delay", "parameters": delay}], 0.24)
     assert "a window of 0.24 s is short beside its 0.37 s: longer tests have longer windows" in said

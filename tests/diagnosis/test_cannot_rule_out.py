@@ -19,7 +19,12 @@ PERIOD, WIDTH = 1.0, 24
 
 
 def analysis_of(
-    held: tuple[str, ...] = (), delay: float = 0.0, lag: float = 6.0, share: float = 0.5, source: str = "sensor", rms: float = 1.0,
+    held: tuple[str, ...] = (),
+    delay: float = 0.0,
+    lag: float = 6.0,
+    share: float = 0.5,
+    source: str = "sensor",
+    rms: float = 1.0,
     memory: int = 0,
 ) -> Any:
     """A stand-in for an analysis: a base with a delay, and a look that has fitted a lag, which leaves a share of the error."""
@@ -31,11 +36,17 @@ def analysis_of(
         beyond=lambda before: ("sensor_lag",), fitted=SimpleNamespace(candidate=Candidate({}, {"sensor_lag": {"lag": lag}}))
     )
     step = SimpleNamespace(before=base, named=(lagging,), unknown=(), p_value=0.01, claims=0.05, level=0.05)
-    effect = SimpleNamespace(states={"late": None}, parameters={"lag": Parameter("s", 5.0, (0.1, 200.0), "log-uniform", off=0.0)})
+    effect = SimpleNamespace(
+        states={"late": None}, parameters={"lag": Parameter("s", 5.0, (0.1, 200.0), "log-uniform", off=0.0)}
+    )
     search = SimpleNamespace(
-        steps=[step], chapters=np.repeat(np.arange(8), 4), library={"sensor_lag": effect}, error_ratio=lambda one, before: share,
-        takes_a_share=lambda one, before, level: False, t=lambda one, before: (1.0, 8.0),
-    )  # fmt: skip
+        steps=[step],
+        chapters=np.repeat(np.arange(8), 4),
+        library={"sensor_lag": effect},
+        error_ratio=lambda one, before: share,
+        takes_a_share=lambda one, before, level: False,
+        t=lambda one, before: (1.0, 8.0),
+    )
     sensors = (SimpleNamespace(quantity="level"),)
     measured = SimpleNamespace(period=PERIOD, sensors=sensors, plant=SimpleNamespace(loop="own"))
     layout = SimpleNamespace(measured=measured, width=WIDTH, memory=memory, short=False, basis=np.ones((WIDTH, 2)))

@@ -69,9 +69,12 @@ def test_a_sign_that_bounds_forbid_is_no_candidate() -> None:
     response = random.normal(size=(count, 1))
     residuals = random.normal(size=count) + response[:, 0]  # asks for a negative amplitude
     moments = Blocks(
-        residuals, np.zeros((count, 0)), np.zeros((0, 0)),
-        [Column("bounded", 0, response, one_sided=True), Column("free", 1, response)], np.repeat(np.arange(BLOCKS), ROWS),
-    )  # fmt: skip
+        residuals,
+        np.zeros((count, 0)),
+        np.zeros((0, 0)),
+        [Column("bounded", 0, response, one_sided=True), Column("free", 1, response)],
+        np.repeat(np.arange(BLOCKS), ROWS),
+    )
     assert [one.columns for one in moments.ranked([(0,), (1,)])] == [(1,)]
 
 

@@ -78,7 +78,9 @@ def test_what_repeats_with_each_turn_is_outside_and_its_curve_is_of_one_turn() -
 
 
 @pytest.mark.usefixtures("plants")
-@pytest.mark.parametrize(("turns", "name"), [(1.9, "unknown_fine_force_over_position"), (2.1, "unknown_turning_force_over_position")])
+@pytest.mark.parametrize(
+    ("turns", "name"), [(1.9, "unknown_fine_force_over_position"), (2.1, "unknown_turning_force_over_position")]
+)
 def test_within_a_turn_or_over_the_whole_travel(turns: float, name: str) -> None:
     travel = turns * 2.0 * np.pi
     found = unknowns_of(find_plant("shaft"), {"angle": (1.0, 1.0 + travel), "load": (0.0, 1.0)})

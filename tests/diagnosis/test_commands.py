@@ -68,8 +68,7 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     assert "spring" in page and "<svg" in page and "http://" not in page.replace("http://www.w3.org", "")
     assert page.index('class="evidence"') < page.index("<math") < page.index("Effects, best first")
     assert all(
-        said in page
-        for said in ("missing: calibrated model", "missing: with spring", "spring, forwards", "spring, backwards")
+        said in page for said in ("missing: calibrated model", "missing: with spring", "spring, forwards", "spring, backwards")
     )
     assert all(said in page for said in ("worst test", "these tests", "residual with itself", "with voltage before"))
     known = page[page.index("How well each parameter is known") :]
@@ -150,13 +149,17 @@ def test_next_takes_the_diagnosis_of_the_same_logs_and_sets_its_group_apart(stag
     data, asked = Data(["logs/train.mcap"]), Asked(only=ONLY)
     known = {"spring": {"stiffness": 140.0, "rest_position": 0.02}, "constant_force": {"strength": 4.0}}
     kept = {
-        "schema": "hjcamp.diagnosis/2", "verdict": "one_of", "effects": list(known), "unknowns": [],
-        "confidence_set": [[name] for name in known], "window_samples": 80, "made_from": made_from(data, asked),
+        "schema": "hjcamp.diagnosis/2",
+        "verdict": "one_of",
+        "effects": list(known),
+        "unknowns": [],
+        "confidence_set": [[name] for name in known],
+        "window_samples": 80,
+        "made_from": made_from(data, asked),
         "candidates": [
-            {"effect": name, "parameters": {key: {"value": value} for key, value in own.items()}}
-            for name, own in known.items()
+            {"effect": name, "parameters": {key: {"value": value} for key, value in own.items()}} for name, own in known.items()
         ],
-    }  # fmt: skip
+    }
     (stage / "diagnose").mkdir()
     (stage / "diagnose" / "answer.json").write_text(json.dumps(kept), encoding="utf-8")
     done = run(app, ["next", "logs/train.mcap", "--json", "n.json", "--tests", "1"])

@@ -31,8 +31,13 @@ def test_a_model_errs_by_the_same_whichever_stands_beside_it(axis: Path) -> None
 def test_it_is_said_why_a_model_that_errs_less_in_a_channel_is_farther_off() -> None:
     sensors = [SimpleNamespace(quantity="arm_angle"), SimpleNamespace(quantity="speed")]
     calibrated = SimpleNamespace(name="calibrated", rms=[0.5, 0.5], score=1.0)
-    models = [SimpleNamespace(name="first", rms=[1.0, 1.0], score=2.0), SimpleNamespace(name="second", rms=[2.0, 0.7], score=3.0)]
-    found = SimpleNamespace(models=models, calibrated=calibrated, analysis=SimpleNamespace(measured=SimpleNamespace(sensors=sensors)))
+    models = [
+        SimpleNamespace(name="first", rms=[1.0, 1.0], score=2.0),
+        SimpleNamespace(name="second", rms=[2.0, 0.7], score=3.0),
+    ]
+    found = SimpleNamespace(
+        models=models, calibrated=calibrated, analysis=SimpleNamespace(measured=SimpleNamespace(sensors=sensors))
+    )
     said = further_off(found)  # type: ignore[arg-type]
     assert said[-1].startswith("second errs less in speed than first, though its normalised error is larger: ")
     calibrated.rms = [3.0, 0.5]

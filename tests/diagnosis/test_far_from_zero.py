@@ -57,7 +57,11 @@ def shell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Measured, np
     for k in range(count):
         shown[k] = OUTSIDE + state
         state = step @ state + push[:, 0] * power[k]
-    columns = {"time_s": PERIOD * np.arange(count), "power_w": power, "shell_k": shown[:, 1] + NOISE * generator.standard_normal(count)}
+    columns = {
+        "time_s": PERIOD * np.arange(count),
+        "power_w": power,
+        "shell_k": shown[:, 1] + NOISE * generator.standard_normal(count),
+    }
     return measured_tests([TestLog(columns, {"plant": "shell", "period_s": str(PERIOD), "condition": "steps"})]), shown[:, 0]
 
 

@@ -51,4 +51,6 @@ def test_a_drive_of_many_values_has_no_levels() -> None:
 
     plant = find_plant("valve_joint")
     signals = dict.fromkeys(plant.states, (0.0, 1.0))
-    assert all(not one.levels for one in unknowns_of(plant, signals, {name: np.linspace(0, 1, 400) for name in signals}).values())
+    assert all(
+        not one.levels for one in unknowns_of(plant, signals, {name: np.linspace(0, 1, 400) for name in signals}).values()
+    )

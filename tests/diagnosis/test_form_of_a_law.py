@@ -35,8 +35,9 @@ def test_which_free_laws_are_other_forms_of_a_name(known) -> None:  # type: igno
     library, unknowns = known
     exponent = library["flow_exponent_at_outflow"]
     assert {name for name, one in unknowns.items() if alike_laws(one, exponent)} == {
-        "unknown_flow_over_head_at_outflow", "unknown_loss_over_level_at_lower",
-    }  # fmt: skip
+        "unknown_flow_over_head_at_outflow",
+        "unknown_loss_over_level_at_lower",
+    }
     # of the level, too, but of what the gauge makes of it
     assert not alike_laws(unknowns["unknown_reading_over_true"], exponent)
     assert alike_laws(unknowns["unknown_reading_over_true"], library["sensor_gain"])
@@ -145,7 +146,9 @@ def test_a_free_law_of_a_drive_bends_what_arrives_behind_a_lag(known) -> None:  
         ("unknown_flow_over_head_at_outflow", ("sensor_drift", "flow_exponent_at_outflow"), 1.4, False),
     ],
 )
-def test_one_free_law_is_simpler_than_several_names(known, law: str, names: tuple[str, ...], left: float, simpler: bool) -> None:  # type: ignore[no-untyped-def]
+def test_one_free_law_is_simpler_than_several_names(
+    known, law: str, names: tuple[str, ...], left: float, simpler: bool
+) -> None:  # type: ignore[no-untyped-def]
     library, unknowns = known
     gain = {name: one for name, one in unknowns.items() if one.quantity == "gain"}
     assert {one.driver for one in gain.values()} == {"upper", "lower"} and all(one.place for one in gain.values())
@@ -171,7 +174,9 @@ def test_one_free_law_is_simpler_than_several_names(known, law: str, names: tupl
         (("second_store_at_upper",), 1.4, ()),
     ],
 )
-def test_a_free_law_alone_leaves_no_second_thing_to_name(known, names: tuple[str, ...], left: float, forms: tuple[str, ...]) -> None:  # type: ignore[no-untyped-def]
+def test_a_free_law_alone_leaves_no_second_thing_to_name(
+    known, names: tuple[str, ...], left: float, forms: tuple[str, ...]
+) -> None:  # type: ignore[no-untyped-def]
     library, unknowns = known
     analysis = SimpleNamespace(search=SimpleNamespace(unknowns=unknowns, library=library))
     free = SimpleNamespace(left_out=left, names=("unknown_loss_over_level_at_upper",))
@@ -199,7 +204,9 @@ def test_what_was_found_later_is_held_against_the_free_laws_found_with_it(  # ty
     def scored(*names: str) -> Any:
         candidate = Candidate({}, {name: {} for name in names})
         return SimpleNamespace(
-            names=names, fitted=SimpleNamespace(candidate=candidate), beyond=lambda one: tuple(n for n in names if n not in one.names)
+            names=names,
+            fitted=SimpleNamespace(candidate=candidate),
+            beyond=lambda one: tuple(n for n in names if n not in one.names),
         )
 
     base, first = scored(), scored("second_store_at_upper")
@@ -209,10 +216,13 @@ def test_what_was_found_later_is_held_against_the_free_laws_found_with_it(  # ty
     steps = [SimpleNamespace(before=one, unknown=(free,), level_of_unknown=0.05) for one in (base, first, model)]
     fitted: list[Candidate] = []
     search = SimpleNamespace(
-        steps=steps, unknowns=unknowns, library=library, matters=lambda one, before, level: True,
+        steps=steps,
+        unknowns=unknowns,
+        library=library,
+        matters=lambda one, before, level: True,
         beats=lambda one, other: one is not model and other is worse,
         fitted=lambda candidate: fitted.append(candidate) or scored(*candidate.effects),
-    )  # fmt: skip
+    )
     analysis: Any = SimpleNamespace(search=search, base=base)
     assert further_law(analysis, model, unknown) == ((first, free) if held else None)
     assert [set(one.effects) for one in fitted] == ([{"second_store_at_upper", other, law}] if beside else [])
@@ -260,7 +270,9 @@ def test_what_leaks_between_stores_may_follow_any_law_of_their_difference(two_pu
     for level, expected in ((2.0, 5.0), (-2.0, 0.0), (9.0, 5.0), (0.4, 3.0)):
         both = {one: level + 7.0, beyond: 7.0}
         found = [
-            term.function(*({**both, **values}[dict(term.names).get(name, name) if term.names else name] for name in term.arguments))
+            term.function(
+                *({**both, **values}[dict(term.names).get(name, name) if term.names else name] for name in term.arguments)
+            )
             for term in (taken, given)
         ]
         assert found == [pytest.approx(expected), pytest.approx(-expected)]

@@ -45,12 +45,15 @@ def test_a_gain_has_a_driver_of_each_state_and_of_time_that_moves(axis: Path) ->
     ranges = {"position": (-0.1, 0.1), "velocity": (0.3, 0.3), "time": (0.0, 9.0)}
     found = unknowns_of(find_plant("axis"), ranges)
     assert {name for name, one in found.items() if one.quantity == "gain"} == {
-        "unknown_gain_of_force_over_position", "unknown_gain_of_force_over_time",
-    }  # fmt: skip
+        "unknown_gain_of_force_over_position",
+        "unknown_gain_of_force_over_time",
+    }
     one = found["unknown_gain_of_force_over_position"]
     assert (one.place, one.driver, one.signal, one.usual) == ("force", "position", "position", 1.0)
 
 
-@pytest.mark.parametrize(("driver", "said"), [("velocity", "gain of force that depends on velocity"), ("time", "that depends on time")])
+@pytest.mark.parametrize(
+    ("driver", "said"), [("velocity", "gain of force that depends on velocity"), ("time", "that depends on time")]
+)
 def test_the_words_of_a_gain(driver: str, said: str) -> None:
     assert said in free_law({"quantity": "gain", "port": "force", "driver": driver})

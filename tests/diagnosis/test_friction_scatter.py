@@ -34,7 +34,10 @@ def test_friction_that_differs_by_what_every_contact_has_is_no_effect(axis: Path
     # it is seen in both, chapter by chapter: what decides is how large it is
     step = analysis.search.steps[0]
     seen = next(one for one in step.named if one.beyond(step.before) == ("position_friction",))
-    assert analysis.search.beats(seen, step.before) and seen.fitted.candidate.effects["position_friction"]["amplitude"] > 0.5 * share
+    assert (
+        analysis.search.beats(seen, step.before)
+        and seen.fitted.candidate.effects["position_friction"]["amplitude"] > 0.5 * share
+    )
     assert analysis.search.only_scatter(seen, step.before) == (share < SCATTER)
 
 

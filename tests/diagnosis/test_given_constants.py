@@ -58,8 +58,9 @@ def test_a_wrong_inertia_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     rows = said["constants"]
     # with the other one fitted the gain does the same
     assert {name: one["value"] for name, one in rows.items()} == {
-        "inertia": pytest.approx(INERTIA, rel=0.01), "gain": pytest.approx(1.2 * GAIN, rel=0.01)
-    }  # fmt: skip
+        "inertia": pytest.approx(INERTIA, rel=0.01),
+        "gain": pytest.approx(1.2 * GAIN, rel=0.01),
+    }
     low, high = rows["inertia"]["ci95"]
     assert low < INERTIA < high and rows["inertia"]["left"] < 0.5 * said["error"]["baseline"]
     [first, _] = constant_words({"inertia": rows["inertia"], "gain": rows["gain"]}, said["error"]["baseline"])

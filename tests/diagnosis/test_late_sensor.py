@@ -84,8 +84,10 @@ def mount(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Measured:
         shown[k] = state[2]
         state = step @ state + push[:, 0] * force[k]
     columns = {
-        "time_s": PERIOD * np.arange(count), "force_n": force, "position_mm": 1e3 * shown + 2e-3 * generator.standard_normal(count)
-    }  # fmt: skip
+        "time_s": PERIOD * np.arange(count),
+        "force_n": force,
+        "position_mm": 1e3 * shown + 2e-3 * generator.standard_normal(count),
+    }
     return measured_tests([TestLog(columns, {"plant": "mount", "period_s": str(PERIOD), "condition": "steps"})])
 
 
@@ -110,7 +112,9 @@ def block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Measured:
     (tmp_path / "plants").mkdir()
     (tmp_path / "plants" / "block.py").write_text(BLOCK, encoding="utf-8")
     generator, count = np.random.default_rng(5), 1500
-    power = np.repeat(generator.choice([0.0, 0.0, 10.0, 25.0, 40.0, 60.0], count // 30) * generator.uniform(0.7, 1.3, count // 30), 30)
+    power = np.repeat(
+        generator.choice([0.0, 0.0, 10.0, 25.0, 40.0, 60.0], count // 30) * generator.uniform(0.7, 1.3, count // 30), 30
+    )
     rates = np.array([[-LOSS / CAPACITY, 0.0], [1.0 / CATCHING_UP, -1.0 / CATCHING_UP]])
     step, push, *_ = cont2discrete((rates, np.array([[1.0 / CAPACITY], [0.0]]), np.eye(2), np.zeros((2, 1))), 2.0)
     state, shown = np.zeros(2), np.empty(count)

@@ -50,7 +50,9 @@ def test_what_cannot_be_analysed_is_refused(axis: Path) -> None:
     with pytest.raises(UsageError, match=r"20 samples; at least 64 are needed$"):
         measured_tests([replace(log, columns=short)])
     with pytest.raises(UsageError, match=r"20 samples; at least 64 are needed in one of the 2 logs"):
-        measured_tests([replace(log, columns=short), replace(log, columns={name: values[:19] for name, values in short.items()})])
+        measured_tests(
+            [replace(log, columns=short), replace(log, columns={name: values[:19] for name, values in short.items()})]
+        )
     bad = log.columns["position_m"].copy()
     bad[7] = np.nan
     with pytest.raises(UsageError, match="sample 7"):

@@ -26,9 +26,7 @@ def test_a_course_of_an_input_is_a_campaign(axis: Path) -> None:
     names = ("voltage_steps", "voltage_at_75")
     wanted = {one.name: one for one in menu(measured, SAMPLES, by_motion=False)}
     tests = [SimpleNamespace(wanted=wanted[name], repetitions=2, place=k) for k, name in enumerate(names)]
-    drawn = SimpleNamespace(
-        starts=np.array([[0.01, 0.0], [0.02, 0.1]]), layout=SimpleNamespace(of_test=np.array([0, 1]))
-    )
+    drawn = SimpleNamespace(starts=np.array([[0.01, 0.0], [0.02, 0.1]]), layout=SimpleNamespace(of_test=np.array([0, 1])))
     rivals = [SimpleNamespace(name="spring"), SimpleNamespace(name="nothing")]
     proposal = SimpleNamespace(tests=tests, chosen=2, truths=[[drawn]], question=SimpleNamespace(rivals=rivals))
     done = SimpleNamespace(proposal=proposal, analysis=SimpleNamespace(measured=measured))

@@ -82,8 +82,11 @@ def test_what_nothing_drives_may_begin_elsewhere(measured: Measured) -> None:
     at_rest = tuple(replace(one, inputs=np.zeros_like(one.inputs)) for one in measured.tests)
     tests = named(list(_changed(replace(measured, tests=at_rest), 0, SAMPLES, by_motion=False)))
     assert {name: one.begun for name, one in tests.items()} == {
-        "swing_again": 1.0, "swing_half": 0.5, "swing_other_side": -1.0, "swing_farther": 1.5,
-    }  # fmt: skip
+        "swing_again": 1.0,
+        "swing_half": 0.5,
+        "swing_other_side": -1.0,
+        "swing_farther": 1.5,
+    }
     assert tests["swing_farther"].cost > tests["swing_half"].cost == 1.0
 
 

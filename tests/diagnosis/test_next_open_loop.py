@@ -93,7 +93,9 @@ def test_sets_that_are_not_told_apart_and_a_campaign_that_is_not_written_are_sai
 def test_where_a_rival_runs_away_in_every_test_that_is_said() -> None:
     rivals = [SimpleNamespace(name=name, fitted=True) for name in ("cubic_spring", "spring")]
     proposal = SimpleNamespace(question=SimpleNamespace(rivals=rivals), tried=0, chosen=0, tests=(), together={})
-    done = SimpleNamespace(diagnosis={"unknowns": []}, proposal=proposal, analysis=SimpleNamespace(search=SimpleNamespace(library={})))
+    done = SimpleNamespace(
+        diagnosis={"unknowns": []}, proposal=proposal, analysis=SimpleNamespace(search=SimpleNamespace(library={}))
+    )
     rivals[0].names, rivals[1].names = (), ()
     assert sentences(done) == [  # type: ignore[arg-type]
         "No test is left of those that were made up from these logs: in each a rival runs away, or goes far beyond what the logs "
@@ -109,7 +111,8 @@ def test_values_of_a_rival_that_run_away_do_not_spoil_its_band() -> None:
         return SimpleNamespace(layout=layout)
 
     proposal = SimpleNamespace(
-        question=SimpleNamespace(rivals=[SimpleNamespace(name="spring")]), truths=[[drawn(2.0), drawn(1.0), drawn(np.inf), drawn(3.0)]]
+        question=SimpleNamespace(rivals=[SimpleNamespace(name="spring")]),
+        truths=[[drawn(2.0), drawn(1.0), drawn(np.inf), drawn(3.0)]],
     )
     sensors = [SimpleNamespace(scale=1.0)]
     done = SimpleNamespace(proposal=proposal, analysis=SimpleNamespace(measured=SimpleNamespace(sensors=sensors)))

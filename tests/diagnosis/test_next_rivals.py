@@ -65,9 +65,7 @@ def test_drag_and_viscous_friction_are_told_by_speed(axis: Path) -> None:
     done = PlantProposed(analysis, NOTHING_SAID, found, None)
     shown = Proposed(done, answer(done, None, None, 0.0))
     check_answer(shown.answer)
-    assert shown.title.startswith("PROPOSED") and shown.frame["rivals"].unique().to_list() == [
-        "quadratic_drag / nothing"
-    ]
+    assert shown.title.startswith("PROPOSED") and shown.frame["rivals"].unique().to_list() == ["quadratic_drag / nothing"]
     assert shown.frame["worth_it"].sum() == found.chosen and len(shown.plot().axes) >= 3
 
 

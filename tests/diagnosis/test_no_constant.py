@@ -142,8 +142,6 @@ def test_where_the_flow_is_constant_nothing_is_missing(kettle: Path) -> None:
     assert not any(name.startswith("unknown_value") for name in analysis.search.unknowns)
 
 
-
-
 def thinner(folder: Path, argument: str = "warmth") -> type[Effect]:
     """Return an effect on a parameter that reads ``argument``, from a file of a user's."""
     (folder / "effects").mkdir()
@@ -174,7 +172,7 @@ def test_an_effect_may_act_on_a_parameter_as_on_a_slot(kettle: Path) -> None:
 @pytest.mark.parametrize(
     ("argument", "said"),
     [("gauge", "uses 'gauge', which is computed later than the parameter 'outflow'"), ("warmht", "did you mean 'warmth'")],
-)  # fmt: skip
+)
 def test_it_may_read_what_is_known_before_the_first_line(kettle: Path, argument: str, said: str) -> None:
     with pytest.raises(UsageError, match=said):
         thinner(kettle, argument)

@@ -33,13 +33,17 @@ def turning(voltage: float, swing: float, seed: int = 1) -> Measured:
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_of_a_motor_that_only_makes_noise_nothing_can_be_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
+def test_of_a_motor_that_only_makes_noise_nothing_can_be_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
     monkeypatch.chdir(tmp_path)
     analysis = calibrated(turning(2.0, 0.0, seed), {})
     layout = analysis.windows.layout
     assert not moves(layout).any()
     found = judged(analysis)
-    assert found.word == "cannot_tell" and found.lacking == ("nothing that is measured changes in these tests by more than its noise",)
+    assert found.word == "cannot_tell" and found.lacking == (
+        "nothing that is measured changes in these tests by more than its noise",
+    )
     # a regression has nothing to go by, and leaves all
     left = regression_of(layout, analysis.base.features, analysis.search.chapters, layout.readings)
     np.testing.assert_allclose(left.features, analysis.base.features[left.rows])

@@ -24,11 +24,13 @@ from hjcamp.effects import load_effects
 
 UNSEEN, GOES_ON = np.array([True, False]), np.array([False, True, True])
 # what the unseen and the measured state change of four readings of each window, and how they go on
-READINGS = np.array([
-    [[30.0, 40.0], [20.0, 0.0], [10.0, 0.0], [0.0, 0.0]],
-    [[30.0, 40.0], [20.0, 0.0], [10.0, 0.0], [0.0, 0.0]],
-    [[0.0, 40.0], [25.0, 0.0], [0.0, 0.0], [0.0, 0.0]],
-])  # fmt: skip
+READINGS = np.array(
+    [
+        [[30.0, 40.0], [20.0, 0.0], [10.0, 0.0], [0.0, 0.0]],
+        [[30.0, 40.0], [20.0, 0.0], [10.0, 0.0], [0.0, 0.0]],
+        [[0.0, 40.0], [25.0, 0.0], [0.0, 0.0], [0.0, 0.0]],
+    ]
+)
 ENDS = np.array([[[0.5, 0.0], [0.1, 1.0]]] * 3)
 
 

@@ -63,7 +63,7 @@ def test_leaps_that_an_input_passes_on_are_no_noise(tmp_path: Path, monkeypatch:
 def test_what_runs_linearly_is_read_as_it_is_at_each_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "plants").mkdir()
-    (tmp_path / "plants" / "cell.py").write_text(CELL.replace('typical=2.0)', 'typical=2.0, hold="linear")'))
+    (tmp_path / "plants" / "cell.py").write_text(CELL.replace("typical=2.0)", 'typical=2.0, hold="linear")'))
     generator = np.random.default_rng(4)
     time = np.arange(1600) * 1.0
     current = np.cumsum(generator.uniform(-1.0, 1.0, 1600))

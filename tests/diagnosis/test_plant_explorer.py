@@ -31,9 +31,7 @@ def made(name: str, samples: int) -> MeasuredTest:
 
 def test_predictions_stand_where_their_windows_do_in_the_units_of_the_log() -> None:
     tests = (made("1", LEAD + 5 * WIDTH + 3), made("2", LEAD + 2 * WIDTH))
-    layout = Layout(
-        Measured(find_plant("valve_joint"), 0.002, (Sensor("position_mm", "mm", 1e3),), (0,), tests), WIDTH, 0.5
-    )
+    layout = Layout(Measured(find_plant("valve_joint"), 0.002, (Sensor("position_mm", "mm", 1e3),), (0,), tests), WIDTH, 0.5)
     rows = len(layout.of_test) * WIDTH
     assert layout.counts == [3, 1]
     errors = np.repeat(np.arange(4.0), WIDTH)[:, None] * 1e-6

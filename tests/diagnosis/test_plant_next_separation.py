@@ -49,7 +49,10 @@ def test_what_a_refit_costs_on_measured_tests_counts() -> None:
 
 
 def test_where_tests_cannot_tell_what_takes_most_stands_against_nothing() -> None:
-    rows = [{"effect": name, "heldout_error_ratio": left} for name, left in (("leakage", 0.98), ("overflow", 0.7), ("sensor_lag", 0.4))]
+    rows = [
+        {"effect": name, "heldout_error_ratio": left}
+        for name, left in (("leakage", 0.98), ("overflow", 0.7), ("sensor_lag", 0.4))
+    ]
     answer = {"verdict": "cannot_tell", "effects": [], "confidence_set": [[]], "candidates": rows, "unknowns": []}
     assert sets_of(answer) == [(), ("sensor_lag",), ("overflow",)]
     # what would not stand out is looked at where no effect takes anything

@@ -37,7 +37,10 @@ def test_a_drive_that_has_not_caught_up_leaves_no_more_than_noise(motor: Measure
     [delay] = [one for one in intervals(model.fitted, analysis.search.chapters) if one.name == "delay"]
     assert delay.low < LAG < delay.high and delay.high - delay.low < 0.1 * LAG
     # the base has no delay of its own beside it, which would say the same
-    assert not any(one.name.startswith(DELAY) for one in model.fitted.free) and model.fitted.candidate.base[f"{DELAY}voltage"] == 0.0
+    assert (
+        not any(one.name.startswith(DELAY) for one in model.fitted.free)
+        and model.fitted.candidate.base[f"{DELAY}voltage"] == 0.0
+    )
     assert any(one.name == f"{DELAY}voltage" for one in analysis.base.fitted.free)
     layout, windows = analysis.windows.layout, replace(analysis.windows)
     size = np.linalg.norm(model.fitted.features, axis=1)

@@ -42,10 +42,13 @@ def test_a_state_begins_where_a_sensor_of_another_scale_says(axis: Path) -> None
 
 def test_an_accelerometer_is_analysed(axis: Path) -> None:
     changed(
-        axis, ("encoder = sensor(state.position)", "encoder = sensor(state.position)\n        seen = sensor(rate.velocity)"),
-        ('position_m = Measured("encoder", of="position")',
-         'position_m = Measured("encoder", of="position")\n    acceleration_m_per_s2 = Measured("seen", noise=0.02)'),
-    )  # fmt: skip
+        axis,
+        ("encoder = sensor(state.position)", "encoder = sensor(state.position)\n        seen = sensor(rate.velocity)"),
+        (
+            'position_m = Measured("encoder", of="position")',
+            'position_m = Measured("encoder", of="position")\n    acceleration_m_per_s2 = Measured("seen", noise=0.02)',
+        ),
+    )
     log = measured_log(seconds=8.0)
     pace = np.gradient(np.gradient(log.columns["position_m"], PERIOD), PERIOD)
     smooth = np.convolve(pace, np.ones(5) / 5.0, mode="same")

@@ -74,8 +74,10 @@ def measured_log(seed: int, hidden: str) -> TestLog:
             second += step * given / (BESIDE * DELAY)
             first += step * (heater[k] - LOSS * first - given) / CAPACITY
     columns = {
-        "time_s": PERIOD * np.arange(count), "excess_k": excess + 0.05 * generator.standard_normal(count), "heater_w": heater,
-    }  # fmt: skip
+        "time_s": PERIOD * np.arange(count),
+        "excess_k": excess + 0.05 * generator.standard_normal(count),
+        "heater_w": heater,
+    }
     return TestLog(columns, {"plant": "plate", "period_s": "5.0", "condition": f"train {seed}"})
 
 
@@ -105,19 +107,23 @@ def test_a_free_law_is_no_form_of_what_remembers(plate: Path) -> None:
 @pytest.mark.parametrize(
     ("effect", "low", "high", "shown"),
     [
-        ("second_store", 5.0, 9.0, False), ("second_store", 300.0, 5e4, False), ("second_store", 200.0, 400.0, True),
+        ("second_store", 5.0, 9.0, False),
+        ("second_store", 300.0, 5e4, False),
+        ("second_store", 200.0, 400.0, True),
         ("second_store", 19.0, 40.0, False),
         # a lag that is short is hardly there, which its value says
         ("sensor_lag", 0.5, 0.6, True),
     ],
-)  # fmt: skip
+)
 def test_a_memory_that_stands_at_its_end_is_not_shown(
     plate: Path, effect: str, low: float, high: float, shown: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     library = load_effects(plant=find_plant("plate"))
     name = {"second_store": "delay", "sensor_lag": "lag"}[effect]
     assert library[effect].parameters[name].bounds == {"second_store": (5.0, 5e4), "sensor_lag": (0.5, 1e3)}[effect]
-    monkeypatch.setattr(claims, "intervals", lambda fitted, chapters: [Interval(effect, name, 0.5 * (low + high), low, high, False)])
+    monkeypatch.setattr(
+        claims, "intervals", lambda fitted, chapters: [Interval(effect, name, 0.5 * (low + high), low, high, False)]
+    )
     search = Claims.__new__(Claims)
     search.library, search.chapters = library, np.zeros(3, dtype=int)
     # six coefficients of 24 samples of 5 s: what is forgotten within 20 s follows the moment
@@ -150,16 +156,21 @@ def test_friction_that_changes_for_longer_than_a_test_is_friction_that_changes(a
     library = load_effects(plant=find_plant("axis"))
     assert library["friction_drift"].states and not times_remembered(library["friction_drift"])
     assert [memory_end((None, 3.0), (1.0, 9.0), 0.0), memory_end((2.0, None), (1.0, 9.0), 0.0)] == ["least", "most"]
-    assert set(times_remembered(library["maxwell_element"])) == {"relaxation"} and not times_remembered(library["command_delay"])
+    assert set(times_remembered(library["maxwell_element"])) == {"relaxation"} and not times_remembered(
+        library["command_delay"]
+    )
 
 
 @pytest.mark.parametrize(("ends", "said"), [((5.0, 9.0), "at the least"), ((300.0, 5e4), "at the most"), ((200.0, 400.0), "")])
 def test_a_memory_that_is_not_shown_is_said_to_be_none(plate: Path, ends: tuple[float, float], said: str) -> None:
     library = load_effects(plant=find_plant("plate"))
     row = {
-        "effect": "second_store", "heldout_error_ratio": 0.6, "t": 5.0, "t_needed": 3.0,
+        "effect": "second_store",
+        "heldout_error_ratio": 0.6,
+        "t": 5.0,
+        "t_needed": 3.0,
         "parameters": {"conductance": {"ci95": [0.1, 0.2]}, "delay": {"ci95": [*ends]}},
-    }  # fmt: skip
+    }
     found = no_memory_words([row], library)
     assert [said in one and "would take 40 %, but its delay stands" in one for one in found] == ([True] if said else [])
     assert len(no_memory_words([row], library, shortest=ends[0])) == 1
@@ -171,8 +182,10 @@ def test_what_takes_a_share_without_being_shown_to_remember_is_not_nothing(p_val
     model: Any = SimpleNamespace(beyond=lambda before: ("second_store",))
     step = SimpleNamespace(before=None, named=(model,), p_value=p_value, claims=LEVEL, level=LEVEL)
     search = SimpleNamespace(
-        steps=[step], takes_a_share=lambda one, before, level: takes, of_no_memory=lambda one, before: True,
+        steps=[step],
+        takes_a_share=lambda one, before, level: takes,
+        of_no_memory=lambda one, before: True,
         error_ratio=lambda one, before: 0.77,
-    )  # fmt: skip
+    )
     analysis: Any = SimpleNamespace(held=(), search=search, floor=SimpleNamespace(source="repetitions"))
     assert doubt_of_nothing(analysis, p_value).startswith("second_store takes 23 % of the error") == doubted

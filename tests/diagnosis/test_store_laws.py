@@ -67,7 +67,11 @@ def measured_log(seed: int, rain: float = 0.0, leak: float = 0.0) -> TestLog:
         for _ in range(small):
             inflow, area = pump[k] + rain * np.sin(k / 150.0), AREA if rain or leak else area_at(level)
             level = max(level + 2.0 / small * (inflow - OUTFLOW * np.sqrt(level) - leak * level) / area, 0.0)
-    columns = {"time_s": 2.0 * np.arange(count), "level_m": levels + 1e-3 * generator.standard_normal(count), "pump_m3_per_s": pump}
+    columns = {
+        "time_s": 2.0 * np.arange(count),
+        "level_m": levels + 1e-3 * generator.standard_normal(count),
+        "pump_m3_per_s": pump,
+    }
     return TestLog(columns, {"plant": "bowl", "period_s": "2.0", "condition": f"train {seed}"})
 
 
@@ -78,7 +82,12 @@ def test_a_bowl_that_widens_is_outside_and_its_capacity_is_drawn(bowl: Path) -> 
     found = judged(analysis)
     row = unknown_rows(analysis, found)[0]
     assert (found.word, found.effects) == ("outside_library", ())
-    assert (row["quantity"], row["port"], row["driver"], row["slots"]) == ("capacity", "level", "level_level", ["level_capacity"])
+    assert (row["quantity"], row["port"], row["driver"], row["slots"]) == (
+        "capacity",
+        "level",
+        "level_level",
+        ["level_capacity"],
+    )
     x, y = (np.array(row["knots"][name]) for name in "xy")
     content = answer(analysis, found, 1.0)
     # the base that is printed, times the curve as it is printed, is the area
@@ -132,6 +141,8 @@ def test_a_positive_law_leaves_something_whatever_its_amplitudes_are(bowl: Path)
     assert 0.0 < law.level_capacity(2.0, 0.5, **given) < 2e-3
     nothing = given | {f"{KNOT}{k}": 0.0 for k in range(6)}
     assert law.level_capacity(2.0, 0.5, **nothing) == 2.0
-    one = unknowns_of(find_plant("bowl"), {"level": (0.1, 2.0), "time": (0.0, 9.0)})["unknown_gain_of_level_capacity_over_level"]
+    one = unknowns_of(find_plant("bowl"), {"level": (0.1, 2.0), "time": (0.0, 9.0)})[
+        "unknown_gain_of_level_capacity_over_level"
+    ]
     assert one.amount(0.0) == 0.0 and one.amount(0.75) == pytest.approx(0.75 + 1.25 - 1.0)
     assert (one.quantity, one.driver, one.place) == ("capacity", "level", "level")

@@ -68,7 +68,9 @@ def test_multiples_of_what_is_given_swing_not_by_themselves() -> None:
     assert own_to(frequency, np.random.default_rng(2).standard_normal(4000), LEVEL).all()
 
 
-def slab_tests(folder: Path, monkeypatch: pytest.MonkeyPatch, swing: float, power: list[np.ndarray], loss_too: float = 0.0) -> Measured:
+def slab_tests(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, swing: float, power: list[np.ndarray], loss_too: float = 0.0
+) -> Measured:
     """Return tests of a heated block, exact, in which a power of ``swing`` W from outside swings, in another phase in each test."""
     monkeypatch.chdir(folder)
     (folder / "plants").mkdir()

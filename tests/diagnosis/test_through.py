@@ -113,7 +113,9 @@ def test_what_few_chapters_do_not_show_is_looked_for_in_windows(tanks: Path, mon
 def test_one_set_of_logs_is_looked_at_in_one_way_whatever_is_asked(tanks: Path) -> None:
     measured = logged(800)
     fast = Candidate({"k1": 0.5, "k3": 0.5, "k4": 0.4}, {})
-    assert calibrated(measured, {}, fast, unknowns=False).windows.layout == calibrated(measured, {}, unknowns=False).windows.layout
+    assert (
+        calibrated(measured, {}, fast, unknowns=False).windows.layout == calibrated(measured, {}, unknowns=False).windows.layout
+    )
 
 
 def test_next_plans_with_tests_that_are_simulated_through(tanks: Path, capsys: pytest.CaptureFixture[str]) -> None:

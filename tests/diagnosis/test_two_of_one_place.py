@@ -106,7 +106,9 @@ def test_what_takes_little_of_the_rms_alone_is_found_beside_another(box: Measure
 
 
 @pytest.mark.study
-@pytest.mark.parametrize("names", [("cubic_spring", "spring", "constant_force"), ("soft_stop", "cubic_spring", "constant_force")])
+@pytest.mark.parametrize(
+    "names", [("cubic_spring", "spring", "constant_force"), ("soft_stop", "cubic_spring", "constant_force")]
+)
 def test_what_hardens_is_named_beside_what_moves_its_middle(box: Measured, names: tuple[str, ...]) -> None:
     found = judged(looked_for(box, *names))
     assert found.word in ("effect", "one_of") and "cubic_spring" in found.confidence_set[0]

@@ -17,7 +17,8 @@ from hjcamp.diagnosis.validation.blocks import critical
 def test_a_model_that_is_better_by_less_than_fits_leave_rules_nothing_out(more: float, beaten: bool) -> None:
     features = np.random.default_rng(6).standard_normal((96, 8)) * 3.0
     model, other = (
-        SimpleNamespace(features=one, fitted=SimpleNamespace(features=one), left_out=3.0) for one in (features, features * (1.0 + more))
+        SimpleNamespace(features=one, fitted=SimpleNamespace(features=one), left_out=3.0)
+        for one in (features, features * (1.0 + more))
     )
     claims: Any = SimpleNamespace(chapters=np.repeat(np.arange(16), 6))
     claims.t = lambda one, two: Claims.t(claims, one, two)

@@ -124,12 +124,16 @@ def test_a_name_that_takes_less_than_a_regression_still_finds_is_no_answer(axis:
 
 
 @pytest.mark.parametrize(("beside", "little"), [(0.0, False), (2500.0, True)])
-def test_what_longer_windows_name_must_take_most_of_what_follows_from_the_motion(axis: Path, beside: float, little: bool) -> None:
+def test_what_longer_windows_name_must_take_most_of_what_follows_from_the_motion(
+    axis: Path, beside: float, little: bool
+) -> None:
     measured = measured_tests([measured_log(lambda x, v: -50.0 * (x - 0.03) - beside * x * v, seconds=16.0)])
     analysis = calibrated(measured, {"spring": load_effects(plant=measured.plant)["spring"]}, unknowns=False)
     spring = {"stiffness": 50.0, "rest_position": 0.03}
     base = analysis.base.fitted
-    model = replace(analysis.base, names=("spring",), fitted=replace(base, candidate=base.candidate.with_effect("spring", spring)))
+    model = replace(
+        analysis.base, names=("spring",), fitted=replace(base, candidate=base.candidate.with_effect("spring", spring))
+    )
     longer = Verdict("effect", ("spring",), model, 0.001, (("spring",),), 0.0, None, ())
     assert verdict._takes_too_little(analysis, longer) is little
 
@@ -306,7 +310,9 @@ def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
     assert "level still errs by 0.3 V, 3 times its floor, and more than chance (p = 0.005)" in said and "repeated test" in said
     small = Words(words.analysis, verdict, {**words.content, "floor": {"level_v": {**row, "high": 0.15}}})
     assert small.title == "NOTHING NAMED  what is left is more than chance (p = 0.005)"
-    words = Words(words.analysis, replace(verdict, p_value=0.5), {**words.content, "floor": {"level_v": {**row, "value": None}}})
+    words = Words(
+        words.analysis, replace(verdict, p_value=0.5), {**words.content, "floor": {"level_v": {**row, "value": None}}}
+    )
     said = " ".join(words.sentences())
     assert "6 times its own noise (third differences), though the library takes no more of it than chance (p = 0.5)" in said
 
@@ -328,7 +334,9 @@ def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.Monk
         (0.8, 0.7, 0.0, ""),
     ],
 )
-def test_that_much_of_the_error_is_left_beside_a_name_is_said(augmented: float, floor: float, law_left: float, said: str) -> None:
+def test_that_much_of_the_error_is_left_beside_a_name_is_said(
+    augmented: float, floor: float, law_left: float, said: str
+) -> None:
     rows = {
         "level_v": {"baseline": 1.0, "augmented": augmented, "floor": floor, "unit": "V"},
         "flow_m3_per_s": {"baseline": 0.5, "augmented": 0.5, "floor": 0.4, "unit": "m^3/s"},
@@ -358,13 +366,17 @@ def scored(name: str, left: float, law: str = "") -> Any:
     effects = {name: {"size": 1.0}} | ({law: {"knot_0": 1.0}} if law else {})
     names = tuple(one for one in (name, law) if one)
     return SimpleNamespace(
-        names=names, left_out=left, fitted=SimpleNamespace(candidate=Candidate({}, {k: v for k, v in effects.items() if k})),
+        names=names,
+        left_out=left,
+        fitted=SimpleNamespace(candidate=Candidate({}, {k: v for k, v in effects.items() if k})),
         beyond=lambda other: tuple(one for one in names if one not in other.names),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize(("better", "sets"), [(False, 2), (True, 1)])
-def test_a_free_law_speaks_for_a_name_that_beats_its_rival_alone(better: bool, sets: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_free_law_speaks_for_a_name_that_beats_its_rival_alone(
+    better: bool, sets: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     base, law = scored("", 1.0), "unknown_command"
     band, gain = scored("dead_band", 0.73), scored("sensor_gain", 0.74)
     best = scored("dead_band", 0.5, law)
@@ -422,6 +434,8 @@ def test_names_that_take_little_of_what_alike_moments_do_not_share_are_not_the_a
     analysis = SimpleNamespace(windows=windows, floor=Floor("near_replicates", squares), base=base)
     assert verdict._hardly_touched(analysis, model) == hardly  # type: ignore[arg-type]
     # one sensor in which most of it is gone is enough
-    analysis = SimpleNamespace(windows=windows, floor=Floor("near_replicates", np.diag((least * base.features[0]) ** 2)), base=base)
+    analysis = SimpleNamespace(
+        windows=windows, floor=Floor("near_replicates", np.diag((least * base.features[0]) ** 2)), base=base
+    )
     model.features[:, 2:] *= 0.1
     assert not verdict._hardly_touched(analysis, model)  # type: ignore[arg-type]

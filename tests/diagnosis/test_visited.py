@@ -59,7 +59,9 @@ def test_what_is_visited_is_what_the_log_shows(axis: Path) -> None:
     analysis = calibrated(measured, {}, unknowns=False)
     low, high = analysis.search.ranges["position"]
     read = measured.tests[0].readings[:, 0]
-    assert low == pytest.approx(np.percentile(read, 1.0), abs=2e-3) and high == pytest.approx(np.percentile(read, 99.0), abs=2e-3)
+    assert low == pytest.approx(np.percentile(read, 1.0), abs=2e-3) and high == pytest.approx(
+        np.percentile(read, 99.0), abs=2e-3
+    )
 
 
 def test_each_amplitude_that_is_no_shape_is_probed() -> None:

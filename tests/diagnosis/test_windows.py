@@ -90,7 +90,9 @@ def test_a_free_parameter_stays_within_its_bounds() -> None:
     assert log.into(model, np.log(7.0)).base["mass"] == pytest.approx(7.0)
 
 
-def test_of_a_long_log_runs_of_windows_are_looked_at_that_are_spread_over_it(axis: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_a_long_log_runs_of_windows_are_looked_at_that_are_spread_over_it(
+    axis: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     measured = measured_tests([measured_log()])
     whole, some = Layout(measured, 50), Layout(measured, 50, 0.3)
     seen = some.looked_at

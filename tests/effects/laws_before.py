@@ -79,9 +79,7 @@ class FrictionDrift(Effect):
     settling_time = Parameter(
         "s", 10.0, (0.2, 100.0), "log-uniform", "time after which the rate has fallen to 37 %", shape=True
     )
-    pace = Parameter(
-        "m/s", 1.0, (0.001, 1.0), "log-uniform", "speed at which travel counts as much as time", shape=True
-    )
+    pace = Parameter("m/s", 1.0, (0.001, 1.0), "log-uniform", "speed at which travel counts as much as time", shape=True)
     travelled = State("m", 1e-06, 0.01, text="travel since the start of the command")
     last_position = State("m", 1e-06, 0.01, text="travel of the sliders one sample ago")
 
@@ -150,9 +148,7 @@ class PositionFriction(Effect):
 
 class Presliding(Effect):
     subsystem = "joint"
-    compliance = Parameter(
-        "m/N", 1e-05, (2e-06, 0.0002), "log-uniform", "mean deflection for each newton", shape=True, off=0.0
-    )
+    compliance = Parameter("m/N", 1e-05, (2e-06, 0.0002), "log-uniform", "mean deflection for each newton", shape=True, off=0.0)
     fall_velocity = Parameter(
         "m/s",
         0.0005,

@@ -55,9 +55,12 @@ def joint(driver: str = "arm_angle", **changed: Any) -> dict[str, Any]:
     """Return an answer for the pump joint: a spring of 2 N/rad and 0.5 N more friction, not seen at both ends."""
     x = [-1.0, -0.5, 0.0, 0.5, 1.0]
     curve = {
-        "x": x, "x_unit": "rad", "y_unit": "N",
-        "forward": [None, *(-2.0 * at - 0.5 for at in x[1:])], "backward": [*(-2.0 * at + 0.5 for at in x[:-1]), None],
-    }  # fmt: skip
+        "x": x,
+        "x_unit": "rad",
+        "y_unit": "N",
+        "forward": [None, *(-2.0 * at - 0.5 for at in x[1:])],
+        "backward": [*(-2.0 * at + 0.5 for at in x[:-1]), None],
+    }
     row = {"driver": driver, "quantity": "force on the arm", "port": "sliding", "curve": curve | changed}
     return {"schema": "hjcamp.diagnosis/1", "verdict": "outside_library", "effects": [], "unknowns": [row]}
 
@@ -145,9 +148,7 @@ def test_both_directions_become_a_force_and_friction(here: Path) -> None:
     assert not any(at_defaults(effect, slot, **place, even=0.0, odd=0.0) for slot in effect.terms)
 
 
-@pytest.mark.parametrize(
-    "driver", ["arm_velocity", "direction", "pressure_sum", "pump_velocity", "time", "time_at_rest"]
-)
+@pytest.mark.parametrize("driver", ["arm_velocity", "direction", "pressure_sum", "pump_velocity", "time", "time_at_rest"])
 def test_every_driver_of_the_joint_has_a_name_in_its_model(here: Path, driver: str) -> None:
     check_units(begun(joint(driver), "pump_joint"), find_plant("pump_joint"))
 
@@ -179,9 +180,7 @@ def test_a_flow_goes_to_both_lines(here: Path) -> None:
         ({**SPRING, "plant": "axes"}, "did you mean 'axis'"),
     ],
 )
-def test_what_cannot_begin_a_file_says_why(
-    here: Path, capsys: pytest.CaptureFixture[str], content: Any, said: str
-) -> None:
+def test_what_cannot_begin_a_file_says_why(here: Path, capsys: pytest.CaptureFixture[str], content: Any, said: str) -> None:
     Path("answer.json").write_text(json.dumps(content), encoding="utf-8")
     assert cli.run(["effects", "new", "mine", "--from", "answer.json"]) == 2
     assert said in capsys.readouterr().err

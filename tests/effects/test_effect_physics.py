@@ -32,9 +32,7 @@ def motion(times: list[float], pump: list[float], pressures: tuple[float, float]
     restart = np.zeros(n, dtype=np.int64)
     restart[0] = 2
     zeros = np.zeros(n)
-    return Course(
-        model.period, restart, time, position[:, None], observed, zeros[:, None], inputs_along(PumpJoint, len(time))
-    )
+    return Course(model.period, restart, time, position[:, None], observed, zeros[:, None], inputs_along(PumpJoint, len(time)))
 
 
 def run(simulator: Simulator, course: Course, **values: float) -> Followed:
@@ -155,9 +153,7 @@ def test_inertance_lifts_the_sensor_by_what_both_ends_accelerate(simulator: Simu
     course = PumpJoint.courses()["sine"]
     half = {"line_inertance__inertance": 4e8, "line_inertance__far_share": 0.5}
     seen = run(simulator, course, **half)
-    flow = PUMP_AREA * np.gradient(course.driven[:, 0], course.period) + AREA * np.gradient(
-        seen.ideal[:, 3], course.period
-    )
+    flow = PUMP_AREA * np.gradient(course.driven[:, 0], course.period) + AREA * np.gradient(seen.ideal[:, 3], course.period)
     # the rate is taken over the time constant of the pump
     rate = PumpJoint.parameters["pump_a2"].default
     kept = np.exp(-rate * course.period)

@@ -53,7 +53,11 @@ MISTAKES = {
     "unknown subsystem": ('"joint"', '"elbow"', "unknown subsystem 'elbow'"),
     "no static method": ("    @staticmethod\n", "", "must be a static method"),
     "behind no slot": ('subsystem = "joint"', 'subsystem = "joint"\n    behind = "load_forse"', "did you mean 'load_force'"),
-    "behind, but adds": ('subsystem = "joint"', 'subsystem = "joint"\n    behind = "load_force"', "'load_force' must take load_force"),
+    "behind, but adds": (
+        'subsystem = "joint"',
+        'subsystem = "joint"\n    behind = "load_force"',
+        "'load_force' must take load_force",
+    ),
     "raises": ("class Mine", "1 / 0\n\n\nclass Mine", "ZeroDivisionError"),
 }
 
@@ -71,9 +75,7 @@ def test_the_catalogue_names_every_effect(empty_folder: Path, capsys: pytest.Cap
     assert "pump_backlash" in out and "pressure_gain" in out and "22 effects" in out
 
 
-def test_one_effect_shows_equation_parameters_and_source(
-    empty_folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_one_effect_shows_equation_parameters_and_source(empty_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = answer(capsys, "cross_leakage")
     assert code == 0
     assert "q_{12} = G" in out and "m^3/(s*Pa)" in out and "Merritt" in out and "0 ... 1e-11" in out
@@ -103,9 +105,7 @@ def test_new_refuses_a_bad_or_taken_name(empty_folder: Path, capsys: pytest.Capt
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_a_faulty_file_is_one_clear_message(
-    empty_folder: Path, capsys: pytest.CaptureFixture[str], mistake: str
-) -> None:
+def test_a_faulty_file_is_one_clear_message(empty_folder: Path, capsys: pytest.CaptureFixture[str], mistake: str) -> None:
     old, new, said = MISTAKES[mistake]
     text = GOOD.replace(old, new) + ("" if mistake != "two classes" else "\n\n" + GOOD.partition("\n\n\n")[2])
     (empty_folder / "effects").mkdir()

@@ -143,7 +143,7 @@ class Mine(Effect):
         ('"""Force, N."""', f'f"{{{RUNS}}}"'),
         ("return -amplitude", "global os\n        return -amplitude"),
     ],
-)  # fmt: skip
+)
 def test_the_shape_of_a_file_is_one_effect_and_formulas_of_numbers(old: str, new: str) -> None:
     check_effect_file(GOOD)
     assert old in GOOD

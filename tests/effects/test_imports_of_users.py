@@ -7,7 +7,9 @@ import importlib
 import pytest
 
 
-@pytest.mark.parametrize(("module", "names"), [("hjcamp.model.effect", ["Effect"]), ("hjcamp.model.parameter", ["Parameter", "State"])])
+@pytest.mark.parametrize(
+    ("module", "names"), [("hjcamp.model.effect", ["Effect"]), ("hjcamp.model.parameter", ["Parameter", "State"])]
+)
 def test_older_effects_import_the_classes_of_the_face(module: str, names: list[str]) -> None:
     face = importlib.import_module("hjcamp.effect")
     for name in names:

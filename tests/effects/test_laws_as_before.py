@@ -47,10 +47,14 @@ def sources(effects: list[type[Effect]], cut: str, gated: bool) -> list[str]:
     """Return all generated source of the pump joint with these effects, by the places of arguments."""
     composition = Composition(PumpJoint, tuple(effects), PumpJoint.cut(cut), gated)
     parts = [
-        terms_source(composition), rates_source(composition), contact_source(composition),
-        readings_source(composition), balance_source(composition), signals_source(composition),
+        terms_source(composition),
+        rates_source(composition),
+        contact_source(composition),
+        readings_source(composition),
+        balance_source(composition),
+        signals_source(composition),
         memory_source(composition),
-    ]  # fmt: skip
+    ]
     return [ast.unparse(_Names().visit(ast.parse(part))) for part in parts]
 
 

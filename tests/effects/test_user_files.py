@@ -96,9 +96,7 @@ def test_one_message_names_file_and_line(
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", ["my effect.py", "class.py", "2nd.py", "a-b.py", "naïve.py"])
-def test_a_file_name_that_is_no_name(
-    kind: str, name: str, empty_folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_name_that_is_no_name(kind: str, name: str, empty_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (empty_folder / kind).mkdir()
     (empty_folder / kind / name).write_text("")
     assert cli.run(KINDS[kind]) == 2
@@ -106,9 +104,7 @@ def test_a_file_name_that_is_no_name(
     assert f"{kind}/{name}" in said and "Allowed: letters, digits and _" in said, said
 
 
-def test_a_folder_and_a_lost_link_in_the_place_of_a_file(
-    empty_folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_and_a_lost_link_in_the_place_of_a_file(empty_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (empty_folder / "effects" / "mine.py").mkdir(parents=True)
     assert cli.run(["effects"]) == 2
     assert "mine.py: cannot be read" in capsys.readouterr().err
@@ -252,7 +248,9 @@ def test_every_test_of_the_checks_is_watched(tmp_path: Path) -> None:
 def test_faults_of_own_effects_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     law = "\n\n    @staticmethod\n    def {slot}(strength):\n        return strength\n"
     head = "from hjcamp.model.effect import Effect\nfrom hjcamp.model.parameter import Parameter\n\n\nclass {title}(Effect):\n"
-    head += '    r"""A push.\n\n    .. math:: F = s\n\n    Seen as: x.\n    Not for: y.\n    Source: z.\n    """\n\n    {kind}\n'
+    head += (
+        '    r"""A push.\n\n    .. math:: F = s\n\n    Seen as: x.\n    Not for: y.\n    Source: z.\n    """\n\n    {kind}\n'
+    )
     head += '    strength = Parameter("{unit}", 0.1, (0.0, 1.0), text="a push", off=0.0)\n'
     (tmp_path / "effects").mkdir()
     files = {

@@ -23,9 +23,7 @@ def fit(loss: float, **effects: dict[str, float]) -> Any:
 def step(about: Any, best: str, after: Any) -> Any:
     gain = about.loss - after.loss
     screening = SimpleNamespace(about=about)
-    return SimpleNamespace(
-        screening=screening, best=best, fits={best: after}, gain=gain, p_value=0.01, weights={best: 1.0}
-    )
+    return SimpleNamespace(screening=screening, best=best, fits={best: after}, gain=gain, p_value=0.01, weights={best: 1.0})
 
 
 @pytest.fixture
@@ -42,9 +40,7 @@ def search(monkeypatch: pytest.MonkeyPatch) -> Any:
         "refit_without",
         lambda fitter, one, name, *rest: fit(found.refitted, **one.candidate.without([name]).effects),
     )
-    monkeypatch.setattr(
-        diagnose, "settle", lambda fitter, one, *rest: fit(one.loss - 1.0, **dict(one.candidate.effects))
-    )
+    monkeypatch.setattr(diagnose, "settle", lambda fitter, one, *rest: fit(one.loss - 1.0, **dict(one.candidate.effects)))
     return found
 
 

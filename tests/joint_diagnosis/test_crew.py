@@ -97,9 +97,7 @@ def test_recent_computes_once_and_forgets_the_oldest() -> None:
 def test_recent_serves_several_threads() -> None:
     kept: Recent[int] = Recent(4)
     found: list[int] = []
-    threads = [
-        threading.Thread(target=lambda key=key: found.append(kept.get(key % 4, lambda: key % 4))) for key in range(40)
-    ]
+    threads = [threading.Thread(target=lambda key=key: found.append(kept.get(key % 4, lambda: key % 4))) for key in range(40)]
     for thread in threads:
         thread.start()
     for thread in threads:

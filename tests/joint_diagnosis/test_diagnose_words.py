@@ -35,7 +35,9 @@ CONTENT: dict[str, Any] = {
 
 def told(**changed: Any) -> Told:
     """Return a diagnosis with some of its answer changed."""
-    step = SimpleNamespace(null_gains=np.linspace(2.0, 6.0, 24), gain=158.0, best="leakage", p_value=changed.get("p_value", 1.0))
+    step = SimpleNamespace(
+        null_gains=np.linspace(2.0, 6.0, 24), gain=158.0, best="leakage", p_value=changed.get("p_value", 1.0)
+    )
     final = SimpleNamespace(candidate=SimpleNamespace(effects={"leakage": {}}))
     confounded = [
         {"effects": ["encoder_bias"], "cosine": 0.99, "with": "base parameters"},
@@ -65,7 +67,12 @@ def judged(score: float) -> Judged:
 @pytest.mark.parametrize(
     ("p_value", "rig_chance", "verdict", "said"),
     [
-        (1 / 25, 1 / 201, "effect", "Adding leakage raises the log-likelihood by 158; the most in 24 simulations with nothing missing"),
+        (
+            1 / 25,
+            1 / 201,
+            "effect",
+            "Adding leakage raises the log-likelihood by 158; the most in 24 simulations with nothing missing",
+        ),
         (1 / 25, 1 / 201, "effect", " is 6 (p <= 0.04, the least that 24 can show). None of 200 simulated rigs"),
         (1 / 25, 1 / 201, "effect", "gained as much for their effect (p <= 0.005)."),
         (3 / 25, 4 / 201, "effect", "by 158, and 2 of 24 simulations with nothing missing by as much (p = 0.12)."),
@@ -73,7 +80,9 @@ def judged(score: float) -> Judged:
         (0.04, 8 / 201, "nothing_missing", "(p = 0.04). A name is given where no more than 5 of these rigs do."),
     ],
 )
-def test_chance_is_the_gain_against_those_of_twins_and_of_rigs(p_value: float, rig_chance: float, verdict: str, said: str) -> None:
+def test_chance_is_the_gain_against_those_of_twins_and_of_rigs(
+    p_value: float, rig_chance: float, verdict: str, said: str
+) -> None:
     assert said in told(p_value=p_value, rig_chance=rig_chance, verdict=verdict).chance()
 
 

@@ -66,9 +66,7 @@ def test_without_any_gain_in_the_twins_nothing_is_clear() -> None:
     assert is_clear(FAR + 0.1, np.ones(FIRST)) and not is_clear(FAR, np.ones(FIRST))
 
 
-def null_with(
-    excess: float, generator: np.random.Generator, twins: int = TWINS, spread: float = 0.12
-) -> tuple[Null, Any]:
+def null_with(excess: float, generator: np.random.Generator, twins: int = TWINS, spread: float = 0.12) -> tuple[Null, Any]:
     """Twins of 30 tests, and the mean square of a model that leaves ``excess`` times what the twins' law allows."""
     tests = 30
     logarithms = spread * np.sqrt(tests) * generator.standard_normal((twins, tests, CHANNELS))

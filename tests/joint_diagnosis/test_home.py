@@ -74,9 +74,7 @@ def test_the_bias_takes_up_what_the_first_readings_show(logs: list[TestLog]) -> 
 def test_arms_that_begin_anywhere_say_nothing(logs: list[TestLog]) -> None:
     evidence = prepare([log for log in logs if log.metadata["controller"] == "open_loop"][:4])
     assert np.all(np.isfinite(evidence.homes))
-    left = [
-        replace(test, home=math.radians(angle)) for test, angle in zip(evidence.tests, (-8, -20, -35, -11), strict=True)
-    ]
+    left = [replace(test, home=math.radians(angle)) for test, angle in zip(evidence.tests, (-8, -20, -35, -11), strict=True)]
     assert np.all(np.isnan(Evidence(tuple(left)).homes))
     assert Evidence(tuple(left)).home_scatter == pytest.approx(0.5 * 2 * math.pi / 1024)
 

@@ -24,9 +24,11 @@ MEASURED = {
 def found() -> Any:
     """Return a diagnosis of three tests of equal length."""
     evidence = SimpleNamespace(
-        edges=np.array([0, 100, 200, 300]), tests=[SimpleNamespace(name=f"ramp/{k}") for k in range(3)],
-        joined=lambda name: MEASURED[name], conditions={"up": (0, 2), "down": (1,)},
-    )  # fmt: skip
+        edges=np.array([0, 100, 200, 300]),
+        tests=[SimpleNamespace(name=f"ramp/{k}") for k in range(3)],
+        joined=lambda name: MEASURED[name],
+        conditions={"up": (0, 2), "down": (1,)},
+    )
     return SimpleNamespace(features=SimpleNamespace(evidence=evidence))
 
 

@@ -66,7 +66,9 @@ def test_the_gates_of_a_candidate_are_those_of_its_kernel(everything: dict) -> N
         candidate = Candidate({}, {effect: {}})
         model = views.joint(candidate, hardware)
         p = views.vector(model, candidate, hardware)
-        opened = [name for name, value in zip(model.composition.parameters, p, strict=True) if name.startswith("gate.") and value]
+        opened = [
+            name for name, value in zip(model.composition.parameters, p, strict=True) if name.startswith("gate.") and value
+        ]
         assert opened == [f"gate.{effect}"]
         present, _ = views._key(model, p, ("arm_reading",))
         assert present == {effect}

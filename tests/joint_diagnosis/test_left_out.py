@@ -26,9 +26,7 @@ def local(conditions: dict[str, list[int]], residual: np.ndarray, jacobian: np.n
     fitter = SimpleNamespace(
         features=features, rows=range(tests), views=SimpleNamespace(evidence=SimpleNamespace(conditions=conditions))
     )
-    found = Local(
-        cast(Any, fitter), cast(Any, SimpleNamespace(features=residual[:, None])), cast(Any, [None] * UNKNOWNS)
-    )
+    found = Local(cast(Any, fitter), cast(Any, SimpleNamespace(features=residual[:, None])), cast(Any, [None] * UNKNOWNS))
     found.__dict__["jacobian"] = jacobian[:, :, None]
     return found
 

@@ -81,7 +81,8 @@ def test_an_effect_that_often_gains_by_chance_is_asked_more() -> None:
 def test_the_numbers_are_read_from_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     head = ",".join(["tests", "twins_p", "best", "gain", "gain_leakage", "gain_encoder_lag", *CHANNELS])
     lines = [
-        ",".join(["10", "0.02", "leakage", str(place), str(place), "0.1", *["1.0"] * 4, str(1.0 + 0.01 * place)]) for place in range(41)
+        ",".join(["10", "0.02", "leakage", str(place), str(place), "0.1", *["1.0"] * 4, str(1.0 + 0.01 * place)])
+        for place in range(41)
     ]
     path = tmp_path / "nulls.csv"
     path.write_text("\n".join([head, *lines]) + "\n", encoding="utf-8")

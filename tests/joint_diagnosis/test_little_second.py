@@ -27,9 +27,7 @@ BASE, FIRST = fit(), fit(leakage={})
 def step(about: Any, gain: float, **weights: float) -> Step:
     screening = SimpleNamespace(about=about)
     fits = dict.fromkeys(weights)
-    return cast(
-        Any, SimpleNamespace(screening=screening, gain=gain, weights=weights, best=next(iter(weights)), fits=fits)
-    )
+    return cast(Any, SimpleNamespace(screening=screening, gain=gain, weights=weights, best=next(iter(weights)), fits=fits))
 
 
 def search() -> Any:
@@ -68,9 +66,7 @@ SURE, DOUBT = {"leakage": 1.0}, {"tubing_creep": 0.5, "friction_drift": 0.5}
         "the first is doubtful",
     ],
 )
-def test_what_is_left_out(
-    left: float, gain: float, first: dict[str, float], second: dict[str, float], needless: bool
-) -> None:
+def test_what_is_left_out(left: float, gain: float, first: dict[str, float], second: dict[str, float], needless: bool) -> None:
     one, before, further = search(), step(BASE, 80.0, **first), step(FIRST, gain, **second)
     one.steps = [before, further]
     assert one._needless(further, BASE, FIRST, [before], leaving(left)) is needless

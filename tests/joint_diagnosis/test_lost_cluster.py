@@ -101,4 +101,3 @@ def test_a_scheduler_that_is_killed_is_one_message(scheduler: tuple[subprocess.P
             list(results)
     finally:
         crew.close()
-

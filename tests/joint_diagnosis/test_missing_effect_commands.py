@@ -41,7 +41,9 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     assert found["confidence_set"] == [["leakage"]] and found["law_left"] == best["law_left"] < 0.1
     assert best["p_value"] == found["p_value"] < 0.05
     size = best["functional"]
-    assert (size["name"], size["unit"]) == ("change of pressure sum", "Pa") and 0.0 < size["ci95"][0] < size["value"] < size["ci95"][1]
+    assert (size["name"], size["unit"]) == ("change of pressure sum", "Pa") and 0.0 < size["ci95"][0] < size["value"] < size[
+        "ci95"
+    ][1]
     assert found["rests_on"]["tests"] == 24 and found["rests_on"]["conditions"] == 8 and found["rests_on"]["trajectory"] > 2
     over = [row["over_floor"] for row in found["worst"]]
     assert over == sorted(over, reverse=True) and len(over) == 8 and over[0] < 3.0
@@ -69,9 +71,7 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     assert "<svg" in page and "Effect: leakage" in page and "Water is lost from each line" in page
     assert all(name in page for name in ("published", "calibrated", "with leakage", "floor"))
     assert page.index('class="evidence"') < page.index("<math") < page.index("Effects, best first")
-    assert all(
-        said in page for said in ("missing: calibrated model", "missing: with leakage", "worst test", "these tests")
-    )
+    assert all(said in page for said in ("missing: calibrated model", "missing: with leakage", "worst test", "these tests"))
     known = page[page.index("How well each parameter is known") :]
     assert "leakage conductance" in known and known.count("<svg") == 1 and Path("diagnose/corner.svg").is_file()
     assert "residual with itself" in page and 'href="effect_leakage.html"' in page
@@ -136,9 +136,7 @@ def test_a_friction_effect_is_named(call: Call, stribeck: Path) -> None:
     assert found["where"][0]["subsystem"] == "joint"
 
 
-def test_one_test_cannot_tell_and_says_so_before_it_computes(
-    call: Call, leak: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_one_test_cannot_tell_and_says_so_before_it_computes(call: Call, leak: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def no_twin(*arguments: object) -> None:
         raise AssertionError("a twin was simulated although no verdict can be given")
 
@@ -178,9 +176,7 @@ def test_a_comparison_ends_whatever_verify_accepts(call: Call, leak: Path, spoil
     answer = call("compare", "odd.mcap", "--json", "c.json")
     assert answer.code == 0, answer.err
     assert "No test was repeated, so there is no floor" in answer.out and "othing stands out" not in answer.out
-    negative = [
-        one for one in read_answer(Path("c.json"))["models"][0]["error"].values() if one and (one["r2"] or 0) < 0
-    ]
+    negative = [one for one in read_answer(Path("c.json"))["models"][0]["error"].values() if one and (one["r2"] or 0) < 0]
     assert bool(negative) == ("r2 is negative for" in answer.out)
 
 

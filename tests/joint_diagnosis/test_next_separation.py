@@ -78,9 +78,7 @@ def test_names_and_settings_of_the_menu_are_different() -> None:
 
 
 def test_what_the_user_fixes_narrows_the_menu() -> None:
-    assert {one.settings["procedure.preload_mpa"] for one in allowed_by(menu(), {"procedure.preload_mpa": 0.4})} == {
-        0.4
-    }
+    assert {one.settings["procedure.preload_mpa"] for one in allowed_by(menu(), {"procedure.preload_mpa": 0.4})} == {0.4}
     assert all(one.settings.get("payload", "none") == "none" for one in allowed_by(menu(), {"payload": "none"}))
     assert len(allowed_by(menu(), {"pump": "pump1"})) == len(menu())
 

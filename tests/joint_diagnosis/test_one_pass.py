@@ -37,10 +37,7 @@ def plain_residuals(views: Views, candidate: Candidate) -> Array:
     lines = np.concatenate([views._line_readings(candidate, index) for index in groups])
     balance = np.concatenate([views._balance(candidate, index) for index in groups])
     scale = np.concatenate(
-        [
-            np.full(part.stop - part.start, views._sensor_scale(candidate, k))
-            for k, (part, _) in enumerate(views.courses.groups)
-        ]
+        [np.full(part.stop - part.start, views._sensor_scale(candidate, k)) for k, (part, _) in enumerate(views.courses.groups)]
     )
 
     def about_mean(error: Array) -> Array:
@@ -60,9 +57,7 @@ def plain_residuals(views: Views, candidate: Candidate) -> Array:
     known = np.isfinite(evidence.homes)
     home[evidence.edges[:-1]] = np.where(known, views.shown_at_zero(candidate) - evidence.homes, 0.0)
     difference = (joint[:, 1] - pressure1) - (joint[:, 2] - pressure2)
-    return np.column_stack(
-        [joint[:, 0] - arm, difference, first + second, first - second, forces * scale[:, None], home]
-    )
+    return np.column_stack([joint[:, 0] - arm, difference, first + second, first - second, forces * scale[:, None], home])
 
 
 def plain_means(features: Features, residuals: Array) -> Array:
@@ -97,9 +92,7 @@ def test_one_pass_gives_what_the_formulas_give(seen: tuple[Views, Candidate]) ->
     means = plain_means(features, wanted)
     for channel, name in enumerate(CHANNELS):
         most = np.abs(means[:, channel]).max()
-        np.testing.assert_allclose(
-            features.of(found)[:, channel], means[:, channel], rtol=0.0, atol=1e-12 * most, err_msg=name
-        )
+        np.testing.assert_allclose(features.of(found)[:, channel], means[:, channel], rtol=0.0, atol=1e-12 * most, err_msg=name)
 
 
 def test_without_windows_only_arm_and_difference_are_silent(seen: tuple[Views, Candidate]) -> None:

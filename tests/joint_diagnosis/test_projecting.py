@@ -78,9 +78,7 @@ def test_each_residual_is_fitted_as_it_is_alone(gram: Gram, residuals: Array) ->
     found = project(gram.products, cross, square, gram.least, columns, positive, stiff, pull, train, 3)
     held = 0
     for one in range(RESIDUALS):
-        alone = one_by_one(
-            gram.products, cross[one], square[one], gram.least, columns, positive, stiff, pull[one], train, 3
-        )
+        alone = one_by_one(gram.products, cross[one], square[one], gram.least, columns, positive, stiff, pull[one], train, 3)
         held += int((alone[1][positive] == 0.0).sum())
         for ours, theirs in zip(found, alone, strict=True):
             np.testing.assert_allclose(ours[one], theirs, rtol=1e-9, atol=1e-12)

@@ -23,9 +23,7 @@ def compared(*scores: tuple[str, float], repeated: bool = True) -> SimpleNamespa
     """Return a comparison of models with these scores."""
     evidence = SimpleNamespace(repeated=repeated)
     return SimpleNamespace(
-        models=[
-            SimpleNamespace(score=score, replay=SimpleNamespace(name=name, evidence=evidence)) for name, score in scores
-        ]
+        models=[SimpleNamespace(score=score, replay=SimpleNamespace(name=name, evidence=evidence)) for name, score in scores]
     )
 
 

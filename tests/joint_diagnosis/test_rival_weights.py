@@ -31,10 +31,7 @@ def test_a_model_asks_for_what_it_moves_and_for_its_amplitudes_and_shapes() -> N
 
 def test_an_effect_of_an_unusual_size_asks_for_more() -> None:
     usual = EFFECTS[[effect.name for effect in EFFECTS].index("line_inertance")].parameters["inertance"]
-    at = {
-        factor: Candidate({}).with_effect("line_inertance", {"inertance": factor * usual.default})
-        for factor in (1, 9, 0)
-    }
+    at = {factor: Candidate({}).with_effect("line_inertance", {"inertance": factor * usual.default}) for factor in (1, 9, 0)}
     assert asks(at[1], EFFECTS) == pytest.approx(4.0)
     assert asks(at[9], EFFECTS) == pytest.approx(4.0 + 2.0**2)
     assert np.isfinite(asks(at[0], EFFECTS))

@@ -29,9 +29,10 @@ def test_scatter_cancels_and_what_is_shared_stays() -> None:
 def test_windows_of_repetitions_share_what_their_features_share() -> None:
     # two sensors with two coefficients each; three windows in the first two tests, two in the third
     layout: Any = SimpleNamespace(
-        of_test=np.array([0, 0, 0, 1, 1, 1, 2, 2]), width=4,
+        of_test=np.array([0, 0, 0, 1, 1, 1, 2, 2]),
+        width=4,
         measured=SimpleNamespace(sensors=("a", "b"), noise=np.array([0.1, 10.0])),
-    )  # fmt: skip
+    )
     features = np.zeros((8, 4))
     features[:, 0], features[:3, 2], features[3:6, 2] = 2.0, 1.0, -1.0
     found = shared(layout, features, [0, 1])

@@ -78,11 +78,7 @@ def test_browsers_see_the_test_in_hand_and_the_end() -> None:
             limit = seen["rows"]["limits"][0]
             assert (limit["name"], limit["highest"], round(limit["margin"], 6)) == ("arm_deg", 350.0, 10.0)
             page = urllib.request.urlopen(address, timeout=30).read().decode()
-            assert (
-                "default-src 'none'" in page
-                and "connect-src 'self'" in page
-                and "src=" not in page.partition("<script")[0]
-            )
+            assert "default-src 'none'" in page and "connect-src 'self'" in page and "src=" not in page.partition("<script")[0]
             asked = urllib.request.Request(address, headers={"Host": "somewhere.example"})
             with pytest.raises(urllib.error.HTTPError, match="403"):
                 urllib.request.urlopen(asked, timeout=30)

@@ -35,7 +35,7 @@ WALKS = {
     "travel": ({"pump_deg": 10.0, "command_deg": 10.0}, "pump_travel_mm"),
     "pump speed": ({"pump_deg": -26.0, "command_deg": -26.0}, "pump_speed_mm_per_s"),
     "following": ({"command_deg": 24.0, "pump_deg": 10.0}, "pump_following_deg"),
-}  # fmt: skip
+}
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,9 @@ def test_a_kernel_that_is_compiled_ahead_is_read(tmp_path: Path, monkeypatch: py
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("HJCAMP_CACHE", str(tmp_path / "cache"))
     (tmp_path / "plants").mkdir()
-    (tmp_path / "plants" / "wheel.py").write_text(WHEEL.replace("parameter.gain *", "0.987 * parameter.gain *"), encoding="utf-8")
+    (tmp_path / "plants" / "wheel.py").write_text(
+        WHEEL.replace("parameter.gain *", "0.987 * parameter.gain *"), encoding="utf-8"
+    )
     wheel = Simulator(Composition(find_plant("wheel")), free=True)
     assert not is_compiled(wheel.source, "run_free")
     monkeypatch.setattr(compiled_ahead, "_running", [])

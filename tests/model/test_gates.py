@@ -30,9 +30,7 @@ class Plain:
         uncompiled(self.simulator)
         self.functions = vars(self.simulator.kernel)
 
-    def step(
-        self, direction: float, values: dict[str, float], state: dict[str, float], gate: str = ""
-    ) -> dict[str, float]:
+    def step(self, direction: float, values: dict[str, float], state: dict[str, float], gate: str = "") -> dict[str, float]:
         """Return the state after one step with correction by name, that with all rates corrected by ``name all``."""
         names, call = self.simulator.states, self.functions
         p = self.simulator.vector(values | ({f"gate.{gate}": 1.0} if gate else {}))
@@ -68,9 +66,7 @@ def gated() -> Plain:
 
 @pytest.mark.parametrize("direction", [0.0, 1.0])
 @pytest.mark.parametrize("effect", LIBRARY, ids=NAMES)
-def test_with_one_gate_open_a_step_is_that_of_the_effect_alone(
-    gated: Plain, effect: type[Effect], direction: float
-) -> None:
+def test_with_one_gate_open_a_step_is_that_of_the_effect_alone(gated: Plain, effect: type[Effect], direction: float) -> None:
     alone = Plain((effect,), False)
     generator = np.random.default_rng(7)
     states = gated.simulator.composition.states

@@ -51,7 +51,12 @@ def test_every_effect_follows_the_independent_solution(amplitude_deg: float, fre
 
 @pytest.mark.parametrize(
     ("direction", "payload"),
-    [pytest.param(1.0, False, marks=pytest.mark.study), (-1.0, False), (1.0, True), pytest.param(-1.0, True, marks=pytest.mark.study)],
+    [
+        pytest.param(1.0, False, marks=pytest.mark.study),
+        (-1.0, False),
+        (1.0, True),
+        pytest.param(-1.0, True, marks=pytest.mark.study),
+    ],
 )
 def test_closed_loop_follows_the_independent_solution(direction: float, payload: bool) -> None:
     # with counts the loop sees equal angles, so that the two do not drift apart where the loop is unstable

@@ -117,9 +117,7 @@ def test_what_numba_keeps_may_be_damaged(name: str, damage: Callable[[Path], Non
     assert healed.prepare(1.0) == 2.0 and healed.prepare.stats.cache_hits, "not kept again"
 
 
-@pytest.mark.parametrize(
-    "text", ["", "# cut off\n", TINY.replace("{decorator}", "from numba import njit\n"), "\x00\xff"]
-)
+@pytest.mark.parametrize("text", ["", "# cut off\n", TINY.replace("{decorator}", "from numba import njit\n"), "\x00\xff"])
 def test_a_changed_text_is_not_executed(text: str, own_cache: Path) -> None:
     assert fresh().prepare(1.0) == 2.0
     path = own_cache / f"{kernel_name(TINY)}.py"
@@ -183,9 +181,7 @@ def test_two_processes_compile_one_kernel(own_cache: Path) -> None:
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(hjcamp.__file__).parents[1])}
     both = [
-        subprocess.Popen(
-            [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment
-        )
+        subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment)
         for _ in range(2)
     ]
     # one compiles, and the other waits for what that makes

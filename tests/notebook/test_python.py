@@ -130,9 +130,7 @@ def test_a_simulated_campaign_of_the_pump_joint(empty_folder: Path, monkeypatch:
         return columns | {"pressure1_mpa": line, "pressure2_mpa": line, "pump_deg": 510 * time}, {}
 
     monkeypatch.setattr(hjcamp.backends, "run_test", run_test)
-    made = hjcamp.simulate(
-        "campaign=robustness_vertical", "trajectory=sine_0p5hz", repetitions=2, workers=1, run_dir="one"
-    )
+    made = hjcamp.simulate("campaign=robustness_vertical", "trajectory=sine_0p5hz", repetitions=2, workers=1, run_dir="one")
     assert made.path == Path("one") and made.page.is_file() and made.frame.height == 4
     assert sorted(made.frame["rmse1_deg"]) == sorted(made.data.indicators["rmse1_deg"])
     assert len(made.plot().axes) == 1 and made._repr_html_().count("<tr>") == 5
@@ -158,7 +156,11 @@ def test_importing_is_light_and_packages_stay_packages() -> None:
 
 def test_the_samples_of_many_tests_are_one_long_frame(tmp_path: Path) -> None:
     time = np.arange(200) * 1e-3
-    for name, condition, repetition, further in (("a", "up", "1", {}), ("b", "up", "2", {}), ("c", "down", "1", {"dither_v": time})):
+    for name, condition, repetition, further in (
+        ("a", "up", "1", {}),
+        ("b", "up", "2", {}),
+        ("c", "down", "1", {"dither_v": time}),
+    ):
         columns = {"time_s": time, "phase": np.full(200, 3.0), "arm_deg": time, **further}
         lines = {"pressure1_mpa": time + 0.2, "pressure2_mpa": time + 0.3, "pump_deg": time}
         write_log(tmp_path / f"{name}.mcap", TestLog(columns | lines, {"condition": condition, "repetition": repetition}))
@@ -191,5 +193,7 @@ def test_commands_without_a_function_of_their_own_are_functions_that_say_and_ans
 @pytest.mark.parametrize("name", ["effects", "plants", "report"])
 def test_a_called_package_has_the_documentation_of_its_function(name: str) -> None:
     function = getattr(notebook, name)
-    assert getattr(hjcamp, name).__doc__ == function.__doc__ and inspect.signature(getattr(hjcamp, name)) == inspect.signature(function)
+    assert getattr(hjcamp, name).__doc__ == function.__doc__ and inspect.signature(getattr(hjcamp, name)) == inspect.signature(
+        function
+    )
     assert not {"sys", "types", "importlib"} & set(dir(hjcamp))

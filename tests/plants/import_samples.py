@@ -85,9 +85,7 @@ def write_protobuf_mcap(path: Path, columns: Columns, topic: str = "/motor/state
 
     inner = descriptor_pb2.FileDescriptorProto(name="pose.proto", package="lab", syntax="proto3")
     inner.message_type.add(name="Pose").field.add(name="x", number=1, type=1, label=1)
-    outer = descriptor_pb2.FileDescriptorProto(
-        name="state.proto", package="lab", syntax="proto3", dependency=["pose.proto"]
-    )
+    outer = descriptor_pb2.FileDescriptorProto(name="state.proto", package="lab", syntax="proto3", dependency=["pose.proto"])
     message = outer.message_type.add(name="State")
     message.field.add(name="t", number=1, type=1, label=1)
     message.field.add(name="pose", number=2, type=11, label=1, type_name=".lab.Pose")

@@ -77,9 +77,7 @@ def test_one_effect_is_shown_as_its_plant_has_it(folder: Path, capsys: pytest.Ca
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_new_effect_of_each_kind_passes_its_checks(
-    folder: Path, capsys: pytest.CaptureFixture[str], kind: str
-) -> None:
+def test_a_new_effect_of_each_kind_passes_its_checks(folder: Path, capsys: pytest.CaptureFixture[str], kind: str) -> None:
     plant = SAMPLE_PLANT.get(kind, "axis")
     assert answer(capsys, "new", "mine", "--on", kind, "--plant", plant)[0] == 0
     text = (folder / "effects" / "mine.py").read_text()
@@ -144,7 +142,6 @@ def test_a_wrong_call_is_one_clear_message(
     code, out, err = answer(capsys, *words)
     assert (code, out) == (2, "") and said in err and err.count("\n") == 1
     assert not (folder / "effects").exists()
-
 
 
 def test_an_effect_is_small_or_large_beside_what_moves(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -69,7 +69,7 @@ def ports_of(folder: Path, **changed: str) -> dict[str, Port]:
         ({"bent": "gear - state.second + 0.1 * (gear - state.first)"}, ""),
         ({"bent": "gear"}, ""),
     ],
-)  # fmt: skip
+)
 def test_where_that_stands_which_is_driven_is_found(folder: Path, changed: dict[str, str], driven: str) -> None:
     assert ports_of(folder, **changed)["gear"].names.get("driven", "") == driven
     backlash = load_effects(plant="shaft")["backlash"]
@@ -109,11 +109,15 @@ def test_a_state_that_stands_for_no_state_is_refused() -> None:
 
     with pytest.raises(UsageError, match=r"helt.*instead of driven"):
         type(
-            "Wrong", (Effect,), {
-                "acts_on": "transmission", "instead": {"driven": "helt"}, "play": Parameter("input", 0.1),
+            "Wrong",
+            (Effect,),
+            {
+                "acts_on": "transmission",
+                "instead": {"driven": "helt"},
+                "play": Parameter("input", 0.1),
                 "output": staticmethod(lambda input, play: play),
             },
-        )  # fmt: skip
+        )
 
 
 @pytest.mark.parametrize(
@@ -123,7 +127,7 @@ def test_a_state_that_stands_for_no_state_is_refused() -> None:
         ("2.0 * state.first_speed", "state.second_speed", ""),
         ("state.first_speed", "state.first_speed", ""),
     ],
-)  # fmt: skip
+)
 def test_where_a_body_and_its_contact_stand_is_found(folder: Path, first: str, second: str, stands: str) -> None:
     text = SHAFT.replace("rate.first = state.first_speed", f"rate.first = {first}")
     text = text.replace("rate.second = state.second_speed", f"rate.second = {second}")

@@ -20,8 +20,11 @@ GENERIC = sorted(name for name, effect in FILES.items() if effect.acts_on)
 PLANTS = ("axis", "tanks", "rotor")
 # where alone some have a place, or show: a current that reverses, stores that no path joins, contacts without dry or viscous friction
 ALONE = {
-    "internal_leakage": ("two_pumps",), "dry_friction": ("wheel",), "viscous_friction": ("dry_wheel",), "check_valve": ("driver",),
-}  # fmt: skip
+    "internal_leakage": ("two_pumps",),
+    "dry_friction": ("wheel",),
+    "viscous_friction": ("dry_wheel",),
+    "check_valve": ("driver",),
+}
 FITS = {
     "axis": "action_lag command_delay constant_force contact_creep coulomb_asymmetry cubic_spring dead_band friction_drift "
     "hard_stop maxwell_element position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag "
@@ -139,9 +142,7 @@ def test_what_does_not_fit_says_why(folder: Path, name: str, plant: str, said: s
 def test_without_its_load_a_body_says_how_to_give_it(folder: Path) -> None:
     path = folder / "plants" / "axis.py"
     path.write_text(path.read_text().replace(" load=load,", ""))
-    with pytest.raises(
-        UsageError, match=r"needs force, which body 'velocity' does not offer: write body\(\.\.\., load="
-    ):
+    with pytest.raises(UsageError, match=r"needs force, which body 'velocity' does not offer: write body\(\.\.\., load="):
         find_effect("constant_force", "axis")
 
 
@@ -168,8 +169,10 @@ def test_a_generic_effect_of_the_users_fits_the_pump_joint_too(folder: Path) -> 
     (folder / "effects").mkdir()
     (folder / "effects" / "louder.py").write_text(LOUDER)
     assert [name for name in load_effects() if "louder" in name] == [
-        "louder_at_encoder", "louder_at_gauge1", "louder_at_gauge2",
-    ]  # fmt: skip
+        "louder_at_encoder",
+        "louder_at_gauge1",
+        "louder_at_gauge2",
+    ]
     assert list(load_effects())[-1] == "louder_at_gauge2"  # ours first: the order of the terms in a kernel
     assert "louder" in load_effects(plant="tanks")
 
@@ -373,8 +376,6 @@ def test_at_two_contacts_an_effect_acts_on_each_and_on_those_alone_that_offer_it
 
 def test_a_store_has_a_capacity_or_a_stiffness(folder: Path) -> None:
     path = folder / "plants" / "rotor.py"
-    path.write_text(
-        path.read_text().replace("stiffness=parameter.stiffness)", "capacity=1.0, stiffness=parameter.stiffness)")
-    )
+    path.write_text(path.read_text().replace("stiffness=parameter.stiffness)", "capacity=1.0, stiffness=parameter.stiffness)"))
     with pytest.raises(UsageError, match="store 'pressure' a capacity or a stiffness, which is 1 over it, not both"):
         library_of("rotor")

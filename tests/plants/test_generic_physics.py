@@ -133,9 +133,7 @@ def test_a_soft_stop_pushes_back_at_both_ends(position: float, force: float) -> 
     (0.2, 0.25, 0.1, -50.0 * 1.2), (0.2, 0.25, -0.1, -50.0 * 0.8), (0.2, 0.25, -0.6, 0.0), (0.2, 0.1, 0.1, 0.0),
     (0.2, -0.9, -0.1, 0.0), (-0.2, -0.25, -0.1, 50.0 * 1.2), (-0.2, 0.9, 0.1, 0.0),
 ])  # fmt: skip
-def test_a_hard_stop_is_met_at_one_end_and_never_pulls(
-    end: float, position: float, velocity: float, force: float
-) -> None:
+def test_a_hard_stop_is_met_at_one_end_and_never_pulls(end: float, position: float, velocity: float, force: float) -> None:
     found = added("hard_stop", {"position": position, "velocity": velocity}, end=end, stiffness=1e3, loss=2.0)
     assert found == pytest.approx(force, abs=1e-9)
 
@@ -224,7 +222,9 @@ def test_friction_along_the_travel_and_with_time() -> None:
         assert abs(half["friction_coulomb"] / COULOMB - 1.0) == pytest.approx(0.25, rel=0.06)
     made = model("axis", "position_friction", amplitude=0.5, viscous_amplitude=0.2, period=0.2, phase=0.0)
     found = made.signals(MOVING | {"position": 0.05})
-    assert found["friction_viscous"] == pytest.approx(VISCOUS * 1.2) and found["friction_coulomb"] == pytest.approx(COULOMB * 1.5)
+    assert found["friction_viscous"] == pytest.approx(VISCOUS * 1.2) and found["friction_coulomb"] == pytest.approx(
+        COULOMB * 1.5
+    )
     made = model("axis", "friction_drift", drift=0.5, settling_time=0.2, pace=2.5)
     course = [{"time": k * MILLI} for k in range(100)]
     assert seen(made, course, "friction_viscous")[-1] == pytest.approx(VISCOUS)

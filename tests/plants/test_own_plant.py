@@ -27,7 +27,11 @@ MISTAKES = {
     "a state without a rate": ("        rate.position = state.velocity\n", "", "the state 'position' has no rate"),
     "a rate in a wrong unit": ("rate.position = state.velocity", "rate.position = state.position", "must be in m/s"),
     "an unknown argument": ("viscous=parameter", "viscos=parameter", "did you mean 'viscous'"),
-    "a missing argument": ("            state.velocity,\n            push", "            push", "contact(...) lacks 'velocity'"),
+    "a missing argument": (
+        "            state.velocity,\n            push",
+        "            push",
+        "contact(...) lacks 'velocity'",
+    ),
     "another push than the rates have": ("push=force + load", "push=force", "the push of contact 'friction' is"),
     "an algebraic loop": ("gain * drive.voltage)", "gain * drive.voltage + friction)", "no algebraic loops"),
     "an unknown parameter": ("mass=parameter.mass", "mass=parameter.mas", "did you mean 'mass'"),
@@ -37,7 +41,11 @@ MISTAKES = {
     "a sensor that measures nothing": ('Measured("encoder"', 'Measured("encodr"', "did you mean 'encoder'"),
     "a field in another unit": ("position_m =", "position_v =", "says V, but 'encoder' is in m"),
     "an input's field without a unit": ('Input("V"', 'Input("V", field="u_now"', "unit at the end of the field 'u_now'"),
-    "an input's field in another unit": ('Input("V"', 'Input("V", field="volume_m3"', "says m^3, but the input 'voltage' is in V"),
+    "an input's field in another unit": (
+        'Input("V"',
+        'Input("V", field="volume_m3"',
+        "says m^3, but the input 'voltage' is in V",
+    ),
     "a field in degrees Celsius": ("position_m =", "position_degc =", "write 'position_k', and 'unit: degC' in the map"),
     "friction of a force": ("            state.velocity,\n", "            force,\n", "must be a state"),
     "friction that drives": ("coulomb=parameter", "coulomb=-parameter", "drives the motion instead of braking it"),
@@ -46,9 +54,17 @@ MISTAKES = {
     "a force without a unit": ('outside("N")', "outside()", "lacks its unit"),
     "mixed units": ("gain * drive.voltage)", "gain * drive.voltage + state.position)", "adds"),
     "two places of one name": ("sensor(state.position)", 'sensor(state.position, name="force")', "two places"),
-    "a name of the compiled model": ('load = outside("N")', 'load = outside("N")\n        out = outside("N")', "'out' is a name"),
+    "a name of the compiled model": (
+        'load = outside("N")',
+        'load = outside("N")\n        out = outside("N")',
+        "'out' is a name",
+    ),
     "a name of every plant": ("    gain = Parameter", "    cut = Parameter", "'cut' is a name that every plant has for itself"),
-    "a state's name in it": ('load = outside("N")', 'load = outside("N")\n        s_position = load + 0.0', "call this line otherwise"),
+    "a state's name in it": (
+        'load = outside("N")',
+        'load = outside("N")\n        s_position = load + 0.0',
+        "call this line otherwise",
+    ),
     "a line twice": ('load = outside("N")', 'load = outside("N")\n        load = outside("N")', "assigned twice"),
     "a root out of its range": (
         "gain * drive.voltage)",
@@ -120,7 +136,15 @@ def test_a_guide_in_oil_needs_neither_dry_friction_nor_a_push(folder: Path, caps
     rates = plain_functions(rates_source(oiled))["rates"]
     values = {name: one.default for name, one in oiled.parameters.items()}
     found = np.zeros(2)
-    rates(-1, 0.0, 1.0, np.array([0.0, 0.1]), np.array([2.0, *[0.0] * (len(oiled.inputs) - 1)]), np.array(list(values.values())), found)
+    rates(
+        -1,
+        0.0,
+        1.0,
+        np.array([0.0, 0.1]),
+        np.array([2.0, *[0.0] * (len(oiled.inputs) - 1)]),
+        np.array(list(values.values())),
+        found,
+    )
     assert found[1] == pytest.approx((values["gain"] * 2.0 - values["viscous"] * 0.1) / values["mass"])
     check_plant(find_plant("axis"))
     # what moves its mass tells the unit of a push where nothing is known of friction
@@ -223,9 +247,7 @@ class Drag(Effect):
     """A drag that grows with the square of the speed."""
 
     acts_on = "contact"
-    drag = Parameter(
-        "friction/speed**2", 0.1, (0.0, 2.0), text="force at the usual speed, over the usual friction", off=0.0
-    )
+    drag = Parameter("friction/speed**2", 0.1, (0.0, 2.0), text="force at the usual speed, over the usual friction", off=0.0)
 
     @staticmethod
     def friction(velocity, speed, drag):
@@ -371,13 +393,9 @@ def test_a_faulty_file_is_no_fault_of_the_plants_beside_it(folder: Path, capsys:
     assert cli.run(["plants", "broken"]) == 2
 
 
-def test_base_parameters_that_only_their_product_tells_are_named(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_base_parameters_that_only_their_product_tells_are_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = folder / "plants" / "axis.py"
-    text = path.read_text().replace(
-        'Parameter("N/V", 35.0, text', 'Parameter("N/V", 35.0, (1.0, 100.0), base=True, text'
-    )
+    text = path.read_text().replace('Parameter("N/V", 35.0, text', 'Parameter("N/V", 35.0, (1.0, 100.0), base=True, text')
     path.write_text(text)
     assert cli.run(["plants", "test", "axis"]) == 2
     message = capsys.readouterr().err

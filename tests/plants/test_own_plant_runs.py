@@ -140,8 +140,11 @@ def test_what_is_curved_with_an_input_alone_is_followed(folder: Path) -> None:
         assert readings[k, 0] == pytest.approx(state[0], abs=2e-7)
         found = solve_ivp(
             lambda _, x, i=current[k]: [x[1], 9.81 - 1e-4 / 0.07 * (i / x[0]) ** 2],
-            (0.0, period), state, rtol=1e-11, atol=1e-14,
-        )  # fmt: skip
+            (0.0, period),
+            state,
+            rtol=1e-11,
+            atol=1e-14,
+        )
         state = found.y[:, -1]
 
 

@@ -66,7 +66,9 @@ class Turned(Wheel):
         command = actuator(drive.voltage)
         rate.angle = state.speed
         rate.warmth = -parameter.pace * state.warmth
-        rate.speed = body(parameter.gain * command - parameter.viscous * state.speed, mass=parameter.inertia, position=state.angle)
+        rate.speed = body(
+            parameter.gain * command - parameter.viscous * state.speed, mass=parameter.inertia, position=state.angle
+        )
         tacho = sensor(state.speed)  # noqa: F841
 
 
@@ -90,9 +92,11 @@ def test_a_body_without_a_position_is_told() -> None:
 @pytest.mark.parametrize(("warm", "told"), [(9.0, False), (46.0, True)])
 def test_states_that_lie_far_from_where_they_begin_are_told(warm: float, told: bool) -> None:
     windows = SimpleNamespace(
-        layout=SimpleNamespace(measured=SimpleNamespace(plant=Wheel)), sizes=np.array([8.0, 1.0]),
-        unseen=np.array([False, True]), starts=np.array([[800.0, warm], [800.0, -warm]]),
-    )  # fmt: skip
+        layout=SimpleNamespace(measured=SimpleNamespace(plant=Wheel)),
+        sizes=np.array([8.0, 1.0]),
+        unseen=np.array([False, True]),
+        starts=np.array([[800.0, warm], [800.0, -warm]]),
+    )
     said = far_states(windows)  # type: ignore[arg-type]
     assert bool(said) == told
     assert not said or ("46 K" in said[0] and "speed" not in said[0])

@@ -145,9 +145,7 @@ def test_one_bad_file_of_several_leaves_no_log(folder: Path, capsys: pytest.Capt
         (["c.csv"], "unknown file 'c.csv' in the files of map.yaml"),
     ],
 )
-def test_a_bad_call_is_one_message(
-    folder: Path, words: list[str], told: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_bad_call_is_one_message(folder: Path, words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "more").mkdir()
     for name in ("a.csv", "b.csv", "c.csv", "more/a.csv"):
         write_csv(folder / name, measured())
@@ -245,9 +243,7 @@ def test_as_many_rows_a_second_as_allowed_are_not_too_many_for_their_rounding(fo
     assert Path("out.mcap").exists()
 
 
-HDF5 = (
-    b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + b"\x00\x02IM" + bytes(384) + b"\x89HDF\r\n\x1a\n"
-)
+HDF5 = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + b"\x00\x02IM" + bytes(384) + b"\x89HDF\r\n\x1a\n"
 BAD_FILES: list[tuple[str, Callable[[Path], object], dict[str, Any], str]] = [
     ("a.mat", lambda path: path.write_bytes(HDF5), {}, r"MATLAB 7.3 \(HDF5\).*save\('a.mat', '-v7'\)"),
     ("a.mat", lambda path: path.write_bytes(b"no such thing" * 40), {}, "cannot be read as a MATLAB file"),
@@ -362,9 +358,7 @@ def test_what_each_test_is_given_is_checked(folder: Path, capsys: pytest.Capture
 
 
 @pytest.mark.parametrize("plant", ["axis", "tanks", "pump_joint"])
-def test_the_map_that_plants_shows_imports_as_it_is(
-    folder: Path, plant: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_map_that_plants_shows_imports_as_it_is(folder: Path, plant: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["plants", plant]) == 0
     shown = capsys.readouterr().out
     text = shown[re.search(r"^plant: ", shown, re.M).start() :]  # type: ignore[union-attr]

@@ -26,9 +26,7 @@ from hjcamp.records.read import read_log
 from hjcamp.records.recover import recover_log, verify_log
 from hjcamp.records.write import CHUNK_BYTES, LogWriter, write_log
 
-MEASURED = "".join(
-    f'    gauge{number}_v = Measured("gauge", of="lower", required={number == 0})\n' for number in range(20)
-)
+MEASURED = "".join(f'    gauge{number}_v = Measured("gauge", of="lower", required={number == 0})\n' for number in range(20))
 PLAUSIBLE = 'Measured("gauge", of="lower", plausible=(0.0, 10.0))'
 PERIODS = {"axis": 1e-3, "tanks": 4.0, "many": 0.25}
 
@@ -182,9 +180,7 @@ def test_metadata_that_cannot_be_are_refused(plants: Path, change: dict[str, str
     writer = Writer(stream)
     writer.start()
     writer.add_metadata("hjcamp.test", log.metadata | change)
-    channel = writer.register_channel(
-        "/test/sample", "json", writer.register_schema("hjcamp.Sample", "jsonschema", b"{}")
-    )
+    channel = writer.register_channel("/test/sample", "json", writer.register_schema("hjcamp.Sample", "jsonschema", b"{}"))
     for index in range(log.samples):
         sample = {name: float(values[index]) for name, values in log.columns.items()}
         writer.add_message(channel, index * 10**6, json.dumps(sample).encode(), index * 10**6)
@@ -239,15 +235,16 @@ def test_info_and_verify_show_the_fields_of_the_plant(plants: Path, capsys: pyte
 
 
 COMMANDS = (
-    ["compare", "logs"], ["diagnose", "logs"], ["add", "leakage", "logs", "--as", "more"], ["next", "logs"],
+    ["compare", "logs"],
+    ["diagnose", "logs"],
+    ["add", "leakage", "logs", "--as", "more"],
+    ["next", "logs"],
     ["calibrate", "logs", "--as", "mine"],
-)  # fmt: skip
+)
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=lambda words: words[0])
-def test_an_analysis_refuses_logs_of_several_plants(
-    plants: Path, words: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_analysis_refuses_logs_of_several_plants(plants: Path, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     write_log(plants / "logs" / "a.mcap", log_of("axis"))
     write_log(plants / "logs" / "b.mcap", log_of("tanks"))
     before = sorted(plants.rglob("*"))

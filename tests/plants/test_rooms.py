@@ -75,9 +75,7 @@ def test_a_users_plant_has_a_room_in_its_folder(folder: Path, capsys: pytest.Cap
     (plants / "vessel" / "own_calibration.py").write_text("def calibrated(): pass\n")
     assert cli.run(["calibrate", "out", "--as", "mine"]) == 2
     assert "plant vessel, room 'calibrate': own_calibration.py has no 'calibrate'" in capsys.readouterr().err
-    (plants / "vessel" / "plant.py").write_text(
-        text.replace("    upper = State", rooms.replace("calibrate", "calibrat", 1), 1)
-    )
+    (plants / "vessel" / "plant.py").write_text(text.replace("    upper = State", rooms.replace("calibrate", "calibrat", 1), 1))
     assert cli.run(["calibrate", "out", "--as", "mine"]) == 2
     assert "unknown room 'calibrat' in Vessel, rooms; did you mean 'calibrate'" in capsys.readouterr().err
 
@@ -112,8 +110,7 @@ def test_nothing_outside_the_plants_names_one() -> None:
     naming = {
         path.relative_to(root).as_posix()
         for path in root.rglob("*.py")
-        if path.relative_to(root).parts[0] not in ("plants", "effects")
-        and NAMES.search(path.read_text(encoding="utf-8"))
+        if path.relative_to(root).parts[0] not in ("plants", "effects") and NAMES.search(path.read_text(encoding="utf-8"))
     }
     assert naming == NAMED_BY
 

@@ -71,9 +71,7 @@ def test_tanks_are_filled_by_a_given_voltage(bench: Path, capsys: pytest.Capture
 
 
 def test_a_carriage_follows_in_metres_under_the_users_own_law(bench: Path) -> None:
-    config = made(
-        "plant=axis", "controller=lead", "trajectory=cycloid", "trajectory.amplitude_m=0.1", "parameters.coulomb=12"
-    )
+    config = made("plant=axis", "controller=lead", "trajectory=cycloid", "trajectory.amplitude_m=0.1", "parameters.coulomb=12")
     columns, _ = plant_simulation.run_test(config, 1)
     reference, position = columns["reference_position_m"], columns["position_m"]
     assert reference[-1] == pytest.approx(0.1)

@@ -70,5 +70,7 @@ def test_inputs_too_small_to_move_anything_are_told(folder: Path) -> None:
         '"N*m*s", 2e-4, (1e-7, 1e-1)', '"N*m", 2.0, (1e-7, 10.0)'
     )
     (folder / "plants" / "wheel.py").write_text(stuck)
-    with pytest.raises(UsageError, match=r"under voltage of up to 6 V \(twice its typical=\.\.\.; does that move the machine\?\)"):
+    with pytest.raises(
+        UsageError, match=r"under voltage of up to 6 V \(twice its typical=\.\.\.; does that move the machine\?\)"
+    ):
         identified(find_plant("wheel"))

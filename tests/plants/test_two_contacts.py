@@ -22,9 +22,13 @@ from hjcamp.model.run.inputs_along import inputs_along
 from hjcamp.model.run.simulator import Simulator
 
 PLANTS = {
-    "spring": SPRING, "pendulum": PENDULUM, "stack": STACK,
-    "free_spring": FREE_SPRING, "free_pendulum": FREE_PENDULUM, "free_stack": FREE_STACK,
-}  # fmt: skip
+    "spring": SPRING,
+    "pendulum": PENDULUM,
+    "stack": STACK,
+    "free_spring": FREE_SPRING,
+    "free_pendulum": FREE_PENDULUM,
+    "free_stack": FREE_STACK,
+}
 
 
 @pytest.fixture
@@ -82,9 +86,13 @@ def test_the_second_block_breaks_away_at_its_own_static_friction(rig: Path) -> N
     ],
 )
 def test_it_follows_an_independent_solution_with_events(
-    rig: Path, name: str, solve: Callable[[np.ndarray], Dry], start: list[float], period: float,
+    rig: Path,
+    name: str,
+    solve: Callable[[np.ndarray], Dry],
+    start: list[float],
+    period: float,
     force: Callable[[np.ndarray], np.ndarray],
-) -> None:  # fmt: skip
+) -> None:
     time = np.arange(600) * period
     inputs = np.asarray(force(time))
     found = run(free(name), start, period, inputs)
@@ -121,10 +129,14 @@ def course(model: Simulator, states: np.ndarray, period: float, force: np.ndarra
     names = list(composition.states)
     restart = np.zeros(len(states), dtype=np.int64)
     restart[[0, len(states) // 2]] = 2, 1
-    columns = {kind: states[:, [names.index(one) for one in found]] for kind, found in (
-        ("driven", list(composition.cut.driven)), ("observed", list(composition.observed)),
-        ("velocity", [one.velocity for one in composition.contacts]),
-    )}  # fmt: skip
+    columns = {
+        kind: states[:, [names.index(one) for one in found]]
+        for kind, found in (
+            ("driven", list(composition.cut.driven)),
+            ("observed", list(composition.observed)),
+            ("velocity", [one.velocity for one in composition.contacts]),
+        )
+    }
     given = inputs_along(composition.plant, len(states), pull=force)
     return Course(period, restart, np.arange(len(states)) * period, given=given, **columns)
 
@@ -166,9 +178,7 @@ def test_the_regimes_of_contacts_and_limiters_are_one_product(rig: Path) -> None
         ("second = contact(state.w", "second = contact(state.v", "two contacts have the velocity 'v'"),
     ],
 )
-def test_a_regime_belongs_to_a_contact(
-    rig: Path, old: str, new: str, told: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_regime_belongs_to_a_contact(rig: Path, old: str, new: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
     path = rig / "plants" / "spring.py"
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, new, 1))

@@ -68,9 +68,7 @@ def test_a_common_command_leaves_the_arm_and_moves_the_mean(pair: Simulator) -> 
     common = np.radians(60.0) * np.sin(2 * np.pi * 2.0 * TIME)
     alone = run(pair, {"command1": TURN, "command2": -TURN}, HIGH)
     both = run(pair, {"command1": TURN + common, "command2": common - TURN}, HIGH)
-    assert both["slider_position"] == pytest.approx(
-        alone["slider_position"], abs=2e-4 * np.ptp(alone["slider_position"])
-    )
+    assert both["slider_position"] == pytest.approx(alone["slider_position"], abs=2e-4 * np.ptp(alone["slider_position"]))
     mean = 0.5 * (both["pressure1"] + both["pressure2"])
     travel = 0.5 * (both["pump1_position"] + both["pump2_position"])
     assert mean - mean[0] == pytest.approx(STIFFNESS * PUMP_AREA * travel, abs=200.0)

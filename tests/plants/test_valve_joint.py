@@ -51,9 +51,7 @@ def test_a_blocked_piston_fills_by_the_square_root_law(joint: Simulator) -> None
     by_hand = SUPPLY - np.maximum(math.sqrt(0.3e6) - STIFFNESS * CONDUCTANCE * time / 2, 0.0) ** 2
     assert found["pressure1"] == pytest.approx(by_hand, rel=1e-4)
     assert 2 * math.sqrt(0.3e6) / (STIFFNESS * CONDUCTANCE) == pytest.approx(13.3e-3, rel=5e-3)
-    assert run(joint, 0.02, (1, 0, 0, 0), BLOCKED, (0.3e6, 0.3e6, 0.0, 0.0))["pressure1"][-1] == pytest.approx(
-        SUPPLY, rel=1e-3
-    )
+    assert run(joint, 0.02, (1, 0, 0, 0), BLOCKED, (0.3e6, 0.3e6, 0.0, 0.0))["pressure1"][-1] == pytest.approx(SUPPLY, rel=1e-3)
 
 
 def test_shut_valves_are_a_spring(joint: Simulator) -> None:
@@ -98,9 +96,7 @@ def test_fast_pulses_act_as_their_mean(joint: Simulator) -> None:
 def test_both_inlets_both_outlets_and_none(joint: Simulator) -> None:
     """Both inlets fill both chambers and nothing moves; both outlets empty them; shut valves leave the arm where it is."""
     start = (0.3e6, 0.3e6, 0.0, 0.0)
-    full, empty, shut = (
-        run(joint, 0.2, one, {"laminar": 2e3}, start) for one in ((1, 0, 1, 0), (0, 1, 0, 1), (0, 0, 0, 0))
-    )
+    full, empty, shut = (run(joint, 0.2, one, {"laminar": 2e3}, start) for one in ((1, 0, 1, 0), (0, 1, 0, 1), (0, 0, 0, 0)))
     assert full["pressure1"][-1] == pytest.approx(SUPPLY, rel=1e-3) == full["pressure2"][-1]
     assert abs(empty["pressure1"][-1]) < 100.0
     for found in (full, empty, shut):
@@ -137,9 +133,7 @@ def test_the_mean_opening_of_a_sample_stands_for_the_trapezoid_within_it(joint: 
     found = run(joint, (len(coarse) - 1) * PERIOD, coarse[:, None] * np.array([1.0, 0.0, 0.0, 1.0]), SMOOTH, start)
     fine = 2e-5
     time = np.arange(round((len(coarse) - 1) * PERIOD / fine) + 1) * fine + 0.5 * fine
-    corners = [
-        (16e-3 * k + 2.4e-3 + at, level) for k in range(8) for at, level in ((0, 0), (1e-3, 1), (5e-3, 1), (6e-3, 0))
-    ]
+    corners = [(16e-3 * k + 2.4e-3 + at, level) for k in range(8) for at, level in ((0, 0), (1e-3, 1), (5e-3, 1), (6e-3, 0))]
     profile = np.interp(time, *np.array(corners).T)
     assert np.sum(profile) * fine == pytest.approx(np.sum(coarse) * PERIOD, rel=1e-3)
     inputs = np.tile(joint.inputs(), (len(time), 1))
@@ -219,9 +213,7 @@ def test_an_independent_integration_agrees(joint: Simulator) -> None:
     z = np.array([0.3e6, 0.3e6, 0.0, 0.0])
     worst = 0.0
     for k in range(n - 1):
-        z = solve_ivp(rates, (0.0, PERIOD), z, args=(on[k],), method="LSODA", rtol=1e-6, atol=1e-9, max_step=2e-4).y[
-            :, -1
-        ]
+        z = solve_ivp(rates, (0.0, PERIOD), z, args=(on[k],), method="LSODA", rtol=1e-6, atol=1e-9, max_step=2e-4).y[:, -1]
         worst = max(worst, abs(z[2] - found["rack_position"][k + 1]))
     assert np.ptp(found["rack_position"]) > 1e-3
     assert worst < 5e-3 * np.ptp(found["rack_position"])

@@ -58,7 +58,11 @@ def test_inputs_that_drive_a_piston_out_of_its_stroke_are_no_reason_to_refuse_a_
 
 @pytest.mark.parametrize(
     ("largest", "said"),
-    [(0.09, ""), (0.2, "drove position to 0.2 m, 20 times its typical"), (float("inf"), "position diverges, 0.02 s after a start")],
+    [
+        (0.09, ""),
+        (0.2, "drove position to 0.2 m, 20 times its typical"),
+        (float("inf"), "position diverges, 0.02 s after a start"),
+    ],
 )
 def test_that_the_inputs_of_a_check_drove_a_state_too_far_is_said(folder: Path, largest: float, said: str) -> None:
     states = np.array([[0.01, 0.0], [0.02, 1e3], [-largest, 1e3]])

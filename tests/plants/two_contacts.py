@@ -133,7 +133,7 @@ FREE_SPRING = SPRING.replace("class Spring", "class FreeSpring")
 FREE_SPRING = FREE_SPRING.replace("push=drive.pull - spring + load, ", "").replace("push=spring, ", "")
 FREE_PENDULUM = (
     PENDULUM.split("        # what one contact")[0].replace("class Pendulum", "class FreePendulum")
-    + '''        rail = contact(state.v, coulomb=parameter.dry_rail)
+    + """        rail = contact(state.v, coulomb=parameter.dry_rail)
         pivot = contact(state.omega, coulomb=parameter.dry_pivot)
         both = whole * inertia - between * between
         rate.x = state.v
@@ -142,17 +142,17 @@ FREE_PENDULUM = (
         rate.omega = (whole * (about - pivot) - between * (along - rail)) / both
         gauge = sensor(state.x)
         encoder = sensor(state.theta)
-'''
+"""
 )
 FREE_STACK = (
     STACK.split("        moving =")[0].replace("class Stack", "class FreeStack")
-    + '''        block = contact(state.slip, coulomb=parameter.dry_block)
+    + """        block = contact(state.slip, coulomb=parameter.dry_block)
         table = contact(state.v, coulomb=parameter.dry_table)
         rate.v = (block - table) / parameter.sledge
         rate.slip = (drive.pull - block) / parameter.block - (block - table) / parameter.sledge
         rate.x = state.v
         gauge = sensor(state.x)
-'''
+"""
 )
 
 

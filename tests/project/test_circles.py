@@ -59,7 +59,12 @@ def test_no_modules_import_each_other() -> None:
 def test_a_circle_is_found_wherever_an_import_stands(tmp_path: Path, back: str) -> None:
     package = tmp_path / "own"
     package.mkdir()
-    for name, text in {"__init__": "", "a": "from own.b import y\nx = 1", "b": "from own.c import z\ny = 1", "c": "z = 1"}.items():
+    for name, text in {
+        "__init__": "",
+        "a": "from own.b import y\nx = 1",
+        "b": "from own.c import z\ny = 1",
+        "c": "z = 1",
+    }.items():
         (package / f"{name}.py").write_text(text)
     assert circle(package) == []
     (package / "c.py").write_text(back)

@@ -133,7 +133,11 @@ def test_every_line_of_the_page_comes_to_its_end(page: str, tmp_path: Path, monk
 
     def words_of(line: str) -> list[str]:
         words = [sys.executable, "-m", "hjcamp", *shlex.split(line)]
-        return words + ["--yes"] * ("rig check" in line) + ["run_dir=runs/next_1/20261121T140000Z"] * ("run campaign=next_1" in line)
+        return (
+            words
+            + ["--yes"] * ("rig check" in line)
+            + ["run_dir=runs/next_1/20261121T140000Z"] * ("run campaign=next_1" in line)
+        )
 
     try:
         for line in [*BEFORE.get(page, []), *(line.removeprefix("hjcamp ") for line in in_blocks(page))]:

@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
-EVIL = "import pathlib; pathlib.Path(__file__).with_name('PWNED').open('a').write(__file__)\nraise ImportError('not this one')\n"
+EVIL = (
+    "import pathlib; pathlib.Path(__file__).with_name('PWNED').open('a').write(__file__)\nraise ImportError('not this one')\n"
+)
 MODULES = (
     "hjcamp", "json", "subprocess", "multiprocessing", "pickle", "numpy", "numba", "joblib", "typing", "sitecustomize", "usercustomize",
 )  # fmt: skip

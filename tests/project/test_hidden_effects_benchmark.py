@@ -169,9 +169,7 @@ def test_outside_the_library_counts_what_was_said_and_its_driver() -> None:
 def test_the_error_removed_is_held_against_what_nulls_leave_and_the_floor() -> None:
     null = made_up("nothing_missing", (), (), "null", error={"baseline": 1.2, "augmented": 1.2, "floor": 1.0})
     none_left = made_up("nothing_missing", (), error={"baseline": 1.25, "augmented": 1.25, "floor": 1.0})
-    found = [
-        one for one in all_measures([made_up("effect", ("leakage",)), null, none_left]) if "median (best" in one.title
-    ]
+    found = [one for one in all_measures([made_up("effect", ("leakage",)), null, none_left]) if "median (best" in one.title]
     assert [one.value for one in found] == pytest.approx([0.9 / 0.8, 0.9 / 0.8, 0.45])
     assert [one.count for one in found] == [1, 1, 2]
 

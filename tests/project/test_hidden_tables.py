@@ -114,9 +114,7 @@ def test_answers_are_judged(answer: dict[str, Any], said: str) -> None:
     assert outcome(answer) == said
 
 
-def test_the_page_says_how_many_were_run_and_goes_on_where_it_stopped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_page_says_how_many_were_run_and_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked_for: list[str] = []
 
     def answered(case: TableCase, effort: str, tag: str, workers: int) -> dict[str, Any]:

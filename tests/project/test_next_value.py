@@ -27,8 +27,7 @@ def test_more_rigs_leave_the_seeds_of_the_others_as_they_are() -> None:
 def lines_of(results: list[tuple[int | None, list[int]]]) -> list[Any]:
     asked = next_value.questions(14, 1, 2)[: len(results)]
     return [
-        (one, {"name": one.name, "ours": ours, "theirs": theirs})
-        for one, (ours, theirs) in zip(asked, results, strict=True)
+        (one, {"name": one.name, "ours": ours, "theirs": theirs}) for one, (ours, theirs) in zip(asked, results, strict=True)
     ]
 
 

@@ -32,9 +32,7 @@ def test_the_changelog_begins_with_this_version_and_is_short() -> None:
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     first = re.findall(r"^## (\S+)$(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL)[0]
     assert first[0] == hjcamp.__version__ and len(first[1].splitlines()) <= 60
-    named = {
-        one for line in re.findall(r"^\* (.*?):", first[1], re.MULTILINE) for one in re.findall(r"`(\w+)[^`]*`", line)
-    }
+    named = {one for line in re.findall(r"^\* (.*?):", first[1], re.MULTILINE) for one in re.findall(r"`(\w+)[^`]*`", line)}
     assert named and named - set(command_files()) <= {"hjcamp", "unlock", "verify", "export", "view", "import"}
 
 

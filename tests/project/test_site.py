@@ -47,8 +47,10 @@ def test_what_leads_nowhere_is_found(site: ModuleType, tmp_path: Path) -> None:
     (folder / "index.html").write_text(
         '<a href="a/x.html#here">x</a> <a href="https://elsewhere.example">y</a> <a href="#top">t</a>'
     )
-    (folder / "a" / "x.html").write_text('<b id="here"></b><a href="../index.html#gone">z</a><img src="none.png">'
-                                         '<script src="https://elsewhere.example/x.js"></script>')  # fmt: skip
+    (folder / "a" / "x.html").write_text(
+        '<b id="here"></b><a href="../index.html#gone">z</a><img src="none.png">'
+        '<script src="https://elsewhere.example/x.js"></script>'
+    )
     assert site.problems(folder) == [
         "a/x.html: ../index.html#gone has no such place",
         "a/x.html: none.png is not there",

@@ -23,17 +23,13 @@ THERE = {"cat", "cd", "cp", "mkdir", "pip", "rm", "test"}
 def workflows() -> dict[str, dict[Any, Any]]:
     page = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
-    texts = {"ci.yml": OURS.read_text(encoding="utf-8")} | {
-        f"docs/ci.md {place}": text for place, text in enumerate(blocks)
-    }
+    texts = {"ci.yml": OURS.read_text(encoding="utf-8")} | {f"docs/ci.md {place}": text for place, text in enumerate(blocks)}
     found = {name: yaml.safe_load(text) for name, text in texts.items()}
     return {name: content for name, content in found.items() if "jobs" in content}
 
 
 def steps() -> list[tuple[str, dict[str, Any]]]:
-    return [
-        (name, step) for name, flow in workflows().items() for job in flow["jobs"].values() for step in job["steps"]
-    ]
+    return [(name, step) for name, flow in workflows().items() for job in flow["jobs"].values() for step in job["steps"]]
 
 
 def test_every_job_has_a_machine_and_steps_that_do_something() -> None:
@@ -60,13 +56,9 @@ def test_kernels_are_cached_where_they_are_kept_and_the_page_is_uploaded() -> No
     for name, flow in workflows().items():
         for job in flow["jobs"].values():
             kept = job["env"].get("HJCAMP_CACHE") or job["env"]["KERNELS"]
-            cached = [
-                step["with"]["path"] for step in job["steps"] if step.get("uses", "").startswith("actions/cache@")
-            ]
+            cached = [step["with"]["path"] for step in job["steps"] if step.get("uses", "").startswith("actions/cache@")]
             assert kept == "${{ github.workspace }}/" + cached[0], name
-    uploads = [
-        step["with"]["path"] for _, step in steps() if step.get("uses", "").startswith("actions/upload-artifact@")
-    ]
+    uploads = [step["with"]["path"] for _, step in steps() if step.get("uses", "").startswith("actions/upload-artifact@")]
     assert sum("run/report.html" in one for one in uploads) == len(workflows()) and "site/html" in uploads
 
 

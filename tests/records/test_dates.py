@@ -16,10 +16,13 @@ from hjcamp.records.log import TestLog
 MAPPING = {
     "plant": "valve_joint",
     "fields": {
-        "time_s": "t", "arm_deg": "arm", "pressure1_mpa": "p1", "pressure2_mpa": "p2",
+        "time_s": "t",
+        "arm_deg": "arm",
+        "pressure1_mpa": "p1",
+        "pressure2_mpa": "p2",
         **{f"valve{k}_ratio": "c" for k in range(1, 5)},
     },
-}  # fmt: skip
+}
 STEP = 0.01
 
 

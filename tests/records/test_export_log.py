@@ -83,9 +83,7 @@ def test_what_cannot_be_exported_leaves_nothing(logs: dict[str, TestLog], capsys
     Path("out/ramp__1.npz").write_bytes(b"mine")
     assert export("npz") == 2
     assert "it is left as it is" in capsys.readouterr().err
-    assert [path.name for path in Path("out").iterdir()] == ["ramp__1.npz"] and Path(
-        "out/ramp__1.npz"
-    ).read_bytes() == b"mine"
+    assert [path.name for path in Path("out").iterdir()] == ["ramp__1.npz"] and Path("out/ramp__1.npz").read_bytes() == b"mine"
 
 
 def test_a_damaged_log_among_others_says_what_is_whole(tmp_path: Path) -> None:

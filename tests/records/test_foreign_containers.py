@@ -84,9 +84,7 @@ def test_a_matlab_file_is_read_in_any_shape(folder: Path, case: str) -> None:
     content, (time_s, x, u) = MATS[case]
     savemat("file.mat", content)
     is_truth(
-        imported(
-            Path("file.mat"), mapped({"time_s": time_s, "position_m": {"column": x, "unit": "mm"}, "voltage_v": u})
-        )[1]
+        imported(Path("file.mat"), mapped({"time_s": time_s, "position_m": {"column": x, "unit": "mm"}, "voltage_v": u}))[1]
     )
 
 
@@ -118,8 +116,7 @@ def write_mcap(path: Path, messages: Messages, **how: Any) -> Path:
         writer.start()
         schema = writer.register_schema("any", "jsonschema", b"{}")
         channels = {
-            topic: writer.register_channel(topic, "json", schema)
-            for topic in dict.fromkeys(one for one, _, _ in messages)
+            topic: writer.register_channel(topic, "json", schema) for topic in dict.fromkeys(one for one, _, _ in messages)
         }
         for topic, at, content in sorted(messages, key=lambda one: one[1]):
             stamp = round(at * 1e9) + 1_700_000_000_000_000_000
@@ -197,9 +194,7 @@ def test_true_and_false_are_numbers_and_null_is_a_gap(folder: Path) -> None:
     Path("map.yaml").write_text(yaml.safe_dump({"plant": "stage", "topic": "/state", "fields": fields}))
     with pytest.raises(UsageError, match="'x' is null in message 5 on /state; gaps: interpolate"):
         imported(source, Path("map.yaml"))
-    Path("map.yaml").write_text(
-        yaml.safe_dump({"plant": "stage", "topic": "/state", "fields": fields, "gaps": "interpolate"})
-    )
+    Path("map.yaml").write_text(yaml.safe_dump({"plant": "stage", "topic": "/state", "fields": fields, "gaps": "interpolate"}))
     one, columns = imported(source, Path("map.yaml"))
     assert any("no value in 3 rows of 600, at most 2 in a row" in finding.line for finding in one.doubtful)
     np.testing.assert_array_equal(columns["voltage_v"], [k % 7 < 3 if k != 9 else 0 for k in range(ROWS)])
@@ -219,9 +214,7 @@ def test_what_is_whole_of_a_recording_that_was_cut_off_is_read(folder: Path, sha
         )
     )
     one, columns = imported(source, Path("map.yaml"))
-    assert any(
-        "truncated or was never finished: the whole messages are read" in finding.line for finding in one.doubtful
-    )
+    assert any("truncated or was never finished: the whole messages are read" in finding.line for finding in one.doubtful)
     rows = len(columns["time_s"])
     assert rows > 0.5 * share * ROWS
     np.testing.assert_allclose(1e3 * columns["position_m"], X[:rows], atol=1e-9)
@@ -263,8 +256,8 @@ def test_columns_of_parquet_may_be_of_any_type(folder: Path, case: str) -> None:
     ],
 )
 def test_the_advice_for_a_column_of_parquet_leads_on(folder: Path, x: str, said: str) -> None:
-    polars.DataFrame(
-        {"t": TIME, "pose": [{"x": one, "y": 0.0} for one in X], "q": [[one] for one in X], "u": U}
-    ).write_parquet("file.parquet")
+    polars.DataFrame({"t": TIME, "pose": [{"x": one, "y": 0.0} for one in X], "q": [[one] for one in X], "u": U}).write_parquet(
+        "file.parquet"
+    )
     with pytest.raises(UsageError, match=re.compile(said)):
         imported(Path("file.parquet"), mapped({"position_m": x}))

@@ -59,9 +59,7 @@ TABLES: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
     "names of rows": (text('"t","x","u"', lambda k: f'"{k + 1}",{TIME[k]:.2f},{X[k]:.6f},{U[k]:.3f}'), {}, {}),
     "names of rows and commas": (text("t;x;u", lambda k: f"row {k};{bare(TIME[k])};{bare(X[k])};{bare(U[k])}"), {}, {}),
     "a comment in some rows": (
-        text(
-            "t;x;u;note", lambda k: f"{TIME[k]:.2f};{X[k]:.6f};{U[k]:.3f}" + (";moved" if k in (0, 1, 2, 300) else "")
-        ),
+        text("t;x;u;note", lambda k: f"{TIME[k]:.2f};{X[k]:.6f};{U[k]:.3f}" + (";moved" if k in (0, 1, 2, 300) else "")),
         {},
         {},
     ),
@@ -235,10 +233,7 @@ STAMPS: dict[str, Callable[[timedelta], str]] = {
     "a month by name": lambda past: (BEGAN + past).strftime("%d-%b-%Y %H:%M:%S.%f"),
     "a month first": lambda past: (BEGAN + past).strftime("%b %d, %Y %I:%M:%S.%f %p"),
     "a German month": lambda past: (
-        (BEGAN + past)
-        .strftime("%d. März 2024 %H:%M:%S,%f")
-        .replace("29. März", "31. März")
-        .replace("01. März", "01. April")
+        (BEGAN + past).strftime("%d. März 2024 %H:%M:%S,%f").replace("29. März", "31. März").replace("01. März", "01. April")
     ),
     "a German date": lambda past: (BEGAN + past).strftime("%d.%m.%Y %H:%M:%S,%f"),
     "a short year": lambda past: (BEGAN + past).strftime("%d.%m.%y %H:%M:%S.%f"),
@@ -270,9 +265,7 @@ def test_the_row_that_is_no_time_is_named(folder: Path, row: int, cell: str) -> 
 @pytest.mark.parametrize("case", STAMPS)
 def test_a_time_is_read_as_people_write_it(folder: Path, case: str) -> None:
     stamp = STAMPS[case]
-    Path("table.csv").write_text(
-        text("t;x;u", lambda k: f"{stamp(timedelta(milliseconds=10 * k))};{X[k]:.6f};{U[k]:.3f}")
-    )
+    Path("table.csv").write_text(text("t;x;u", lambda k: f"{stamp(timedelta(milliseconds=10 * k))};{X[k]:.6f};{U[k]:.3f}"))
     is_truth(imported(Path("table.csv"), mapped())[1])
 
 
@@ -289,10 +282,7 @@ def test_lost_rows_are_refused_or_filled_in_at_the_period_of_the_others(folder: 
         imported(Path("table.csv"), mapped())
     one, columns = imported(Path("table.csv"), mapped(gaps="interpolate"))
     assert any(f"lost of {ROWS}" in finding.line for finding in one.doubtful)
-    assert (
-        len(columns["time_s"]) == ROWS
-        and np.abs(1e3 * columns["position_m"] - X).max() < 2.0 * np.abs(np.diff(X)).max()
-    )
+    assert len(columns["time_s"]) == ROWS and np.abs(1e3 * columns["position_m"] - X).max() < 2.0 * np.abs(np.diff(X)).max()
     np.testing.assert_allclose(columns["voltage_v"][kept], U[kept])
 
 
@@ -305,9 +295,7 @@ def test_what_stands_for_no_reading_is_left_out(folder: Path, none: str, said: l
         text("t,x,u", lambda k: f"{TIME[k]:.2f},{none if 200 <= k < 205 or k == 0 else X[k]},{U[k]:.3f}")
     )
     one, columns = imported(Path("table.csv"), mapped(missing=said, gaps="interpolate"))
-    assert any(
-        "'position_m' has no value in 6 rows of 600, at most 5 in a row" in finding.line for finding in one.doubtful
-    )
+    assert any("'position_m' has no value in 6 rows of 600, at most 5 in a row" in finding.line for finding in one.doubtful)
     good = np.delete(np.arange(ROWS), [0, *range(200, 205)])
     np.testing.assert_allclose(1e3 * columns["position_m"][good], X[good], atol=1e-9)
 

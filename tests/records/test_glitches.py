@@ -111,9 +111,7 @@ def test_a_wrong_first_or_last_reading_hides_no_other(seed: int, places: list[in
         ([(700, 760), (1500, 1579), (3300, 3350)], [20, 2000]),
     ],
 )
-def test_a_sensor_that_stood_still_again_or_beside_a_spike_is_found(
-    rows: list[tuple[int, int]], places: list[int]
-) -> None:
+def test_a_sensor_that_stood_still_again_or_beside_a_spike_is_found(rows: list[tuple[int, int]], places: list[int]) -> None:
     values = moving(2, 0.05)
     for first, last in rows:
         values[first : last + 1] = values[first]
@@ -134,15 +132,11 @@ def test_a_noisy_sensor_that_stands_still_to_the_end_is_found(seed: int) -> None
     ("turn", "speed"), [(360.0, 50.0), (360.0, -200.0), (2.0 * np.pi, 0.7), (65536.0, 9000.0), (4096.0, -700.0)]
 )
 @pytest.mark.parametrize("centred", [False, True])
-def test_a_reading_that_wraps_around_is_found_where_it_does(
-    seed: int, turn: float, speed: float, centred: bool
-) -> None:
+def test_a_reading_that_wraps_around_is_found_where_it_does(seed: int, turn: float, speed: float, centred: bool) -> None:
     generator = np.random.default_rng(seed)
     time = np.arange(N) / 200.0
     whole = (
-        generator.uniform(0.0, turn)
-        + speed * (time + 0.2 * np.sin(3.0 * time))
-        + 1e-4 * turn * generator.standard_normal(N)
+        generator.uniform(0.0, turn) + speed * (time + 0.2 * np.sin(3.0 * time)) + 1e-4 * turn * generator.standard_normal(N)
     )
     values = np.mod(whole, turn) - (turn / 2.0 if centred else 0.0)
     np.testing.assert_array_equal(wraps(values), np.flatnonzero(np.abs(np.diff(values)) > turn / 2.0) + 1)

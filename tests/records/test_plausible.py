@@ -71,7 +71,12 @@ def test_a_sound_log_has_no_findings() -> None:
             True,
             "2 samples are off, -1e+04 deg at sample 5",
         ),
-        (lambda c: c["pressure1_mpa"].__setitem__(slice(700, 720), 2.4), "pressure1_mpa", False, "reaches 2.4 MPa; a sound log"),
+        (
+            lambda c: c["pressure1_mpa"].__setitem__(slice(700, 720), 2.4),
+            "pressure1_mpa",
+            False,
+            "reaches 2.4 MPa; a sound log",
+        ),
         (lambda c: c["pressure1_mpa"].__setitem__(slice(700, 720), 24.0), "pressure1_mpa", True, "reaches 24 MPa; a sound log"),
         (still("pressure1_mpa", 0.0), "pressure1_mpa", True, "in all 1200 samples; a sensor has noise"),
         (still("arm_deg", 12.0), "arm_deg", False, "never changes although 'pump_deg' moves"),
@@ -188,9 +193,7 @@ FIELDS = {"time_s": "t", "arm_deg": "a", "pressure1_mpa": "p", "pressure2_mpa": 
         ({"position_m": "mm"}, "unknown field 'position_m' in .*plant pump_joint"),
     ],
 )
-def test_an_import_refuses_what_is_of_another_plant_or_unit(
-    tmp_path: Path, change: dict[str, object], told: str
-) -> None:
+def test_an_import_refuses_what_is_of_another_plant_or_unit(tmp_path: Path, change: dict[str, object], told: str) -> None:
     columns = make_columns(1200)
     table = {short: columns[name] for name, short in FIELDS.items()} | {"mm": np.linspace(0.0, 200.0, 1200)}
     rows = np.column_stack(list(table.values()))

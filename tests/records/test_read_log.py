@@ -57,9 +57,7 @@ def test_messages_out_of_order_are_sorted_by_log_time(tmp_path: Path) -> None:
     stream = io.BytesIO()
     writer = Writer(stream)
     writer.start()
-    channel = writer.register_channel(
-        "/test/sample", "json", writer.register_schema("hjcamp.Sample", "jsonschema", b"{}")
-    )
+    channel = writer.register_channel("/test/sample", "json", writer.register_schema("hjcamp.Sample", "jsonschema", b"{}"))
     samples = rows(make_columns(samples=40))
     for index in [*range(20, 40), *range(20)]:
         writer.add_message(channel, index * 10**6, json.dumps(samples[index]).encode(), index * 10**6)
@@ -255,6 +253,4 @@ def test_the_command_phase_and_the_condition() -> None:
     choices = {"trajectory": "ramp_pos", "controller": "pid", "repetition": "1"}
     keys = {TestLog({}, choices | {"repetition": str(number)}).condition_key for number in range(3)}
     assert keys == {"trajectory=ramp_pos controller=pid"}
-    assert (
-        TestLog({}, {}, path=Path("a/one.mcap")).condition_key != TestLog({}, {}, path=Path("two.mcap")).condition_key
-    )
+    assert TestLog({}, {}, path=Path("a/one.mcap")).condition_key != TestLog({}, {}, path=Path("two.mcap")).condition_key

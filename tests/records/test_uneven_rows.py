@@ -17,10 +17,13 @@ from hjcamp.records.read import read_log
 MAPPING = {
     "plant": "valve_joint",
     "fields": {
-        "time_s": {"column": "t", "unit": "ms"}, "arm_deg": "arm", "pressure1_mpa": "p1", "pressure2_mpa": "p2",
+        "time_s": {"column": "t", "unit": "ms"},
+        "arm_deg": "arm",
+        "pressure1_mpa": "p1",
+        "pressure2_mpa": "p2",
         **{f"valve{k}_ratio": "c" for k in range(1, 5)},
     },
-}  # fmt: skip
+}
 
 
 def brought(folder: Path, stamps: np.ndarray, **more: object) -> TestLog:
@@ -107,7 +110,9 @@ def test_what_is_on_or_off_and_times_of_a_day_are_numbers(tmp_path: Path, on: st
     valve = (np.arange(400) // 50) % 2
     noise = 0.01 * np.sin(np.arange(400) ** 2)
     said = np.where(valve, on, off)
-    rows = [f"12:00:{t:09.6f},{10.0 * t:.5f},{0.1 + n:.6f},{0.2 - n:.6f},{v}" for t, n, v in zip(time, noise, said, strict=True)]
+    rows = [
+        f"12:00:{t:09.6f},{10.0 * t:.5f},{0.1 + n:.6f},{0.2 - n:.6f},{v}" for t, n, v in zip(time, noise, said, strict=True)
+    ]
     (tmp_path / "bench.csv").write_text("\n".join(["t,arm,p1,p2,c", *rows]) + "\n")
     fields = {**MAPPING["fields"], "time_s": "t"}  # type: ignore[dict-item]
     (tmp_path / "map.yaml").write_text(yaml.safe_dump({"plant": "valve_joint", "fields": fields}))

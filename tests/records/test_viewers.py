@@ -55,9 +55,7 @@ def test_a_layout_shows_every_channel_by_panel(log: Path) -> None:
         "view/plotjuggler_layout.xml",
     ]
     areas = ElementTree.parse(made.files[0]).iter("DockArea")
-    shown = {
-        one.attrib["name"]: [curve.attrib["name"].rpartition("/")[2] for curve in one.iter("curve")] for one in areas
-    }
+    shown = {one.attrib["name"]: [curve.attrib["name"].rpartition("/")[2] for curve in one.iter("curve")] for one in areas}
     assert shown == PANELS
 
 
@@ -78,8 +76,10 @@ def test_the_layout_is_one_of_foxglove(log: Path) -> None:
     layouts = pytest.importorskip("foxglove.layouts")
     made = prepare_view([log], "foxglove", Path("view"))
     content = json.loads(made.files[0].read_text(encoding="utf-8"))
-    kinds = {"Plot": (layouts.PlotConfig, layouts.PlotSeries),
-             "StateTransitions": (layouts.StateTransitionsConfig, layouts.StateTransitionsSeries)}  # fmt: skip
+    kinds = {
+        "Plot": (layouts.PlotConfig, layouts.PlotSeries),
+        "StateTransitions": (layouts.StateTransitionsConfig, layouts.StateTransitionsSeries),
+    }
     shown: dict[str, list[str]] = {}
     for name, config in content["configById"].items():
         panel, series = kinds[name.partition("!")[0]]
@@ -100,9 +100,7 @@ def test_the_recording_opens_in_rerun_with_its_blueprint(log: Path) -> None:
     pytest.importorskip("rerun")
     (path,) = prepare_view([log], "rerun", Path("view")).files
     command = [sys.executable, "-m", "rerun", "rrd", "print", str(path)]
-    answer = subprocess.run(
-        command, capture_output=True, text=True, env={"HOME": str(log.parent)}, timeout=60, check=True
-    )
+    answer = subprocess.run(command, capture_output=True, text=True, env={"HOME": str(log.parent)}, timeout=60, check=True)
     chunks = re.findall(r"with (\d+) rows .* - (/\S+) - data columns: \[(.*)\]", answer.stdout)
     curves = {place: int(rows) for rows, place, columns in chunks if columns == "Scalars:scalars"}
     expected = {f"/panel_{k}/{name}": SAMPLES for k, names in enumerate(PANELS.values()) for name in names}

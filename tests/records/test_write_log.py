@@ -214,9 +214,7 @@ def test_a_disk_that_fills_during_a_test_leaves_what_was_logged(tmp_path: Path) 
     assert not writer.path.exists()
     recovery = recover_log(part, tmp_path / "saved.mcap")
     assert recovery.kept >= writer.samples - 200 > 100
-    np.testing.assert_array_equal(
-        read_log(recovery.path).columns["pressure1_mpa"], columns["pressure1_mpa"][: recovery.kept]
-    )
+    np.testing.assert_array_equal(read_log(recovery.path).columns["pressure1_mpa"], columns["pressure1_mpa"][: recovery.kept])
 
 
 def test_a_growing_log_never_overwrites(tmp_path: Path) -> None:

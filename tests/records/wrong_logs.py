@@ -99,9 +99,12 @@ def carriage(kind: str, repetition: int) -> TestLog:
             x += PERIOD * v
     noise = generator.standard_normal((2, len(time)))
     columns = {
-        "time_s": time, "position_m": np.round((places + 2e-5 * noise[0]) / COUNT) * COUNT,
-        "current_a": 0.5 * voltage + 0.02 * noise[1], "voltage_v": voltage, "wind_n": np.zeros(len(time)),
-    }  # fmt: skip
+        "time_s": time,
+        "position_m": np.round((places + 2e-5 * noise[0]) / COUNT) * COUNT,
+        "current_a": 0.5 * voltage + 0.02 * noise[1],
+        "voltage_v": voltage,
+        "wind_n": np.zeros(len(time)),
+    }
     metadata = {"plant": "drive", "period_s": str(PERIOD), "condition": kind, "repetition": str(repetition)}
     return TestLog(columns, metadata, path=Path(f"{kind}_r{repetition}.mcap"))
 
@@ -129,9 +132,7 @@ def changed(change: Callable[[Columns], object], at: int = 1) -> Callable[[list[
     return make
 
 
-def added(
-    change: Callable[[Columns], object], at: int = 1, **metadata: str
-) -> Callable[[list[TestLog]], list[TestLog]]:
+def added(change: Callable[[Columns], object], at: int = 1, **metadata: str) -> Callable[[list[TestLog]], list[TestLog]]:
     """Return what puts a changed copy of one log beside a set."""
 
     def make(logs: list[TestLog]) -> list[TestLog]:
@@ -238,9 +239,7 @@ def common(sensor: str, analog: str, drive: str, size: float, step: float, digit
         Wrong(f"{analog} times 2", changed(scaled(analog, 2.0))),
         Wrong(f"{sensor} times 1.02", changed(scaled(sensor, 1.02)), "within what repetitions differ by"),
         Wrong(f"zero of {sensor} moved by its travel", changed(scaled(sensor, 1.0, size))),
-        Wrong(
-            f"zero of {sensor} moved by a count", changed(scaled(sensor, 1.0, step)), "repetitions begin as far apart"
-        ),
+        Wrong(f"zero of {sensor} moved by a count", changed(scaled(sensor, 1.0, step)), "repetitions begin as far apart"),
         Wrong("backwards in time", changed(backwards)),
         Wrong("begun a fifth of a test late", changed(rows(lambda n: slice(n // 5, None)))),
         Wrong("ended half way", changed(rows(lambda n: slice(0, n // 2))), "a shorter test is a test"),
@@ -280,9 +279,7 @@ def joint_mistakes() -> list[Wrong]:
         Wrong("a test of another condition under this name", again),
         Wrong("a hole in the command phase", changed(part("phase", 0.4, 0.45, lambda v: 2.0))),
         Wrong("two tests in one log", changed(part("phase", 0.5, 0.6, lambda v: 4.0))),
-        Wrong(
-            "phases 3, 4, 3, 4, ...", changed(lambda columns: columns["phase"].__setitem__(slice(500, None, 2), 4.0))
-        ),
+        Wrong("phases 3, 4, 3, 4, ...", changed(lambda columns: columns["phase"].__setitem__(slice(500, None, 2), 4.0))),
         Wrong("pump_deg missing", changed(without("pump_deg"))),
     ]
 

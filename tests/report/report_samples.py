@@ -105,8 +105,7 @@ def make_plan(conditions: Sequence[str], repetitions: int = 2, tables: Sequence[
     """Return a plan of conditions that differ in their names alone."""
     configs = [{"condition": name} for name in conditions]
     made = tuple(
-        Condition(name, {}, config, 1.0, config_sha256(config))
-        for name, config in zip(conditions, configs, strict=True)
+        Condition(name, {}, config, 1.0, config_sha256(config)) for name, config in zip(conditions, configs, strict=True)
     )
     campaign = words.get("campaign", "controllers")
     sha256 = plan_sha256(campaign, tables, repetitions, 1, made)

@@ -33,19 +33,11 @@ def test_welch_is_that_of_scipy_and_of_the_hand() -> None:
     random = np.random.default_rng(3)
     for n, m, scale in ((7, 7, 1.0), (3, 12, 5.0), (2, 2, 0.1), (40, 5, 2.0)):
         one, other = random.normal(1.0, 1.0, n), random.normal(1.5, scale, m)
-        assert welch(sample(one), sample(other)) == pytest.approx(
-            ttest_ind(one, other, equal_var=False).pvalue, rel=1e-9
-        )
+        assert welch(sample(one), sample(other)) == pytest.approx(ttest_ind(one, other, equal_var=False).pvalue, rel=1e-9)
     # Equal numbers and deviations: t = difference / (s sqrt(2 / n)) with 2 (n - 1) degrees of freedom.
     assert welch(Sample(1.0, 0.5, 8), Sample(2.0, 0.5, 8)) == pytest.approx(2 * stdtr(14, -4.0))
-    assert (
-        welch(Sample(1.0, None, 1), Sample(1.0, None, 1)) == 1.0
-        and welch(Sample(1.0, None, 1), Sample(2.0, 0.1, 7)) is None
-    )
-    assert (
-        welch(Sample(1.0, 0.0, 3), Sample(1.1, 0.0, 3)) == 0.0
-        and welch(Sample(1.0, 1e-17, 3), Sample(1.1, 0.0, 3)) == 0.0
-    )
+    assert welch(Sample(1.0, None, 1), Sample(1.0, None, 1)) == 1.0 and welch(Sample(1.0, None, 1), Sample(2.0, 0.1, 7)) is None
+    assert welch(Sample(1.0, 0.0, 3), Sample(1.1, 0.0, 3)) == 0.0 and welch(Sample(1.0, 1e-17, 3), Sample(1.1, 0.0, 3)) == 0.0
 
 
 def test_holm_by_hand() -> None:
@@ -65,9 +57,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """The baseline, and a run in which one of four conditions is worse; its gain is another one."""
     folder = tmp_path_factory.mktemp("runs")
     changed = [
-        make_log("ramp_pos", "pid", repetition, 2.5, ("controller.positive.kp=0.5",))
-        if name == ("ramp_pos", "pid")
-        else log
+        make_log("ramp_pos", "pid", repetition, 2.5, ("controller.positive.kp=0.5",)) if name == ("ramp_pos", "pid") else log
         for repetition, name, log in (
             (int(log.metadata["repetition"]), (log.metadata["trajectory"], log.metadata["controller"]), log)
             for log in make_logs(4)
@@ -86,15 +76,10 @@ def test_tables_page_and_comparison(runs: tuple[Path, Path], tmp_path: Path) -> 
     }
     values = np.array([2.6, 2.7, 2.8, 2.9])
     p = ttest_ind(values, values - 1.0, equal_var=False).pvalue
-    assert worse["rmse1_deg"]["p"] == pytest.approx(p, rel=1e-6) and worse["rmse1_deg"]["difference"] == pytest.approx(
-        1.0
-    )
+    assert worse["rmse1_deg"]["p"] == pytest.approx(p, rel=1e-6) and worse["rmse1_deg"]["difference"] == pytest.approx(1.0)
     assert worse["rmse1_deg"]["p_holm"] == pytest.approx(14 * p, rel=1e-6)
     notes = " ".join(made.conditions.notes)
-    assert (
-        "ramp_pos__pid: controller.positive.kp is 0.5 instead of" in notes
-        and "Without a baseline: sine_0p5hz__pid" in notes
-    )
+    assert "ramp_pos__pid: controller.positive.kp is 0.5 instead of" in notes and "Without a baseline: sine_0p5hz__pid" in notes
     assert made.verdict.startswith("3 of 14 means differ")
     table = (tmp_path / "tables" / "table_5_4_1.csv").read_text()
     assert "rmse1_deg_baseline_mean" in table and "rmse1_deg_p" in table and "published" not in table
@@ -111,12 +96,8 @@ def test_exit_code_files_and_answer(runs: tuple[Path, Path], tmp_path: Path) -> 
     report(after, against=str(before), check=str(loose), output=tmp_path)
     with pytest.raises(HjcampError, match=r"3 means are outside") as said:
         report(after, str(before), "default", tmp_path / "s.md", tmp_path / "j.xml", tmp_path, json=tmp_path / "a.json")
-    assert "ramp_pos pid" not in str(said.value) and "ramp_pos__pid: rmse1_deg 2.7500, baseline 1.7500" in str(
-        said.value
-    )
-    assert (
-        "3 of 14 means differ" in (tmp_path / "s.md").read_text() and 'failures="3"' in (tmp_path / "j.xml").read_text()
-    )
+    assert "ramp_pos pid" not in str(said.value) and "ramp_pos__pid: rmse1_deg 2.7500, baseline 1.7500" in str(said.value)
+    assert "3 of 14 means differ" in (tmp_path / "s.md").read_text() and 'failures="3"' in (tmp_path / "j.xml").read_text()
     answer = json.loads((tmp_path / "a.json").read_text())
     assert answer["schema"] == "hjcamp.report/1" and answer["against"] == str(before) and len(answer["violations"]) == 3
     report(before, str(before), "default", output=tmp_path)
@@ -177,16 +158,12 @@ def test_two_runs_side_by_side(runs: tuple[Path, Path], capsys: pytest.CaptureFi
 @pytest.mark.parametrize("names", [("ramp_pos__kp-0.7", "ramp_pos__kp=0.7"), ("ramp_pos__kp=0.7", "ramp_pos__kp-0.7")])
 def test_a_value_named_in_an_earlier_way_is_the_same_condition(tmp_path: Path, names: tuple[str, str]) -> None:
     other = make_log("cycloid_pos")
-    paths = [
-        kept(tmp_path / str(place), [make_log("ramp_pos", condition=name), other]) for place, name in enumerate(names)
-    ]
+    paths = [kept(tmp_path / str(place), [make_log("ramp_pos", condition=name), other]) for place, name in enumerate(names)]
     found = run_difference(*paths)
     assert found["pairs"] == [{"conditions": list(names)}, {"conditions": ["cycloid_pos__pid"] * 2}]
 
 
-def test_what_all_tests_of_one_run_have_and_no_test_of_the_other(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_all_tests_of_one_run_have_and_no_test_of_the_other(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     level = [make_log(name, overrides=("orientation=horizontal",)) for name in ("ramp_pos", "cycloid_pos")]
     upright = [make_log(name, overrides=("orientation=vertical",)) for name in ("cycloid_neg", "sine_0p5hz")]
     paths = kept(tmp_path / "a", level), kept(tmp_path / "b", upright)

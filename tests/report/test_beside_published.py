@@ -54,9 +54,7 @@ def run_of(folder: Path, logs: Sequence[TestLog], axes: dict[str, list[str]] | N
 
 def two_gains(repetitions: int = 2) -> list[TestLog]:
     return [
-        make_log(
-            "ramp_pos", "pid", number, 1.5, overrides, condition=f"ramp_pos__kp-{kp}", seed=str(100 * number + place)
-        )
+        make_log("ramp_pos", "pid", number, 1.5, overrides, condition=f"ramp_pos__kp-{kp}", seed=str(100 * number + place))
         for place, (kp, overrides) in enumerate({"0.7": (SOFT,), "1.05": ()}.items())
         for number in range(1, repetitions + 1)
     ]
@@ -92,9 +90,7 @@ def test_what_varies_is_seen_without_a_plan_and_what_a_choice_brings_is_not() ->
     assert frame["controller.positive.kp"].to_list() == [0.7, 0.7, 1.05, 1.05]
     choices = [make_log("ramp_pos", "pid"), make_log("cycloid_pos", "ffwd_pid", payload="brass_8p5g")]
     assert indicators_frame(choices).columns == indicators_frame(choices[:1]).columns
-    effects = [
-        make_log("ramp_pos", overrides=o, condition=str(o)) for o in ((), ("++effects.leakage.conductance=1e-13",))
-    ]
+    effects = [make_log("ramp_pos", overrides=o, condition=str(o)) for o in ((), ("++effects.leakage.conductance=1e-13",))]
     assert indicators_frame(effects)["effects.leakage.conductance"].to_list() == [None, 1e-13]
 
 
@@ -120,9 +116,7 @@ def test_labels_that_hold_the_separator_are_still_found() -> None:
 
 
 def test_every_published_cell_belongs_to_a_condition_of_its_campaign() -> None:
-    conditions = {
-        name: {choices_of(one) for one in conditions_of(name)} for names in CAMPAIGNS.values() for name in names
-    }
+    conditions = {name: {choices_of(one) for one in conditions_of(name)} for names in CAMPAIGNS.values() for name in names}
     checked = 0
     for cell in published_cells().filter(pl.col("table") != "6.3.1").iter_rows(named=True):
         assert any(cell_key(cell) in conditions[name] for name in CAMPAIGNS[cell["table"]]), cell
@@ -140,9 +134,7 @@ def test_every_published_cell_belongs_to_a_condition_of_its_campaign() -> None:
         ("previous_work", "ramp_pos__pid"),
     ],
 )
-def test_a_shipped_campaign_as_it_is_has_its_published_values(
-    composer: Composer, campaign: str, condition: str
-) -> None:
+def test_a_shipped_campaign_as_it_is_has_its_published_values(composer: Composer, campaign: str, condition: str) -> None:
     lines = [f"campaign={campaign}", f"conditions={condition}"]
     (planned,) = make_plan(composer.compose(lines).config, campaign, lines, composer).conditions
     assert "" in [one["differs"] for one in standing(planned.config, cell_key(planned.choices))]

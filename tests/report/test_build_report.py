@@ -93,7 +93,9 @@ def test_the_page_is_self_contained_and_well_formed(tmp_path: Path) -> None:
     assert "&#39;x=$(rm)&#39; repetitions=2" in page
     assert "prefers-color-scheme: dark" in page
     # five conditions, the same five small, and the picture of them all
-    assert page.count("<svg ") == 11 and page.index("every condition: mean") < page.index('id="explorer"') < page.index("<details>")
+    assert page.count("<svg ") == 11 and page.index("every condition: mean") < page.index('id="explorer"') < page.index(
+        "<details>"
+    )
     assert not re.search(r"url\((?!#)", page)
 
 

@@ -37,7 +37,9 @@ def test_one_case_for_each_published_mean(tmp_path: Path) -> None:
     assert len(table.splitlines()) == 2 + outside and table.startswith("| condition | indicator | mean | published |")
 
 
-@pytest.mark.parametrize("tables", [("table_5_5_1", "table_5_5_3"), ("table_5_5_1",), ("table_5_5_3", "table_5_5_2", "table_5_5_1")])
+@pytest.mark.parametrize(
+    "tables", [("table_5_5_1", "table_5_5_3"), ("table_5_5_1",), ("table_5_5_3", "table_5_5_2", "table_5_5_1")]
+)
 def test_a_mean_that_is_printed_in_several_tables_is_one_case(tables: tuple[str, ...]) -> None:
     cells = pl.DataFrame(
         [

@@ -25,9 +25,7 @@ def test_correlations_by_hand() -> None:
 
 
 def test_the_picture_says_names_values_and_correlations() -> None:
-    svg = draw_corner(
-        ["mass", "spring stiffness"], ["80 ± 0.2 kg", "0.14 ± 0.01 N/mm"], np.array([[1.0, -0.79], [-0.79, 1.0]])
-    )
+    svg = draw_corner(["mass", "spring stiffness"], ["80 ± 0.2 kg", "0.14 ± 0.01 N/mm"], np.array([[1.0, -0.79], [-0.79, 1.0]]))
     for said in ("mass", "stiffness", "80 ± 0.2 kg", "0.14 ± 0.01 N/mm", "−0.79"):
         assert said in svg
     many = [f"p{k}" for k in range(MOST + 2)]

@@ -74,7 +74,9 @@ def test_a_paper_of_hostile_logs_is_text(
     estimates = {f"k{number}": {"value": 1.0, "unit": text, "text": text} for number, text in enumerate(HOSTILE)}
     answer = {"schema": "hjcamp.calibration/1", "tests": 1, "calibration": estimates}
     Path("an_&_answer{}.json").write_text(json.dumps(answer))
-    assert cli.run(["paper", str(received), "an_&_answer{}.json", "--as", "text/p", "--formats", "svg"]) == 0, capsys.readouterr()
+    assert cli.run(["paper", str(received), "an_&_answer{}.json", "--as", "text/p", "--formats", "svg"]) == 0, (
+        capsys.readouterr()
+    )
     assert {one.name for one in tmp_path.iterdir()} == {"deep"} and sorted(one.name for one in Path("text").iterdir()) == ["p"]
     written = [one for one in Path("text/p").rglob("*") if one.is_file()]
     assert len([one for one in written if one.suffix == ".svg"]) == len(HOSTILE) + 1

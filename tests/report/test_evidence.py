@@ -88,8 +88,7 @@ def test_the_missing_quantity_is_drawn_both_ways_with_the_law_through_it() -> No
     pictures = draw_missing(missing(law=True))
     assert list(pictures) == ["before", "after"]
     assert all(
-        said in pictures["before"]
-        for said in ("arm angle (deg)", "missing force (N)", "forwards", "backwards", "spring")
+        said in pictures["before"] for said in ("arm angle (deg)", "missing force (N)", "forwards", "backwards", "spring")
     )
     assert "missing: with spring" in pictures["after"] and "nan" not in pictures["after"]
     assert list(draw_missing(missing(law=False))) == ["before"]
@@ -97,9 +96,7 @@ def test_the_missing_quantity_is_drawn_both_ways_with_the_law_through_it() -> No
 
 def test_gains_worst_test_and_correlations_name_their_curves() -> None:
     time = np.arange(50) * PERIOD
-    assert "these tests" in draw_gains(NOISE[:40], 9.0, "twins") and "chance: twins" in draw_gains(
-        NOISE[:40], None, "twins"
-    )
+    assert "these tests" in draw_gains(NOISE[:40], 9.0, "twins") and "chance: twins" in draw_gains(NOISE[:40], None, "twins")
     assert "these tests" not in draw_gains(NOISE[:40], None, "twins")
     worst = draw_worst_test(
         "worst test: ramp/1", "arm angle", "deg", time, time, [("calibrated", time), ("with leakage", time)]

@@ -130,9 +130,7 @@ def test_clicks_and_keys_change_what_is_shown(page: Any) -> None:
     page.click("th:nth-child(2)")  # largest error of the first model on top
     assert page.inner_text("tbody tr:first-child td") == "sweep/3"
     page.click("button[data-of=first]")
-    assert page.get_attribute(
-        "button[data-of=first]", "aria-pressed"
-    ) == "false" and "off=without drag|first" in address(page)
+    assert page.get_attribute("button[data-of=first]", "aria-pressed") == "false" and "off=without drag|first" in address(page)
     page.click("button[data-channel=force_n]")
     assert page.locator(".plots canvas").count() == 2
     assert not page.faults

@@ -51,9 +51,13 @@ def test_a_page_explains_its_words_once_each_and_no_others() -> None:
 
 @pytest.mark.parametrize(
     ("asked", "said"),
-    [("path", "path: path(flow, upstream=None, downstream=None"), ("state", "State: State(unit, resolution=0.0, typical=1.0"),
-     ("contact", "``load`` are what effects may let friction depend on"), ("PART", "part: part(function, *given, **named)")],
-)  # fmt: skip
+    [
+        ("path", "path: path(flow, upstream=None, downstream=None"),
+        ("state", "State: State(unit, resolution=0.0, typical=1.0"),
+        ("contact", "``load`` are what effects may let friction depend on"),
+        ("PART", "part: part(function, *given, **named)"),
+    ],
+)
 def test_explain_says_what_a_word_of_a_plants_file_takes(asked: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["explain", asked]) == 0
     assert said in " ".join(capsys.readouterr().out.split())

@@ -31,10 +31,14 @@ def test_times_beyond_each_bound_and_the_share_of_the_feedforward() -> None:
     found = line_indicators(log, {})
     assert found == pytest.approx(
         {
-            "pressure_low_mpa": 0.05, "pressure_high_mpa": 0.7, "below_0p1_s": 0.030, "above_0p58_s": 0.060,
-            "above_range_s": 0.010, "feedforward_share": 0.75,
+            "pressure_low_mpa": 0.05,
+            "pressure_high_mpa": 0.7,
+            "below_0p1_s": 0.030,
+            "above_0p58_s": 0.060,
+            "above_range_s": 0.010,
+            "feedforward_share": 0.75,
         }
-    )  # fmt: skip
+    )
     wide = {"rig": {"sensors": {"pressure_range_mpa": 1.0}}}
     assert line_indicators(log, wide)["above_range_s"] == 0.0
     assert {name: indicators_of(log)[name] for name in FURTHER} == pytest.approx(found)
@@ -70,10 +74,13 @@ def test_the_improvement_stands_behind_the_value() -> None:
     # The two published values of 5.6: the text says 63 %.
     frame = pl.DataFrame(
         {
-            "trajectory": ["sine_0p5hz"] * 2, "friction": ["unidirectional", "reduced"],
-            "e_max_deg_mean": [4.53, 1.66], "e_max_deg_std": [0.1, 0.1], "n": [7, 7],
+            "trajectory": ["sine_0p5hz"] * 2,
+            "friction": ["unidirectional", "reduced"],
+            "e_max_deg_mean": [4.53, 1.66],
+            "e_max_deg_std": [0.1, 0.1],
+            "n": [7, 7],
         }
-    )  # fmt: skip
+    )
     row = arrange(frame, definition).rows[1]
     assert [cell.text for cell in row[1:]] == ["4.53 ± 0.10", "1.66 ± 0.10 (-63 %)"]
 

@@ -34,7 +34,9 @@ def origin(axes: dict[str, list[str]] = AXES) -> RunOrigin:
 def frame(values: dict[str, list[float]], indicator: str = "rmse1_deg") -> pl.DataFrame:
     rows = [{"condition": name, indicator: value} for name, given in values.items() for value in given]
     empty = dict.fromkeys((name for name in INDICATORS if name != indicator), None)
-    return pl.DataFrame([{**empty, **row} for row in rows], schema={"condition": pl.String} | dict.fromkeys(INDICATORS, pl.Float64))
+    return pl.DataFrame(
+        [{**empty, **row} for row in rows], schema={"condition": pl.String} | dict.fromkeys(INDICATORS, pl.Float64)
+    )
 
 
 @pytest.mark.parametrize(("n", "m", "scale"), [(7, 7, 1.0), (3, 12, 5.0), (2, 2, 0.1), (40, 5, 2.0)])
@@ -84,8 +86,9 @@ def test_an_effect_that_was_put_in_is_found(effect: float, mark: str) -> None:
     random = np.random.default_rng(11)
     values = {
         f"{motion}__{gain}": list(random.normal(2.0 + place + effect * (gain == GAINS[1]), 0.05, 5))
-        for place, motion in enumerate(MOTIONS) for gain in GAINS
-    }  # fmt: skip
+        for place, motion in enumerate(MOTIONS)
+        for gain in GAINS
+    }
     found = effects_of(factors_of(origin()), frame(values))
     assert found["on"].to_list() == [*MOTIONS, ALL] and set(found["against"]) == {GAINS[0]}
     for row in found.iter_rows(named=True):

@@ -31,4 +31,6 @@ def test_a_page_says_what_made_it_of_which_logs(tmp_path: Path) -> None:
 
 
 def test_the_commands_that_go_on_can_be_pasted() -> None:
-    assert next_steps([]) == "" and "<pre>hjcamp add a &amp;\nhjcamp next</pre>" in next_steps(["hjcamp add a &", "hjcamp next"])
+    assert next_steps([]) == "" and "<pre>hjcamp add a &amp;\nhjcamp next</pre>" in next_steps(
+        ["hjcamp add a &", "hjcamp next"]
+    )

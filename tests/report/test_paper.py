@@ -30,26 +30,18 @@ from hjcamp.report.sheet import Cell, Sheet
 def test_numbers_with_uncertainties_by_hand() -> None:
     assert uncertain(1.23456, 0.0449) == "1.235(45)" and uncertain(1.23456, 0.0996) == "1.23(10)"
     assert uncertain(-0.5, 1.25) == "-0.5(12)" and uncertain(1234.5, 56.0) == "1234(56)"
-    assert (
-        uncertain(1.0, 0.0) == "1" and uncertain(2.0, None) == "2" and uncertain(2.57e-14, 1.2e-16) == "2.570(12)e-14"
-    )
-    assert (
-        Quantity(1.5, 0.25, r"\degree").latex == r"\SI{1.50(25)}{\degree}" and Quantity(7, None, "").latex == r"\num{7}"
-    )
+    assert uncertain(1.0, 0.0) == "1" and uncertain(2.0, None) == "2" and uncertain(2.57e-14, 1.2e-16) == "2.570(12)e-14"
+    assert Quantity(1.5, 0.25, r"\degree").latex == r"\SI{1.50(25)}{\degree}" and Quantity(7, None, "").latex == r"\num{7}"
     row = {"value": 2.57e13, "unit": "Pa/m^3", "ci95": [2.47e13, 2.67e13]}
     # Half the interval, 0.001 MPa/mm3, is 1.96 standard uncertainties.
     assert of_estimate(row).latex == r"\SI{0.02570(51)}{MPa/mm^3}"
     assert (
-        unit_latex("kPa s/mm3") == "kPa.s/mm^3"
-        and unit_latex("N*s/m") == "N.s/m"
-        and unit_latex("Pa s2/mm3") == "Pa.s^2/mm^3"
+        unit_latex("kPa s/mm3") == "kPa.s/mm^3" and unit_latex("N*s/m") == "N.s/m" and unit_latex("Pa s2/mm3") == "Pa.s^2/mm^3"
     )
 
 
 def test_names_for_people_and_for_latex() -> None:
-    assert (
-        readable("sine_0p5hz__ffwd_pid") == "sine 0.5 Hz, feedforward PID" and readable("brass_8p5g") == "brass 8.5 g"
-    )
+    assert readable("sine_0p5hz__ffwd_pid") == "sine 0.5 Hz, feedforward PID" and readable("brass_8p5g") == "brass 8.5 g"
     assert macro("ramp_pos__pid", "N") == "RampPosPidN" and macro("", "sine_0p5hz") == "SineZeroPointFiveHz"
     assert macro("sine_1hz__ffwd_pid") == "SineOneHzFfwdPid"
     assert distinct(["A", "A", "AX", "A"]) == ["A", "AX", "AXX", "AXXX"]
@@ -99,19 +91,13 @@ def test_every_work_that_an_effect_cites_is_an_entry() -> None:
     for name, effect in effects.items():
         source = sources_of(effect)
         years = re.findall(r"\((1[89]\d\d|20\d\d)\)", source)
-        assert sorted(years) == sorted(re.search(r"year = \{(\d+)\}", one)[1] for one in entries_of(source).values()), (
-            name
-        )  # type: ignore[index]
+        assert sorted(years) == sorted(re.search(r"year = \{(\d+)\}", one)[1] for one in entries_of(source).values()), name  # type: ignore[index]
         assert source or "Source" not in inspect.getdoc(effect), name
     entries = bibliography(effects.values(), True)
     assert "thesis" in entries and len(entries) > 10
     for key, entry in entries.items():
-        assert (
-            entry.count("{") == entry.count("}") and entry.startswith("@") and re.fullmatch(r"[a-z]+(\d{4})?", key)
-        ), entry
-    assert entries_of(
-        "x, e.g. Franklin, Powell & Emami-Naeini (2010), Feedback Control, 6th ed., section 5.6; thesis 3."
-    ) == {
+        assert entry.count("{") == entry.count("}") and entry.startswith("@") and re.fullmatch(r"[a-z]+(\d{4})?", key), entry
+    assert entries_of("x, e.g. Franklin, Powell & Emami-Naeini (2010), Feedback Control, 6th ed., section 5.6; thesis 3.") == {
         "franklin2010": "@book{franklin2010,\n  author = {Franklin and Powell and Emami-Naeini},\n  year = {2010},\n"
         "  title = {{Feedback Control}},\n  edition = {6th},\n  note = {section 5.6},\n}\n"
     }
@@ -161,7 +147,9 @@ def test_the_folder_of_a_run_and_answers(run: Path, tmp_path: Path) -> None:
     assert f'width="{80.0 / 25.4 * 72:.3f}'[:12] in svg and "ramp positive, PID" in svg
     assert r"my model & arm angle (deg) & 0.5 & 0.1 & 1.50 \\" in (out / "tables" / "models.tex").read_text()
     main = (out / "main.tex").read_text()
-    assert re.search(r"\\caption\{RMSE1, .* of every condition: mean and sample standard deviation of the tests \(n = 1 to 3\)", main)
+    assert re.search(
+        r"\\caption\{RMSE1, .* of every condition: mean and sample standard deviation of the tests \(n = 1 to 3\)", main
+    )
     assert r"\documentclass[journal]{IEEEtran}" in main and r"\bibliographystyle{IEEEtran}" in main and "@" not in main
     assert set(made["captions"]) == {*made["tables"], *made["figures"]} and all(made["captions"].values())
     assert main.count(r"\begin{figure}") == main.count(r"\caption{") == 3 and r"\label{fig:ramp-pos--pid}" in main

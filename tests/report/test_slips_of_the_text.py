@@ -11,9 +11,7 @@ from hjcamp.plants.pump_joint.published import slips
 
 
 def test_pid_alone_is_worse_than_the_earlier_sliding_mode_in_three_rows() -> None:
-    assert slips.worse_than_sliding_mode() == {
-        "ramp_pos": (1.7, 1.55), "sine_0p5hz": (2.3, 1.69), "cycloid_pos": (1.3, 1.19)
-    }  # fmt: skip
+    assert slips.worse_than_sliding_mode() == {"ramp_pos": (1.7, 1.55), "sine_0p5hz": (2.3, 1.69), "cycloid_pos": (1.3, 1.19)}
 
 
 def test_the_bandwidth_is_20_7_hz_and_not_18() -> None:

@@ -46,9 +46,7 @@ def test_names_are_words_and_what_was_simulated_is_called_so() -> None:
     assert "sine fast, feedforward PID" in small_multiples([one], {one.name: "a"}, {})
     assert ">simulated<" in draw_condition(one) and ">measured<" in draw_condition(sine(1.0, "nidaqmx"))
     logs = [TestLog({"time_s": TIME}, {"backend": name} if name else {}) for name in ("simulation", "nidaqmx", "")]
-    assert [observed(logs[:1]), observed(logs[1:2]), observed(logs[2:]), observed(logs)] == ["simulated"] + 3 * [
-        "measured"
-    ]
+    assert [observed(logs[:1]), observed(logs[1:2]), observed(logs[2:]), observed(logs)] == ["simulated"] + 3 * ["measured"]
 
 
 def test_one_test_that_swings_fast_has_its_range_in_the_large_picture() -> None:
@@ -60,7 +58,10 @@ def test_a_mean_is_drawn_where_repetitions_align_and_one_of_them_where_they_do_n
     time = np.linspace(0.0, 4.0, 4000)
     courses = [np.sin(6.0 * time + phase * k) for k in range(5)]
     wanted = np.zeros(len(time))
-    logs = [TestLog({"time_s": time, "phase": np.full(len(time), 3.0), "arm_deg": one, "reference_deg": wanted}, {}) for one in courses]
+    logs = [
+        TestLog({"time_s": time, "phase": np.full(len(time), 3.0), "arm_deg": one, "reference_deg": wanted}, {})
+        for one in courses
+    ]
     found = gather("hunts", logs)
     bold, others = found.lines("arm_deg")
     assert found.aligned is aligned and len(others) == (0 if aligned else 4)

@@ -82,8 +82,10 @@ def test_a_stored_log_is_the_log(run: Path) -> None:
         assert isinstance(there, StoredLog)
         assert (there.metadata, there.attachments, there.path) == (whole.metadata, whole.attachments, whole.path)
         assert (there.samples, there.duration, there.condition_key) == (
-            whole.samples, whole.duration, whole.condition_key,
-        )  # fmt: skip
+            whole.samples,
+            whole.duration,
+            whole.condition_key,
+        )
         for columns, expected in ((there.columns, whole.columns), (there.command_phase, whole.command_phase)):
             assert list(columns) == list(expected)
             assert all(np.array_equal(columns[name], expected[name]) for name in expected)

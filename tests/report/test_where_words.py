@@ -81,8 +81,10 @@ def test_repetitions_are_told_only_where_they_differ() -> None:
     even = [Place("lines", "all", "all", 0.9), *(Place("lines", "repetition", str(n), 0.3) for n in (1, 2, 3))]
     assert len(where_sentences(even)) == 1 and len(grouped_bars([place._asdict() for place in even])) == 1
     drifting = [
-        Place("joint", "all", "all", 0.9), Place("joint", "repetition", "3", 0.7), Place("joint", "repetition", "1", 0.1),
-    ]  # fmt: skip
+        Place("joint", "all", "all", 0.9),
+        Place("joint", "repetition", "3", 0.7),
+        Place("joint", "repetition", "1", 0.1),
+    ]
     assert "joint, repetition 3, in 6 of 8 conditions" in where_sentences(drifting)[1]
 
 

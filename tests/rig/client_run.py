@@ -96,7 +96,5 @@ def safe_outputs(device: VirtualDevice, phase: str) -> str:
     pump = [volts for sample, channel, volts in device.written if channel == PUMP and sample <= reset]
     assert last.get(PUMP, 0.0) == (pump[-1] if pump else 0.0)
     wait_until(lambda: device.samples > tripped + SAMPLES_AFTER)
-    assert np.all(
-        [device.volts[PRELOAD] == 0.0, device.volts[DITHER] == 0.0, device.volts[PUMP] == last.get(PUMP, 0.0)]
-    )
+    assert np.all([device.volts[PRELOAD] == 0.0, device.volts[DITHER] == 0.0, device.volts[PUMP] == last.get(PUMP, 0.0)])
     return f"safe within {WATCHDOG_SAMPLES} samples"

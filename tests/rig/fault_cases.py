@@ -123,9 +123,7 @@ def _fill_the_disk(sample: int, device: VirtualDevice, monkeypatch: Any) -> None
 
     def full(self: Journal) -> None:
         if device.tests == test and device.samples >= sample:
-            raise HjcampError(
-                f"{self._recording.path if self._recording else ''}: cannot be written: No space left on device"
-            )
+            raise HjcampError(f"{self._recording.path if self._recording else ''}: cannot be written: No space left on device")
         write(self)
 
     add = Journal.add

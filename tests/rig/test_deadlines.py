@@ -77,9 +77,7 @@ def test_what_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rig_deadline, "ANSWER_S", -0.05)
     server.takes = 0.5  # the deadline is after 0.05 s: somebody stopped this process
     missed = call(deadlines, server)
-    assert missed.details().startswith(
-        "the device server did not answer within 0.05 s (this program itself stood still"
-    )
+    assert missed.details().startswith("the device server did not answer within 0.05 s (this program itself stood still")
     with pytest.raises(grpc.RpcError):
         missed.result()
     server.takes = 0.0

@@ -108,9 +108,7 @@ def test_keep_going_looks_at_the_rig_and_goes_on(
         ("stuck_encoder", 700, "not fit to go on"),
     ],
 )
-def test_a_rig_that_is_not_fit_is_left_alone(
-    composer: Any, device: VirtualDevice, kind: str, sample: int, words: str
-) -> None:
+def test_a_rig_that_is_not_fit_is_left_alone(composer: Any, device: VirtualDevice, kind: str, sample: int, words: str) -> None:
     device.faults = [Fault(kind, sample)]
     with pytest.raises(RigStopped) as caught:
         run(start(composer), GO_ON, [])
@@ -120,9 +118,7 @@ def test_a_rig_that_is_not_fit_is_left_alone(
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_who_asks_to_stop_is_obeyed(
-    composer: Any, device: VirtualDevice, monkeypatch: pytest.MonkeyPatch, number: int
-) -> None:
+def test_who_asks_to_stop_is_obeyed(composer: Any, device: VirtualDevice, monkeypatch: pytest.MonkeyPatch, number: int) -> None:
     step = RigControl.step
 
     def interrupted(self: RigControl, *arguments: float) -> Any:

@@ -49,9 +49,7 @@ def test_every_trajectory_ends_and_is_followed(compose: Any, device: VirtualDevi
     ],
     ids=["open loop", "step of the pump", "blocked joint"],
 )
-def test_an_open_loop_is_not_stopped_by_its_reference(
-    compose: Any, device: VirtualDevice, lines: tuple[str, ...]
-) -> None:
+def test_an_open_loop_is_not_stopped_by_its_reference(compose: Any, device: VirtualDevice, lines: tuple[str, ...]) -> None:
     config = compose(*lines, "controller=open_loop", "procedure.adjustment.enabled=false")
     check_test(config)
     columns, _ = backends.run_test(config, 1)

@@ -82,9 +82,7 @@ def test_no_driver_is_one_message(compose: Any, device: VirtualDevice) -> None:
     assert "rig=virtual" in str(caught.value)
 
 
-def test_nothing_moves_before_the_check(
-    compose: Any, device: VirtualDevice, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_nothing_moves_before_the_check(compose: Any, device: VirtualDevice, capsys: pytest.CaptureFixture[str]) -> None:
     config = copy.deepcopy(compose("rig.check_required=true"))
     with pytest.raises(RigUnavailable, match="run `hjcamp rig check rig=virtual` first"):
         backends.run_test(config, 1)
@@ -110,9 +108,7 @@ def test_nothing_moves_before_the_check(
         ("device_gone@900", "COULD NOT BE WRITTEN", 3),
     ],
 )
-def test_the_check_finds(
-    fault: str, words: str, code: int, device: VirtualDevice, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_check_finds(fault: str, words: str, code: int, device: VirtualDevice, capsys: pytest.CaptureFixture[str]) -> None:
     device.faults = [parse_fault(fault)]
     assert cli.run(["rig", "check", "rig=virtual", "--yes", "--json", "-"]) == code
     out, err = capsys.readouterr()

@@ -127,9 +127,7 @@ def test_missed_samples_repeat_the_row_before(tmp_path: Path) -> None:
 def test_kill_costs_at_most_200_ms(tmp_path: Path) -> None:
     path = tmp_path / "rep_01.mcap"
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    process = subprocess.Popen(
-        [sys.executable, "-c", KILLED, str(path)], stdout=subprocess.PIPE, text=True, env=environment
-    )
+    process = subprocess.Popen([sys.executable, "-c", KILLED, str(path)], stdout=subprocess.PIPE, text=True, env=environment)
     assert process.stdout is not None
     last = 0
     while last < 600:

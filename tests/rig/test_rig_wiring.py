@@ -48,7 +48,11 @@ def test_scaling(compose: Any) -> None:
         ("outputs.preload.lowest_v", 0.5, "lowest_v <= safe_v <= highest_v"),
         ("outputs.dither.safe_v", -1.0, "rig.outputs.dither.safe_v is -1.0; 0, at which"),
         ("outputs.pump.v_per_deg", 0.0, "rig.outputs.pump.v_per_deg is 0.0; a scale other than 0"),
-        ("outputs.pump.v_per_deg", 1e-12, "a scale other than 0, of 1e-05 or more either way (with less nothing moves), is needed"),
+        (
+            "outputs.pump.v_per_deg",
+            1e-12,
+            "a scale other than 0, of 1e-05 or more either way (with less nothing moves), is needed",
+        ),
         ("outputs.preload.v_per_mm_per_s", -9e-6, "a scale other than 0, of 1e-05 or more"),
         ("outputs.dither.v_per_v", 1e-300, "a scale other than 0, of 1e-05 or more"),
         ("inputs.pressure2.mpa_per_v", -1e-9, "a slope other than 0, of 1e-05 or more"),

@@ -23,15 +23,16 @@ def test_a_port_in_use_is_one_message(tmp_path: Path) -> None:
     with served_rig(tmp_path) as (_, port):
         again = subprocess.run(
             [*CALL, "rig", "serve", "--address", f"localhost:{port}"],
-            cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False,
-        )  # fmt: skip
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
     assert again.returncode == 1
     lines = again.stderr.splitlines()
     assert len(lines) == 1, lines
-    assert (
-        f"another `hjcamp rig serve`, uses the port; end it, or take another one: --address localhost:{port + 1}"
-        in lines[0]
-    )
+    assert f"another `hjcamp rig serve`, uses the port; end it, or take another one: --address localhost:{port + 1}" in lines[0]
 
 
 @pytest.mark.parametrize(

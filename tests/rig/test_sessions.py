@@ -91,6 +91,8 @@ def test_who_only_makes_tasks_keeps_nobody_out(compose: Any, served: tuple[int, 
         device.arrange(compose(), 1, "another")
 
 
-@pytest.mark.parametrize("request_", [b"[" * 5_000, b'{"config": {}, "seed": 1e999}', b'{"config": [], "seed": 1}', b"[]", b"1"])
+@pytest.mark.parametrize(
+    "request_", [b"[" * 5_000, b'{"config": {}, "seed": 1e999}', b'{"config": [], "seed": 1}', b"[]", b"1"]
+)
 def test_what_cannot_be_arranged_is_refused(request_: bytes) -> None:
     assert "error" in json.loads(handle(VirtualDevice(), request_))

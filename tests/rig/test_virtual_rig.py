@@ -99,9 +99,7 @@ def test_a_parked_pump_comes_back_slowly(compose: Any, device: VirtualDevice, mo
 
 
 @pytest.mark.parametrize("fault", ["late_samples", "lost_sensor"])
-def test_where_a_stopped_pump_stands(
-    compose: Any, device: VirtualDevice, monkeypatch: pytest.MonkeyPatch, fault: str
-) -> None:
+def test_where_a_stopped_pump_stands(compose: Any, device: VirtualDevice, monkeypatch: pytest.MonkeyPatch, fault: str) -> None:
     monkeypatch.setattr(rig_park, "keeps_its_place", lambda config, wiring: True)
     device.faults = [Fault(fault, 1000)]
     config = compose()

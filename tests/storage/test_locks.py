@@ -109,9 +109,7 @@ def test_a_held_lock_is_refused_soon(tmp_path: Path) -> None:
     assert not locks.is_held(tmp_path / "lock")
 
 
-@pytest.mark.parametrize(
-    "host", ["localhost", "LOCALHOST", "127.0.0.1", "[::1]", "::1", "ipv4:127.0.0.1", "dns:localhost"]
-)
+@pytest.mark.parametrize("host", ["localhost", "LOCALHOST", "127.0.0.1", "[::1]", "::1", "ipv4:127.0.0.1", "dns:localhost"])
 def test_this_computer_is_one_rig(host: str) -> None:
     assert rig_lock.one_name(f"{host}:31763") == "localhost:31763"
 

@@ -23,7 +23,7 @@ from hjcamp.storage import (
     user_folder,
     whole_file,
     write_whole,
-)  # fmt: skip
+)
 
 
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
@@ -93,7 +93,20 @@ def test_a_folder_reached_through_a_link_is_the_users_own(tmp_path: Path) -> Non
     assert (tmp_path / "disk" / "compare" / "index.html").read_text() == "text"
 
 
-HOSTILE = ["../../evil", "/etc/passwd", "..", ".", "", "a/../../b", "a\\b", "a\nb", "\x00", "\x1b]0;x\x07", "con:aux", "é" * 500]
+HOSTILE = [
+    "../../evil",
+    "/etc/passwd",
+    "..",
+    ".",
+    "",
+    "a/../../b",
+    "a\\b",
+    "a\nb",
+    "\x00",
+    "\x1b]0;x\x07",
+    "con:aux",
+    "é" * 500,
+]
 
 
 @given(st.text())

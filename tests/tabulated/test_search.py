@@ -168,9 +168,7 @@ def test_the_fit_pays_for_moves_away_from_what_is_known():
     rig = LogLinearRig()
     cells = measured(rig, {})
     found = fit(rig, cells, (), [{}], 60, 1)
-    assert found.loss == pytest.approx(
-        robust(cells.errors(cells.of(rig.indicators(found.settings)))).sum() + found.surprise
-    )
+    assert found.loss == pytest.approx(robust(cells.errors(cells.of(rig.indicators(found.settings)))).sum() + found.surprise)
 
 
 def test_the_chance_of_a_gain_is_counted_and_beyond_all_twins_follows_their_tail():

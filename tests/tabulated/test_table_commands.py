@@ -97,9 +97,13 @@ def test_each_call_has_a_folder_of_its_own():
 def test_a_model_on_the_table_it_was_fitted_to_is_no_prediction(empty_folder, capsys, monkeypatch):
     error = {"mean_abs_log_ratio": {"5.4.1": 0.2}, "near": 40, "cells": 42, "loss": 50.0}
     content = {
-        "schema": "hjcamp.table_comparison/1", "tables": ["5.4.1"], "error_held_out": {}, "cells": [],
-        "models": {"published": {}, "refit": {"tables": ["5.4.1", "5.4.2"]}}, "error": {"published": error, "refit": error},
-    }  # fmt: skip
+        "schema": "hjcamp.table_comparison/1",
+        "tables": ["5.4.1"],
+        "error_held_out": {},
+        "cells": [],
+        "models": {"published": {}, "refit": {"tables": ["5.4.1", "5.4.2"]}},
+        "error": {"published": error, "refit": error},
+    }
     monkeypatch.setattr(comparison, "compare", lambda *given: content)
     assert run(["compare", "--tables", "5.4.1", "--model", "published", "--model", "refit"]) == 0
     out = capsys.readouterr().out

@@ -49,7 +49,10 @@ def test_a_table_of_a_run_is_read_as_it_is(tmp_path):
         (HEAD + ROW + ROW, "line 3: the condition ramp_pos pid stands in an earlier line"),
         (HEAD + "ramp_pos,pid,1,1.7,0.2,,\n", "column tests: 1"),
         (HEAD + "ramp_pos,pid,4,much,0.2,,\n", "column rmse1_deg: 'much' is no number"),
-        (HEAD + "\n" + ROW + ",,,,,,\nmixed,pid,4,NA,NA,,\n", "line 5, column rmse1_deg: 'NA' is no number; what was not measured"),
+        (
+            HEAD + "\n" + ROW + ",,,,,,\nmixed,pid,4,NA,NA,,\n",
+            "line 5, column rmse1_deg: 'NA' is no number; what was not measured",
+        ),
         (HEAD + "ramp_pos,pid,4,-1.7,0.2,,\n", "neither can be so"),
         (HEAD.replace("rmse1_deg", "rmse1_rad") + ROW, "its unit is rad; give degrees, as rmse1_deg"),
         (HEAD.replace("rmse1_deg_deviation", "rmse1_deg_spread") + ROW, "no column rmse1_deg_deviation"),

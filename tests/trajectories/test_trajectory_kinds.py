@@ -95,9 +95,7 @@ def test_printed_angles(name: str, at: float, angle_deg: float) -> None:
 
 
 def test_first_direction_and_end_of_motion() -> None:
-    assert [
-        build_trajectory(configuration(name)).first_direction for name in ("ramp_pos", "ramp_neg", "cycloid_neg")
-    ] == [
+    assert [build_trajectory(configuration(name)).first_direction for name in ("ramp_pos", "ramp_neg", "cycloid_neg")] == [
         1.0,
         -1.0,
         -1.0,

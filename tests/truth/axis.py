@@ -95,9 +95,7 @@ class Axis(NamedTuple):
 
 
 @within
-def strength(
-    place: float, speed: float, time: float, travelled: float, level: float, axis: Axis
-) -> tuple[float, float]:
+def strength(place: float, speed: float, time: float, travelled: float, level: float, axis: Axis) -> tuple[float, float]:
     """Return the strength of the guide's dry friction against motion in the positive and negative direction (N)."""
     factor = level
     if axis.place_share != 0.0:

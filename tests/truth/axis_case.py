@@ -221,9 +221,7 @@ def write_axis_case(
         "seed": seed,
         "changes": {k: v for k, v in case.axis._asdict().items() if v != getattr(case.plain, k)},
         "base": base_parameters(case),
-        "seen": dict(
-            zip(("change_v", "scatter_v"), (float(np.sqrt(np.mean(x))) for x in np.transpose(seen)), strict=True)
-        ),
+        "seen": dict(zip(("change_v", "scatter_v"), (float(np.sqrt(np.mean(x))) for x in np.transpose(seen)), strict=True)),
     }
     return write_case_files(folder, "axis", plant_source(case), FIELDS, logs, answer)
 

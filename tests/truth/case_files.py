@@ -45,9 +45,7 @@ def write_case_files(
         np.savetxt(path, table, "%.9g", delimiter=",", header=",".join(log.columns), comments="")
     mapping = {
         "plant": plant,
-        "fields": {
-            field: {"column": column} if isinstance(column, str) else dict(column) for field, column in fields.items()
-        },
+        "fields": {field: {"column": column} if isinstance(column, str) else dict(column) for field, column in fields.items()},
         "files": {f"{log.name}.csv": dict(log.metadata) for log in logs},
     }
     (folder / "import.yaml").write_text(yaml.safe_dump(mapping, sort_keys=False), encoding="utf-8")

@@ -22,9 +22,7 @@ AGEING_START = 0.1
 
 
 @njit
-def asperity_step(
-    stretch: np.ndarray, slip: float, upper: float, lower: float, stiffness: np.ndarray
-) -> tuple[float, bool]:
+def asperity_step(stretch: np.ndarray, slip: float, upper: float, lower: float, stiffness: np.ndarray) -> tuple[float, bool]:
     """Move the asperities by `slip` (m); return their force (N) and whether all of them slide.
 
     Parallel Jenkins elements (spring and slider), returned to the yield surface after each trial step: Iwan 1966,

@@ -98,9 +98,7 @@ _LIBRARY = [
         (0.1, 0.28, 0.6),
         _phase("creep_share", "creep_time", 0.3, 1.2),
     ),
-    HiddenEffect(
-        "line_resistance", "resistance of each line", "Pa s/m^3", (2.3e10, 6.5e10, 1.4e11), _plain("tube_resistance")
-    ),
+    HiddenEffect("line_resistance", "resistance of each line", "Pa s/m^3", (2.3e10, 6.5e10, 1.4e11), _plain("tube_resistance")),
     HiddenEffect(
         "line_inertance",
         "inertance of each line",
@@ -117,9 +115,7 @@ _LIBRARY = [
         (0.045, 0.11, 0.25),
         _phase("angle_amplitude", "angle_phase", -np.pi, np.pi),
     ),
-    HiddenEffect(
-        "pressure_friction", "friction per pressure sum", "N/Pa", (0.8e-6, 2e-6, 4.3e-6), _plain("seal_coefficient")
-    ),
+    HiddenEffect("pressure_friction", "friction per pressure sum", "N/Pa", (0.8e-6, 2e-6, 4.3e-6), _plain("seal_coefficient")),
     HiddenEffect(
         "static_friction_ageing",
         "share of static friction per decade of rest",
@@ -146,9 +142,7 @@ _LIBRARY = [
 ]
 
 _OUTSIDE = [
-    HiddenEffect(
-        "stray_spring", "stiffness at the pitch line", "N/m", (75.0, 170.0, 400.0), _stray_spring, ("arm_angle",)
-    ),
+    HiddenEffect("stray_spring", "stiffness at the pitch line", "N/m", (75.0, 170.0, 400.0), _stray_spring, ("arm_angle",)),
     HiddenEffect(
         "soft_stop",
         "stiffness at the pitch line",

@@ -68,7 +68,9 @@ def lines_step(
         state[JOINT_VOLUME, line] += flow * step - sign * joint_in
         near_volume = state[PUMP_VOLUME, line] - near * creep
         far_volume = state[JOINT_VOLUME, line] - far * creep
-        state[PUMP_PRESSURE, line] = line_pressure(near_volume, stiffness[line] / near, near * plant.air_volume, plant.air_exponent)
+        state[PUMP_PRESSURE, line] = line_pressure(
+            near_volume, stiffness[line] / near, near * plant.air_volume, plant.air_exponent
+        )
         far_pressure = line_pressure(far_volume, stiffness[line] / far, far * plant.air_volume, plant.air_exponent)
         if plant.tube_inertance > 0.0:
             far_pressure += WALL_TIME * stiffness[line] / far * (flow - sign * joint_in / step)

@@ -96,9 +96,7 @@ def joint_step(
     damping = viscous
     micro = 2 * MICRO_DAMPING * math.sqrt(bristles[0, -1] * mass)
     if plant.contact_law == 1.0:
-        stretch[0, 0] = bristle_step(
-            stretch[0, 0], speed, share * (upper if speed > 0 else lower), bristles[0, -1], step
-        )
+        stretch[0, 0] = bristle_step(stretch[0, 0], speed, share * (upper if speed > 0 else lower), bristles[0, -1], step)
         friction, sliding = bristles[0, -1] * stretch[0, 0], True
         damping += micro * math.exp(-abs(speed) / BRISTLE_DAMPING_SPEED)
     elif plant.contact_law >= 2.0:

@@ -55,6 +55,4 @@ def draw_test(seed: int, condition: int, repetition: int, samples: int, scatter:
     slow = lfilter([1.0], [1.0, -memory], drive, axis=0)
     hum = scatter.hum * np.sin(2 * np.pi * 50e-3 * np.arange(samples) + random.uniform(0, 2 * np.pi))
     noise = white + slow + np.sqrt(2) * hum[:, None]
-    return TestDraw(
-        profile, directions, pressures, noise, counts, float(waiting), float(rest), float(travel), float(in_play)
-    )
+    return TestDraw(profile, directions, pressures, noise, counts, float(waiting), float(rest), float(travel), float(in_play))

@@ -111,9 +111,7 @@ def torque_course(name: str, samples: int, random: np.random.Generator) -> np.nd
         return size * levels
     if name == "release":
         return (
-            size
-            * np.where(time % 2.0 < 1.2, np.minimum(time % 2.0 / 0.9, 1.0) * 0.7, 0.0)
-            * np.where(time % 4.0 < 2.0, 1, -1)
+            size * np.where(time % 2.0 < 1.2, np.minimum(time % 2.0 / 0.9, 1.0) * 0.7, 0.0) * np.where(time % 4.0 < 2.0, 1, -1)
         )
     if name == "creep":
         return size * 0.6 * (np.abs((time / 2.0 + 0.5) % 2 - 1) * 2 - 1)

@@ -89,18 +89,12 @@ SERVO_FORMS: tuple[Form, ...] = (
     Form("stop", "hunt_crossley", _stop(0.0), ("hard_stop",), alike=("soft_stop",)),
     Form("stop", "rubber", _stop(1.0), ("hard_stop",), False, ("angle", "position"), ("soft_stop",)),
     Form("sliding_weight", "square", _swing(sliding=0.03), (), False, ("angle", "velocity")),
-)  # fmt: skip
+)
 
 
 def _at(form: Form, place: str) -> Form:
     """Return the form as the plant of two joints calls it, where each joint has a contact, a body and an encoder."""
-    port = (
-        f"{place}_rub"
-        if form.effect in OF_CONTACT
-        else f"{place}_speed"
-        if form.effect in OF_BODY
-        else f"{place}_encoder"
-    )
+    port = f"{place}_rub" if form.effect in OF_CONTACT else f"{place}_speed" if form.effect in OF_BODY else f"{place}_encoder"
     contact, body = f"_at_{place}_rub", f"_at_{place}_speed"
     ends = {"coulomb_asymmetry": contact, "viscous_asymmetry": contact, "constant_force": body}
     if form.effect in OF_DRIVE:
@@ -108,9 +102,7 @@ def _at(form: Form, place: str) -> Form:
         alike = tuple(f"{name}_at_motor_encoder" for name in form.alike)
     else:
         names = tuple(f"{name}{ends.get(name, f'_at_{port}')}" for name in form.names)
-        alike = tuple(
-            name if name == "command_delay" else f"{name}{ends.get(name, f'_at_{port}')}" for name in form.alike
-        )
+        alike = tuple(name if name == "command_delay" else f"{name}{ends.get(name, f'_at_{port}')}" for name in form.alike)
     return replace(_of_axis(form, place), effect=f"{form.effect}_{place}", names=names, alike=alike)
 
 
@@ -119,4 +111,4 @@ ROPE_FORMS: tuple[Form, ...] = (
     *(_at(form, "motor") for form in AXIS_FORMS if form.effect in (*OF_DRIVE, "sensor_lag", "thermal_gain", "ripple")),
     Form("rope", "hardening", _swing(hardening=600.0), (), False, ("stretch", "angle")),
     Form("rope", "slack", _swing(slack=0.01), (), False, ("stretch", "angle", "direction")),
-)  # fmt: skip
+)

@@ -127,11 +127,7 @@ def run(tanks: Tanks, pump: np.ndarray, start: tuple[float, float], noise: np.nd
         rows[index] = (*np.floor(readings / tanks.count + 0.5) * tanks.count, lower, upper)
         for step in range(SUBSTEPS):
             moment = time + step * STEP
-            volt = (
-                volts[max(math.floor((moment - tanks.delay) / PERIOD + 1e-9), 0)]
-                if not tanks.delay_form
-                else volts[index]
-            )
+            volt = volts[max(math.floor((moment - tanks.delay) / PERIOD + 1e-9), 0)] if not tanks.delay_form else volts[index]
             if tanks.delay and tanks.delay_form:
                 share = STEP / (0.5 * tanks.delay + STEP)
                 slow[0] += share * (volt - slow[0])

@@ -190,9 +190,7 @@ def plant_source(case: TanksCase) -> str:
     """Return the file that a user of these tanks would write: guesses of one digit; an upper level unseen is unknown."""
     random = np.random.default_rng([case.seed, 411])
     tanks = case.plain
-    guesses = {
-        name: rough(value, random) for name, value in (("k1", tanks.between), ("k3", tanks.outflow), ("k4", tanks.pump))
-    }
+    guesses = {name: rough(value, random) for name, value in (("k1", tanks.between), ("k3", tanks.outflow), ("k4", tanks.pump))}
     if not case.observed:
         return SOURCE.format(
             start=', start="unknown"', ratio="", ratio_text="", parameters="", measured="", sensors="", **guesses

@@ -52,9 +52,7 @@ def test_friction_takes_the_energy_that_the_carriage_had(law: int) -> None:
     speed, work, stretch = 0.2, 0.0, np.zeros(6)
     for _ in range(20000):
         before = speed
-        speed, friction = contact_step.py_func(
-            law, speed, 0.0, 5.0, 8.0, 8.0, 0.0, 1e-3 if law == 1 else 5e-6, stretch, 1e-5
-        )
+        speed, friction = contact_step.py_func(law, speed, 0.0, 5.0, 8.0, 8.0, 0.0, 1e-3 if law == 1 else 5e-6, stretch, 1e-5)
         work += friction * 0.5 * (speed + before) * 1e-5
         if abs(speed) < 1e-3:
             break

@@ -79,9 +79,7 @@ def test_what_hides_changes_the_log(roped: bool, form) -> None:
     for seed in (1, 2):
         case = build_servo_case(form.effect, form.name, seed, False, 2.0, contact, roped)
         rows, plain, again = (
-            np.concatenate(
-                [simulate_servo(servo, seed, log, k)[2][:, : 1 + roped] for log in ("slow_sine", "steps", "chirp")]
-            )
+            np.concatenate([simulate_servo(servo, seed, log, k)[2][:, : 1 + roped] for log in ("slow_sine", "steps", "chirp")])
             for servo, k in ((case.servo, 0), (case.plain, 0), (case.plain, 1))
         )
         ratios.append((np.mean((rows - plain) ** 2) / np.mean((again - plain) ** 2)) ** 0.5)
@@ -109,6 +107,4 @@ def test_a_case_on_disk(tmp_path: Path, roped: bool) -> None:
     (source,) = (path.parent / "plants").glob("*.py")
     compile(source.read_text(), source.name, "exec")
     again = write(tmp_path / "again", effect, "exponential", 5, False, contact="maxwell")
-    assert (again.parent / "measured" / "steps_1.csv").read_bytes() == (
-        path.parent / "measured" / "steps_1.csv"
-    ).read_bytes()
+    assert (again.parent / "measured" / "steps_1.csv").read_bytes() == (path.parent / "measured" / "steps_1.csv").read_bytes()

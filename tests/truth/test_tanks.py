@@ -73,8 +73,7 @@ def test_what_hides_changes_the_level(form) -> None:
     for seed in (1, 2):
         case = build_tanks_case(form.effect, form.name, seed)
         rows, plain, again = (
-            simulate_tanks(tanks, seed, "steps", k)[2][:, 0]
-            for tanks, k in ((case.tanks, 0), (case.plain, 0), (case.plain, 1))
+            simulate_tanks(tanks, seed, "steps", k)[2][:, 0] for tanks, k in ((case.tanks, 0), (case.plain, 0), (case.plain, 1))
         )
         ratios.append((np.mean((rows - plain) ** 2) / np.mean((again - plain) ** 2)) ** 0.5)
     assert np.isfinite(ratios).all()
@@ -98,9 +97,7 @@ def test_a_case_on_disk(tmp_path: Path, observed: bool) -> None:
     compile(source, "tanks.py", "exec")
     assert ('start="unknown"' in source) != observed
     again = write_tanks_case(tmp_path / "again", "sensor_offset", "steady", 5, False, observed=observed)
-    assert (again.parent / "measured" / "fill_1.csv").read_bytes() == (
-        path.parent / "measured" / "fill_1.csv"
-    ).read_bytes()
+    assert (again.parent / "measured" / "fill_1.csv").read_bytes() == (path.parent / "measured" / "fill_1.csv").read_bytes()
 
 
 def test_starts_and_rigs_differ() -> None:

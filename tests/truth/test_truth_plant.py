@@ -141,9 +141,7 @@ def test_leak_opens_with_pressure_and_the_disc_repeats_each_turn() -> None:
     disc = Plant(disc_eccentricity=0.05, disc_phase=0.4)
     turn = 2 * np.pi
     assert disc_reading.py_func(1.0 + turn, disc) - disc_reading.py_func(1.0, disc) == pytest.approx(turn)
-    assert np.ptp([disc_reading.py_func(a, disc) - a for a in np.linspace(0, turn, 100)]) == pytest.approx(
-        0.1, rel=0.01
-    )
+    assert np.ptp([disc_reading.py_func(a, disc) - a for a in np.linspace(0, turn, 100)]) == pytest.approx(0.1, rel=0.01)
 
 
 def test_a_wrong_sensor_makes_a_wrong_pressure_not_a_wrong_reading() -> None:
@@ -251,9 +249,7 @@ def test_another_law_is_as_visible_and_the_first_one_is_the_default(effect: str,
     index = BEST_PLACE.get(effect, FAST_SINE)
     null = simulate_test(build_case((), seed=1), index, 0)
     first, other = (simulate_test(build_case((effect,), "medium", 1, form=form), index, 0) for form in (None, law))
-    assert np.array_equal(
-        first, simulate_test(build_case((effect,), "medium", 1, form=next(iter(LAWS[effect]))), index, 0)
-    )
+    assert np.array_equal(first, simulate_test(build_case((effect,), "medium", 1, form=next(iter(LAWS[effect]))), index, 0))
     assert np.isfinite(other).all()
     channels = [COLUMNS.index(name) for name in ("arm_deg", "pressure1_mpa", "pressure2_mpa")]
     changes = [np.sqrt(np.mean((rows - null)[:, channels] ** 2, axis=0)) for rows in (first, other)]

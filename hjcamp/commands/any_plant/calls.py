@@ -101,9 +101,7 @@ def _tell_of_own(console: Console, data: Data) -> None:
 def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool, json: Path | None = None) -> None:
     """Fit the base parameters of a plant to tests and save them as a model."""
     if only:
-        raise UsageError(
-            f"--only {only[0]}: it chooses logs of {DEFAULT}; of plant {data.plant_name} name the logs themselves"
-        )
+        raise UsageError(f"--only {only[0]}: it chooses logs of {DEFAULT}; of plant {data.plant_name} name the logs themselves")
     from hjcamp.campaign.console import make_console
     from hjcamp.commands._session import progress_of, write_answer
 

@@ -69,6 +69,7 @@ def missing_of(words: Words) -> Missing:
     """Return what the calibrated model misses over the driver of the freest law, the named law there, and what is left."""
     from hjcamp.diagnosis.decision.free_curve import curve_of
     from hjcamp.diagnosis.decision.law_curve import law_curves
+
     analysis, verdict = words.analysis, words.verdict
     first = verdict.shown if verdict.unknown and not verdict.effects else analysis.search.steps[0].unknown[0]
     [name] = [one for one in first.names if one in analysis.search.unknowns]
@@ -98,9 +99,13 @@ def beside_of(words: Words) -> Missing:
 
 
 def _missing(
-    known: Unknown, curve: dict[str, Any], before: tuple[Branch, ...], law: tuple[Branch, ...], after: tuple[Branch, ...],
+    known: Unknown,
+    curve: dict[str, Any],
+    before: tuple[Branch, ...],
+    law: tuple[Branch, ...],
+    after: tuple[Branch, ...],
     added: Sequence[str],
-) -> Missing:  # fmt: skip
+) -> Missing:
     from hjcamp.report.pictures.evidence import Missing
 
     against = ", against the motion" if known.quantity == "friction" else ""
@@ -183,9 +188,13 @@ def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:
     shown = [(name, (layout.readings[rows, k] - one[rows, k]) * sensor.scale) for name, one in errors.items()]
     title = f"worst test: {readable(measured.tests[test].name)}"
     return (
-        title, sensor.quantity.replace("_", " "), sensor.unit, layout.time[rows],
-        layout.readings[rows, k] * sensor.scale, shown,
-    )  # fmt: skip
+        title,
+        sensor.quantity.replace("_", " "),
+        sensor.unit,
+        layout.time[rows],
+        layout.readings[rows, k] * sensor.scale,
+        shown,
+    )
 
 
 def worst_of(words: Words, errors: dict[str, Any]) -> tuple[int, int]:

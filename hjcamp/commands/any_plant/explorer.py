@@ -29,9 +29,7 @@ def exploration_of(found: PlantComparison) -> Exploration:
     word = observed(test.log for test in tests)
     shown = Exploration(len(tests), [one.name for one in models], floors, lesser, word)
     for place, test in enumerate(modelled_tests(found)):
-        errors = {
-            one.name: {s.field: float(one.by_test[place, k] * s.scale) for k, s in enumerate(sensors)} for one in models
-        }
+        errors = {one.name: {s.field: float(one.by_test[place, k] * s.scale) for k, s in enumerate(sensors)} for one in models}
         shown.add(test.name, test.condition, test.time, test.measured, test.models, errors)
     return shown
 

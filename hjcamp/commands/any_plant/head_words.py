@@ -27,7 +27,7 @@ def print_head(console: Console, analysis: Analysis) -> None:
             else ", each begun from its own start" + _carried(analysis)
         ),
         markup=False,
-    )  # fmt: skip
+    )
     for again, first in measured.twice:
         console.print(f"note    {again} is a copy of {first}: both count once", markup=False)
     for line in measured.odd:
@@ -47,4 +47,8 @@ def _carried(analysis: Analysis) -> str:
     """Return in words which states begin a window where the one before left them."""
     layout, unseen = analysis.windows.layout, analysis.windows.unseen
     names = [name for name, hidden in zip(layout.measured.plant.states, unseen, strict=True) if hidden]
-    return f"; {', '.join(names)}, which nothing measures, where the window before left it" if names and layout.goes_on.any() else ""
+    return (
+        f"; {', '.join(names)}, which nothing measures, where the window before left it"
+        if names and layout.goes_on.any()
+        else ""
+    )

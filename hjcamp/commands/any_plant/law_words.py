@@ -23,7 +23,9 @@ def free_law(row: Mapping[str, Any]) -> str:
 def state_of(row: Mapping[str, Any]) -> str:
     """Return the state that drives a free law, in words, where it is called otherwise than what drives it at its place."""
     local, signal = row["driver"].rpartition("_")[2], row["signal"]
-    named = local in ("position", "velocity", "travel", "level") and signal != local and not signal.startswith(f"{row['port']}_")
+    named = (
+        local in ("position", "velocity", "travel", "level") and signal != local and not signal.startswith(f"{row['port']}_")
+    )
     return signal.replace("_", " ") if named and signal != row["port"] else ""
 
 

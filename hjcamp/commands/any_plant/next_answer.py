@@ -35,8 +35,12 @@ def answer(done: PlantProposed, campaign: Path | None, picture: Path | None, sec
         "plant": done.analysis.measured.plant.name,
         "verdict": done.diagnosis["verdict"],
         "rivals": [
-            {"effects": list(one.names), "posterior": 1.0 / len(rivals), "fitted": one.fitted,
-             "parameters": {name: dict(values) for name, values in one.candidate.effects.items()}}
+            {
+                "effects": list(one.names),
+                "posterior": 1.0 / len(rivals),
+                "fitted": one.fitted,
+                "parameters": {name: dict(values) for name, values in one.candidate.effects.items()},
+            }
             for one in rivals
         ],
         "tests": [_test(one, proposal) for one in proposal.tests[: proposal.chosen]],
@@ -52,7 +56,7 @@ def answer(done: PlantProposed, campaign: Path | None, picture: Path | None, sec
         "campaign_file": campaign.as_posix() if campaign else None,
         "picture": picture.as_posix() if picture else None,
         "seconds": round(seconds, 3),
-    }  # fmt: skip
+    }
 
 
 def _needed() -> float:
@@ -76,7 +80,7 @@ def _test(one: Proposed, proposal: Proposal) -> dict[str, Any]:
         "pairs": _pairs(one.pairs, proposal),
         "before_refit": _pairs(one.linear, proposal),
         "beyond": [asdict(each) for each in one.beyond],
-    }  # fmt: skip
+    }
 
 
 def _pairs(pairs: Pairs, proposal: Proposal) -> list[dict[str, Any]]:
@@ -168,7 +172,9 @@ def _left_out(done: PlantProposed) -> list[str]:
 def no_campaign(proposal: Proposal) -> str:
     """Return why the proposed tests are no campaign of `hjcamp run`."""
     if proposal.by_motion:
-        return "none: these tests are motions, for a loop outside the plant's equations or a hand, and hjcamp run gives an input"
+        return (
+            "none: these tests are motions, for a loop outside the plant's equations or a hand, and hjcamp run gives an input"
+        )
     changed = [one.wanted.text for one in proposal.tests[: proposal.chosen] if not one.wanted.pieces]
     if changed:
         return f"none: hjcamp run holds an input at levels, and '{changed[0]}' is a measured test that is changed"
@@ -180,7 +186,7 @@ def rows(proposal: Proposal) -> list[list[str]]:
     return [
         [one.wanted.text, _apart(one.pairs), "; ".join(_beyond(each) for each in one.beyond[:2]) or "-"]
         for one in proposal.tests[: proposal.chosen]
-    ]  # fmt: skip
+    ]
 
 
 def _apart(pairs: Pairs) -> str:
@@ -230,10 +236,12 @@ def drawn(done: PlantProposed) -> tuple[Any, Any, Any]:
     tests = [_prediction(done, one) for one in proposal.tests[:COLUMNS]]
     order = _order(done, tests)
     shown = [
-        one._replace(means={key: value[:, order] for key, value in one.means.items()},
-                     spreads={key: value[:, order] for key, value in one.spreads.items()})
+        one._replace(
+            means={key: value[:, order] for key, value in one.means.items()},
+            spreads={key: value[:, order] for key, value in one.spreads.items()},
+        )
         for one in tests
-    ]  # fmt: skip
+    ]
     last = sensors[order[-1]]
     gaps = [value[:, -1] - one.means[names[0]][:, -1] for one in shown for value in one.means.values()]
     gaps += [2.0 * one.spreads[names[0]][:, -1] for one in shown]
@@ -241,8 +249,10 @@ def drawn(done: PlantProposed) -> tuple[Any, Any, Any]:
     factor = float(np.max(np.abs(scaled)) / max(np.max(np.abs(np.concatenate(gaps))), 1e-300)) or 1.0
     labels = Labels(
         tuple(f"{sensors[k].quantity.replace('_', ' ')} ({sensors[k].unit})" for k in order),
-        f"{label}\nfrom {{name}}", factor, "2 standard deviations of what the logs allow of the parameters",
-    )  # fmt: skip
+        f"{label}\nfrom {{name}}",
+        factor,
+        "2 standard deviations of what the logs allow of the parameters",
+    )
     bars = [
         Bar(f"{names[a]} / {names[b]}", value, [one.pairs[a, b] for one in proposal.tests[: proposal.chosen]])
         for (a, b), value in (proposal.together or proposal.tests[0].pairs).items()

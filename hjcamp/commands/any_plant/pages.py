@@ -24,7 +24,8 @@ EVIDENCE = {
 }
 CORRELATIONS = {"correlation_1": "Residual autocorrelation", "correlation_2": "Residual and input: cross-correlation"}
 BAND = (
-    "Residual autocorrelation, and cross-correlation with what was given before. White residuals leave the band in one value of twenty."
+    "Residual autocorrelation, and cross-correlation with what was given before. "
+    "White residuals leave the band in one value of twenty."
 )
 REPEATED = (
     " Dashed: the part that repetitions do not share, which no model can take. A curve that follows it shows the scatter of the rig, "
@@ -52,7 +53,9 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
     shown = {"calibrated": analysis.base.fitted.candidate}
     if verdict.effects:
         shown["with what was found"] = verdict.model.fitted.candidate
-    pictures["windows"] = draw_windows(*_worst(analysis, shown), observed=observed(test.log for test in analysis.measured.tests))
+    pictures["windows"] = draw_windows(
+        *_worst(analysis, shown), observed=observed(test.log for test in analysis.measured.tests)
+    )
     sentences = words.sentences()
     parts = [
         page.side_by_side([(said, pictures[name]) for name, said in EVIDENCE.items() if name in pictures]),
@@ -113,12 +116,11 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
     for k, one in enumerate(layout.measured.sensors):
         captions[f"error_{one.field}"] = f"Error in {channel_label(one.field)}"
         bars = [(model.name, float(model.rms[k] * one.scale)) for model in everything]
-        pictures[f"error_{one.field}"] = draw_model_bars(
-            channel_label(one.field), one.unit, bars, float(floor[k] * one.scale)
-        )
+        pictures[f"error_{one.field}"] = draw_model_bars(channel_label(one.field), one.unit, bars, float(floor[k] * one.scale))
     errors = {model.name: model.errors for model in everything}
     pictures["windows"] = draw_windows(
-        *_stretch(analysis, errors, errors[found.calibrated.name]), observed=observed(test.log for test in layout.measured.tests)
+        *_stretch(analysis, errors, errors[found.calibrated.name]),
+        observed=observed(test.log for test in layout.measured.tests),
     )
     head, rows = said.comparison_table(found)
     last = found.models[-1]
@@ -139,12 +141,15 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
         page.table_of(
             ("test", *(f"{channel_label(one.field)} ({last.name})" for one in layout.measured.sensors)),
             [
-                [readable(name), *(told(last.by_test[place, k] * s.scale, s.unit) for k, s in enumerate(layout.measured.sensors))]
+                [
+                    readable(name),
+                    *(told(last.by_test[place, k] * s.scale, s.unit) for k, s in enumerate(layout.measured.sensors)),
+                ]
                 for place, name in enumerate(names_of([test.log for test in layout.measured.tests]))
             ],
         ),
         made_from(test.log for test in layout.measured.tests),
-    ]  # fmt: skip
+    ]
     return _written(folder, pictures, page.discrepancy_page(f"Models of plant {layout.measured.plant.name}", "", parts))
 
 

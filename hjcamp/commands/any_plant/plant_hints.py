@@ -73,9 +73,7 @@ def far_states(windows: Windows) -> list[str]:
     """Return which states that nothing measures lie many times their usual size from 0, and what to write."""
     plant = windows.layout.measured.plant
     usual = dict(zip(plant.states, np.sqrt(np.mean(windows.starts**2, axis=0)), strict=True))
-    far = [
-        name for k, name in enumerate(plant.states) if windows.unseen[k] and usual[name] > ELSEWHERE * windows.sizes[k]
-    ]  # fmt: skip
+    far = [name for k, name in enumerate(plant.states) if windows.unseen[k] and usual[name] > ELSEWHERE * windows.sizes[k]]
     if not far:
         return []
     values = ", ".join(told(float(usual[name]), plant.states[name].unit) for name in far)

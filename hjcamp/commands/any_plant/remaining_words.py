@@ -85,15 +85,20 @@ def still_errs(name: str, row: Mapping[str, Any]) -> str:
 def false_claims(shares: Mapping[str, float]) -> list[str]:
     """Say how often as much is promised where nothing is, of logs without repetitions."""
     kinds = {
-        "twins": "residuals drawn at random", "shifted": "circularly shifted residuals",
+        "twins": "residuals drawn at random",
+        "shifted": "circularly shifted residuals",
         "decoys": "effects each moved in time by itself",
-    }  # fmt: skip
+    }
     said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
     rests = "; by itself it tells nothing here:" if max(shares.values(), default=0.0) > LEVEL else ";"
-    return [
-        f"No test was repeated. Where nothing is, screening promises as much before any fit in {', '.join(said)}{rests} what is said "
-        "rests on fits to chapters left out."
-    ] if said else []
+    return (
+        [
+            f"No test was repeated. Where nothing is, screening promises as much before any fit in {', '.join(said)}{rests} "
+            "what is said rests on fits to chapters left out."
+        ]
+        if said
+        else []
+    )
 
 
 def least(row: Mapping[str, Any]) -> float:

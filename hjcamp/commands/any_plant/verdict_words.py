@@ -283,15 +283,21 @@ class Words:
         own = "" if model == "published" else f" --model {model}"
         # no law of an effect can know a course of its own in each condition
         curve = bool(self.content["unknowns"]) and not self.content["unknowns"][0]["apart_s"]
-        beside = [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if curve and self.beside else []
+        beside = (
+            [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if curve and self.beside else []
+        )
         if self.verdict.word == "effect":
             added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)
             return [f"hjcamp add {added} {paths}{own} --as with_{named}", *beside]
         if self.verdict.word == "one_of":
-            return [f"hjcamp next {paths}{own}"] + [
-                f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}"
-                for one in self.verdict.confidence_set[:2]
-            ] + beside
+            return (
+                [f"hjcamp next {paths}{own}"]
+                + [
+                    f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}"
+                    for one in self.verdict.confidence_set[:2]
+                ]
+                + beside
+            )
         if self.verdict.word == "outside_library":
             begun = f" --from {folder}" if curve else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]

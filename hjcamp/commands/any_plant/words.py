@@ -42,14 +42,16 @@ def floor_note(analysis: Analysis) -> str:
     return f"{FLOORS[source]}. The sensors' own noise in that part (third differences): {noise}."
 
 
-def channel_table(rows: Mapping[str, Mapping[str, Any]], whole: Mapping[str, Mapping[str, Any]] | None = None) -> list[list[str]]:
+def channel_table(
+    rows: Mapping[str, Mapping[str, Any]], whole: Mapping[str, Mapping[str, Any]] | None = None
+) -> list[list[str]]:
     """Rows of a channel's error: before, after, floor, with the unit; then those of ``whole`` tests, where they are looked at."""
     from hjcamp.report.exploration import channel_label
 
     of_windows = [
         [channel_label(name), *told_all([row[key] for key in ("baseline", "augmented", "floor")], row["unit"])]
         for name, row in rows.items()
-    ]  # fmt: skip
+    ]
     return of_windows + [
         [f"{channel_label(name)}, whole tests", *(told(row[key]["whole_rms"], row["unit"]) for key in COMPARED), ""]
         for name, row in (whole or {}).items()
@@ -63,18 +65,24 @@ def calibration_table(
     from hjcamp.diagnosis.estimation.intervals import limited
 
     return [
-        [name.replace("_", " ").replace(DELAY, "delay of "), told_like(row["published"], row), told_estimate(row),
-         told_interval(row) + ("  at its bound" if limited(row) else ""),
-         *([_found(beside[name], row) if name in beside else ""] if beside else [])]
+        [
+            name.replace("_", " ").replace(DELAY, "delay of "),
+            told_like(row["published"], row),
+            told_estimate(row),
+            told_interval(row) + ("  at its bound" if limited(row) else ""),
+            *([_found(beside[name], row) if name in beside else ""] if beside else []),
+        ]
         for name, row in rows.items()
-    ]  # fmt: skip
+    ]
 
 
 def _found(row: Mapping[str, Any], alone: Mapping[str, Any]) -> str:
     """Return a base parameter beside what was found, and whether a bound stops it."""
     from hjcamp.diagnosis.estimation.intervals import limited
 
-    return (told_estimate(row) if row.get("ci95") else told_like(row["value"], alone)) + ("  at its bound" if limited(row) else "")
+    return (told_estimate(row) if row.get("ci95") else told_like(row["value"], alone)) + (
+        "  at its bound" if limited(row) else ""
+    )
 
 
 def calibrated(beside: object) -> tuple[str, ...]:
@@ -111,7 +119,9 @@ def other_sizes(rows: Mapping[str, Mapping[str, Any]], candidates: Sequence[Mapp
     held = [one["effect"] for one in near if any(limited(row) for row in one["parameters"].values() if row["unit"] != "1")]
     told_here = {name: row for name, row in rows.items() if row["published"] and row.get("told", True) and not row["at_bound"]}
     moved = {name: abs(row["value"] / row["published"]) for name, row in told_here.items()}
-    far = [f"{name.replace('_', ' ')} is {ratio:.2g} times as large" for name, ratio in moved.items() if not 0.5 <= ratio <= 2.0]
+    far = [
+        f"{name.replace('_', ' ')} is {ratio:.2g} times as large" for name, ratio in moved.items() if not 0.5 <= ratio <= 2.0
+    ]
     if not held or not far:
         return []
     return [
@@ -125,18 +135,20 @@ def ends_of_laws(named: Sequence[str], candidates: Sequence[Mapping[str, Any]], 
     return [
         f"{parameter.replace('_', ' ')} of {one['effect']} stands at the end of what this law may have, "
         f"{told(row['value'], row['unit'])}: another law of the same place may be what is missing."
-        for one in candidates if one["effect"] in named
+        for one in candidates
+        if one["effect"] in named
         for parameter, row in one["parameters"].items()
         if row["at_bound"] and row.get("told", True) and library[one["effect"]].parameters[parameter].shape
-    ]  # fmt: skip
+    ]
 
 
 def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], period: float) -> list[str]:
     """Return what delays of the base say that stand at their bound, or are longer than a log may be off: one sample of ``period``."""
     late = {
         name.removeprefix(DELAY).replace("_", " "): row
-        for name, row in rows.items() if name.startswith(DELAY) and row["value"] > 0.0
-    }  # fmt: skip
+        for name, row in rows.items()
+        if name.startswith(DELAY) and row["value"] > 0.0
+    }
     most = [name for name, row in late.items() if row["at_bound"]]
     longer = [name for name, row in late.items() if (row["ci95"][0] or 0.0) > period]
     if {"command_delay", "action_lag", "sensor_lag"} & {name.split("_at_")[0] for name in named}:
@@ -274,10 +286,14 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
         NORMALISED,
     )
     rows = [
-        [one.name, *(_error(one.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
-         *(_share(one.explained[k]) for k in range(len(sensors))), f"{one.score:.2f}" if math.isfinite(one.score) else ""]
+        [
+            one.name,
+            *(_error(one.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
+            *(_share(one.explained[k]) for k in range(len(sensors))),
+            f"{one.score:.2f}" if math.isfinite(one.score) else "",
+        ]
         for one in (*found.models, found.calibrated)
-    ]  # fmt: skip
+    ]
     floor = found.analysis.floor.of_sensors(layout)
     rows.append(
         [
@@ -298,7 +314,11 @@ def whole_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]] | 
     labels = [channel_label(one.field) for one in sensors]
     models = (*found.models, found.calibrated)
     rows = [
-        [one.name, *(told(one.whole.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)), *map(_share, one.whole.explained)]
+        [
+            one.name,
+            *(told(one.whole.rms[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
+            *map(_share, one.whole.explained),
+        ]
         if one.whole
         else [one.name, RUNS_AWAY, *[""] * (2 * len(sensors) - 1)]
         for one in models

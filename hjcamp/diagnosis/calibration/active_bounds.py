@@ -20,9 +20,11 @@ def held_away(search: Search, base: Scored) -> tuple[str, ...]:
     return tuple(
         one.name
         for one in intervals(base.fitted, search.chapters)
-        if not one.effect and one.name in names and limited({"value": one.value, "at_bound": one.at_bound, **one.row})
+        if not one.effect
+        and one.name in names
+        and limited({"value": one.value, "at_bound": one.at_bound, **one.row})
         and _away(search, base, one, parameters[one.name].default)
-    )  # fmt: skip
+    )
 
 
 def _away(search: Search, base: Scored, one: Interval, declared: float) -> bool:

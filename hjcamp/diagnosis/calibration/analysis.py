@@ -66,7 +66,9 @@ class Known:
 
     def keeps(self, candidate: Candidate) -> bool:
         """Whether a base that was begun from several places is where they have led it, not half as far off as these were."""
-        ratios = [candidate.base[name] / value for name, value in self.base.items() if value and not name.startswith((DELAY, ZERO))]
+        ratios = [
+            candidate.base[name] / value for name, value in self.base.items() if value and not name.startswith((DELAY, ZERO))
+        ]
         return self.apart and all(BEGUN_APART**-0.5 < ratio < BEGUN_APART**0.5 for ratio in ratios)
 
 

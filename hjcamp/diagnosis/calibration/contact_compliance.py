@@ -46,7 +46,9 @@ def with_contact_forms(search: Search, base: Scored, shown: Container[str] = ())
         names = _forms(search, port)
         had = {name for name in names if name in before.names}
         # of a saved model: within what is granted it is a form like others
-        forms |= {name for name in had if _own(search, before, name) <= _granted(search, before.fitted, search.library[name], port)}
+        forms |= {
+            name for name in had if _own(search, before, name) <= _granted(search, before.fitted, search.library[name], port)
+        }
         kept = forms, slides
         for name in [] if had else names:
             search.report(f"trying friction variants of {port.name.replace('_', ' ')}", 0.5)
@@ -65,9 +67,7 @@ def _forms(search: Search, port: Port) -> list[str]:
     return [name for name, one in forms_among(search.library).items() if port.names.get("friction") in one.terms]
 
 
-def _with_form(
-    search: Search, before: Scored, name: str, port: Port, others: NDArray[np.bool_] | None
-) -> Scored | None:
+def _with_form(search: Search, before: Scored, name: str, port: Port, others: NDArray[np.bool_] | None) -> Scored | None:
     """Return the base with this form of a contact, if it fits within what is granted; ``others`` slide in these windows."""
     effect, windows = search.library[name], search.windows
     most = _granted(search, before.fitted, effect, port)
@@ -130,7 +130,5 @@ def _tried(search: Search, before: Fitted, effect: type[Effect], most: float) ->
     known, usual = search.begins.get(effect.name), effect.defaults()
     others = [item for item in effect.parameters.values() if item.shape and item.name != effect.granted]
     shapes = [{}, *({item.name: item.bounds[0]} for item in others)]
-    for own in (
-        [known] if known else [{**usual, effect.granted: share * most, **one} for share in TRIED for one in shapes]
-    ):
+    for own in [known] if known else [{**usual, effect.granted: share * most, **one} for share in TRIED for one in shapes]:
         yield before.candidate.with_effect(effect.name, own)

@@ -19,7 +19,9 @@ def width_of(measured: Measured) -> int:
     lengths = [test.samples for test in measured.tests]
     times = [_correlation(test.readings[:, k]) for test in measured.tests for k in range(len(measured.sensors))]
     # each test ends with a rest that belongs to no window
-    enough = (width for width in range(SHORTEST, SHORTEST_OF_ALL, -1) if sum(length // width for length in lengths) >= 3 * FEWEST)
+    enough = (
+        width for width in range(SHORTEST, SHORTEST_OF_ALL, -1) if sum(length // width for length in lengths) >= 3 * FEWEST
+    )
     least = next(enough, SHORTEST_OF_ALL)
     most = max(least, min(sum(lengths) // WINDOWS, min(lengths)))
     return int(np.clip(OF_CORRELATION * np.median(times), least, most))

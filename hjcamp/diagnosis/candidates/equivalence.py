@@ -28,7 +28,9 @@ def alike_laws(free: Unknown, named: type[Effect]) -> bool:
     bends a value as it arrives, such as a limit, is a form of a free law of that value.
     """
     own, rubs = {*named.parameters, *named.terms}, kind_of(named) == "contact"
-    drivers = [set(term.arguments) - own for term in named.terms.values() if rubs or named.states.keys().isdisjoint(term.arguments)]
+    drivers = [
+        set(term.arguments) - own for term in named.terms.values() if rubs or named.states.keys().isdisjoint(term.arguments)
+    ]
     dry = rubs and not (named.states or any(drivers))
     driven = dry or any(names_in(free.signal) <= one for one in drivers) or _bends(named) & _bends(free.effect)
     kinds = {kind_of(free.effect), kind_of(named)}
@@ -60,7 +62,9 @@ def _replaced(term: Term, slot: str) -> bool:
     draws = 10.0 ** np.random.default_rng(20090403).uniform(-2, 3, (40, len(term.arguments) + 1))
     place = term.arguments.index(slot)
     try:
-        return all(term.function(*one) == term.function(*one[:place], other, *one[place + 1 :]) for other, *one in draws.tolist())
+        return all(
+            term.function(*one) == term.function(*one[:place], other, *one[place + 1 :]) for other, *one in draws.tolist()
+        )
     except (ArithmeticError, ValueError):
         return False
 

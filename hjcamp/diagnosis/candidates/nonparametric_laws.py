@@ -50,7 +50,9 @@ class _Hats:
             parameter.__set_name__(cls, name)
         for slot in (*slots, *against.split()):
             taken = slot in against.split()
-            setattr(cls, slot, staticmethod(_sum_of_hats(cls.__name__, slot, over, knots, changes, times, positive, taken, turns)))
+            setattr(
+                cls, slot, staticmethod(_sum_of_hats(cls.__name__, slot, over, knots, changes, times, positive, taken, turns))
+            )
         cls.positive = positive
         super().__init_subclass__()
 

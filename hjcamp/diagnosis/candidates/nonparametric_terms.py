@@ -144,7 +144,9 @@ def _bound(
                 usual = ranges.get(port.size_of(getattr(law, "sized", next(iter(law.terms)))), (0.0, 1.0))
                 size = max(abs(usual[0]), abs(usual[1])) or 1.0
                 levels = _levels(course, low, high, len(amplitudes_of_law(effect)))
-                found[effect.name] = Unknown(effect, port.name, quantity, driver, signal, low, high, size, levels, law is FINE[1])
+                found[effect.name] = Unknown(
+                    effect, port.name, quantity, driver, signal, low, high, size, levels, law is FINE[1]
+                )
     return found
 
 
@@ -194,9 +196,11 @@ def values_of(plant: type[Plant], parameters: Iterable[str], ranges: Mapping[str
         if name not in vocabulary.changeable:
             continue
         contacts = [
-            port for port in vocabulary.ports.values()
-            if port.kind == "contact" and f"p_{name}" in names_in(" ".join(lines.get(port.names.get(slot, ""), "") for slot in RUBS))
-        ]  # fmt: skip
+            port
+            for port in vocabulary.ports.values()
+            if port.kind == "contact"
+            and f"p_{name}" in names_in(" ".join(lines.get(port.names.get(slot, ""), "") for slot in RUBS))
+        ]
         known = {port.names.get(local, "") for port in contacts for local in ("velocity", "travel", "load")}
         known |= {"time"} if contacts else set()
         for driver, unit in drivers.items():

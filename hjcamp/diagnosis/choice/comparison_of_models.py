@@ -60,9 +60,12 @@ def confidence_set(advantage: Array, apart: Array, alpha: float, seed: int = 1) 
     while len(left) > 1:
         pairs = [(i, j) for i in left for j in left if i != j]
         t = np.array([flipped_t(advantage[i, j], apart[i, j], flips) for i, j in pairs])
-        real = np.array([
-            one[0] if advantage[i, j].sum() > math.log(1.0 / alpha) else -math.inf for one, (i, j) in zip(t, pairs, strict=True)
-        ])  # fmt: skip
+        real = np.array(
+            [
+                one[0] if advantage[i, j].sum() > math.log(1.0 / alpha) else -math.inf
+                for one, (i, j) in zip(t, pairs, strict=True)
+            ]
+        )
         worst = int(np.argmax(real))
         if not np.mean(t.max(axis=0) >= real[worst]) <= alpha:
             break

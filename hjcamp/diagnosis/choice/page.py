@@ -92,7 +92,9 @@ class Page:
         search.windows.kernels.hold(fitted.candidate.effects)
         names = [one for one in (*search.library, *search.unknowns) if search.may_be_added(one, fitted.candidate.effects)]
         search.windows.kernels.prepare(names)
-        found = search.each(lambda name: search.probes(fitted, name), names, lambda name: f"responses of {name.replace('_', ' ')}")
+        found = search.each(
+            lambda name: search.probes(fitted, name), names, lambda name: f"responses of {name.replace('_', ' ')}"
+        )
         return [probe for one in found for probe in one]
 
     def columns(self) -> list[Column]:
@@ -125,9 +127,10 @@ class Page:
         both = moments.ranked([(a.columns[0], b.columns[0]) for a in _first(functions, FUNCTIONS) for b in first])
         chosen = kept_by_blocks((singles, pairs, functions, both), len(self.names), FEW)
         for name in self.forms_of([columns[c].name for one in chosen for c in one if c in laws]):
-            own = _first([one for one in singles if columns[one.columns[0]].name == name], 1) or [
-                Ranked((k,), np.zeros(len(self.names))) for k in named if columns[k].name == name
-            ][:1]
+            own = (
+                _first([one for one in singles if columns[one.columns[0]].name == name], 1)
+                or [Ranked((k,), np.zeros(len(self.names))) for k in named if columns[k].name == name][:1]
+            )
             for one in own:
                 chosen.setdefault(one.columns, set()).update(range(len(self.names)))
         return self.fits(chosen, columns)
@@ -198,12 +201,16 @@ class Page:
 
     def share(self, features: Array, before: Array | None = None) -> float:
         """Return which share of the error above repeatability features (windows, d) explain beyond others, in the best sensor."""
-        return float(np.max((self.errors(self.base.features if before is None else before) - self.errors(features)) / self.excess))
+        return float(
+            np.max((self.errors(self.base.features if before is None else before) - self.errors(features)) / self.excess)
+        )
 
     def nested(self, kept: Sequence[tuple[Scored, set[int]]]) -> tuple[Array, Array]:
         """Return the features (windows, d) of the nested choice, on blocks left out and as fitted."""
         base, out, fitted = self.base, self.base.features.copy(), self.base.fitted.features.copy()
-        scores = np.array([advantages(one.features, base.features, self.blocks) for one, _ in kept]).reshape(len(kept), len(self.names))
+        scores = np.array([advantages(one.features, base.features, self.blocks) for one, _ in kept]).reshape(
+            len(kept), len(self.names)
+        )
         allowed = np.array([[b in blocks for b in range(len(self.names))] for _, blocks in kept]).reshape(scores.shape)
         for name, best in zip(self.names, nested_choice(scores, allowed), strict=True):
             rows = self.blocks == name

@@ -46,7 +46,9 @@ class Ranked:
 class Blocks:
     """Second moments of residuals (n,), slopes (n, p) and columns by block (n,), with what the base explains taken out."""
 
-    def __init__(self, residuals: Array, slopes: Array, prior: Array, columns: Sequence[Column], blocks: NDArray[np.int64]) -> None:
+    def __init__(
+        self, residuals: Array, slopes: Array, prior: Array, columns: Sequence[Column], blocks: NDArray[np.int64]
+    ) -> None:
         self.columns = columns
         ends = np.cumsum([0, *(one.responses.shape[1] for one in columns)])
         self._own = [np.arange(low + 1, high + 1) for low, high in itertools.pairwise(ends)]
@@ -104,13 +106,16 @@ def best_settings(singles: Sequence[Ranked], columns: Sequence[Column], most: in
     return [one for own in found.values() for one in own]
 
 
-def pairs_of(singles: Sequence[Ranked], columns: Sequence[Column], together: Callable[[str, str], bool]) -> list[tuple[int, ...]]:
+def pairs_of(
+    singles: Sequence[Ranked], columns: Sequence[Column], together: Callable[[str, str], bool]
+) -> list[tuple[int, ...]]:
     """Return all pairs of columns of two candidates that may stand together."""
     places = [one.columns[0] for one in singles]
     return [
-        (a, b) for a, b in itertools.combinations(places, 2)
+        (a, b)
+        for a, b in itertools.combinations(places, 2)
         if columns[a].name != columns[b].name and together(columns[a].name, columns[b].name)
-    ]  # fmt: skip
+    ]
 
 
 def kept_by_blocks(groups: Sequence[Sequence[Ranked]], blocks: int, few: int) -> dict[tuple[int, ...], set[int]]:

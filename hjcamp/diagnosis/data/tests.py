@@ -157,7 +157,9 @@ def measured_tests(logs: Sequence[TestLog], twice: tuple[tuple[str, str], ...] =
         if abs(log.period / period - 1.0) > RATE_TOLERANCE:
             longer = max(log.period, period)
             # as round as rows that are hardly uneven allow
-            common = next(own for own in (float(f"{longer:.{digits}g}") for digits in (2, 3, 6)) if abs(own / longer - 1.0) < ROUNDED)
+            common = next(
+                own for own in (float(f"{longer:.{digits}g}") for digits in (2, 3, 6)) if abs(own / longer - 1.0) < ROUNDED
+            )
             raise UsageError(
                 f"{log.path}: one sample each {log.period:g} s, but each {period:g} s in {logs[0].path}; "
                 f"analyse tests of one sampling period together, or import them with resample_s: {common:g} in the map"
@@ -210,16 +212,21 @@ def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> Measur
     whole = np.column_stack([readings, *inputs])
     if not np.all(np.isfinite(whole)):
         row = int(np.argmin(np.all(np.isfinite(whole), axis=1)))
-        raise UsageError(
-            f"{where}: sample {row} (at {columns['time_s'][row]:g} s) is not finite; see hjcamp log verify"
-        )
+        raise UsageError(f"{where}: sample {row} (at {columns['time_s'][row]:g} s) is not finite; see hjcamp log verify")
     name = log.path.stem if log.path else log.condition_key
     given = np.column_stack(inputs)
     # What a late input does in the first samples was given before the log, which does not say it: a step may be its first sample.
     lead = MOST_DELAY if may_be_late(plant) else 0
     time = columns["time_s"] - columns["time_s"][0]
     return MeasuredTest(
-        name, log.condition_key, time[lead:], given[lead:], readings[lead:], _given(plant, log.metadata, where), log, given[:lead]
+        name,
+        log.condition_key,
+        time[lead:],
+        given[lead:],
+        readings[lead:],
+        _given(plant, log.metadata, where),
+        log,
+        given[:lead],
     )
 
 
@@ -242,8 +249,6 @@ def _given(plant: type[Plant], metadata: Mapping[str, str], where: str) -> tuple
             except ValueError:
                 number = None
             if number is None:
-                raise UsageError(
-                    f"{where}: its metadata give {item.given} = {metadata[item.given]!r:.40}; a number is needed"
-                )
+                raise UsageError(f"{where}: its metadata give {item.given} = {metadata[item.given]!r:.40}; a number is needed")
             found.append((name, number / unit_of_field(item.given, where).scale))
     return tuple(found)

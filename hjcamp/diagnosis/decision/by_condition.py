@@ -75,6 +75,10 @@ def _apart(found: Sequence[Interval]) -> float:
     """Return how far the two intervals lie apart that do so most, over half their widths together; 1 where they touch."""
     told = [one for one in found if one.told]
     return max(
-        ((high.value - low.value) / max(0.5 * (high.high - high.low + low.high - low.low), 1e-300) for high in told for low in told),
+        (
+            (high.value - low.value) / max(0.5 * (high.high - high.low + low.high - low.low), 1e-300)
+            for high in told
+            for low in told
+        ),
         default=0.0,
     )

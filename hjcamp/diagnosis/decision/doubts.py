@@ -38,7 +38,9 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
     if doubt:
         return doubt
     sensors = analysis.measured.sensors
-    over = np.sqrt(np.mean(analysis.base.features.reshape(-1, len(sensors), analysis.windows.layout.basis.shape[1]) ** 2, axis=(0, 2)))
+    over = np.sqrt(
+        np.mean(analysis.base.features.reshape(-1, len(sensors), analysis.windows.layout.basis.shape[1]) ** 2, axis=(0, 2))
+    )
     worst = int(np.argmax(over))
     if over[worst] * (1.0 - MOST_OF_IT) <= 1.0:
         return ""
@@ -96,7 +98,9 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> s
     pushed = bool(analysis.held) or any(lost)
     for name in names:
         own = [one for one in rows if one.effect == name]
-        if any(one.at_bound for one in own) and (not any(one.told for one in own) or (pushed and all(one.at_bound for one in own))):
+        if any(one.at_bound for one in own) and (
+            not any(one.told for one in own) or (pushed and all(one.at_bound for one in own))
+        ):
             return (
                 f"what is left is taken by {name} at a value that its bounds tell, not these tests: columns of the logs may be "
                 "exchanged, or a unit or a sign be wrong"

@@ -29,9 +29,11 @@ def functional(analysis: Analysis, name: str, model: Scored, parameters: Mapping
     sensor = layout.measured.sensors[most]
     value = float(rms[most] * sensor.scale)
     return {
-        "name": f"change of {sensor.quantity.replace('_', ' ')}", "value": value, "unit": sensor.unit,
+        "name": f"change of {sensor.quantity.replace('_', ' ')}",
+        "value": value,
+        "unit": sensor.unit,
         "ci95": in_proportion(analysis.search.library[name], parameters, value),
-    }  # fmt: skip
+    }
 
 
 def in_proportion(effect: type[Effect], parameters: Mapping[str, Mapping[str, Any]], value: float) -> list[float] | None:

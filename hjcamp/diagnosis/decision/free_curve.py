@@ -29,9 +29,13 @@ def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
     values, low, high = (_of_value if known.quantity == "value" else _of_place)(analysis, model, known, x)
     parameters = known.effect.parameters
     return {
-        "x": x.tolist(), "x_unit": parameters[ENDS[0]].unit, "y": values.tolist(), "y_unit": parameters[known.amplitudes[0]].unit,
-        "low": low.tolist(), "high": high.tolist(),
-    }  # fmt: skip
+        "x": x.tolist(),
+        "x_unit": parameters[ENDS[0]].unit,
+        "y": values.tolist(),
+        "y_unit": parameters[known.amplitudes[0]].unit,
+        "low": low.tolist(),
+        "high": high.tolist(),
+    }
 
 
 def _of_place(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tuple[Array, Array, Array]:

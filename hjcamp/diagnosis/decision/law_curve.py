@@ -72,9 +72,7 @@ def _moments(
     candidate = model.fitted.candidate
     passed = analysis.windows.readings(candidate)[1]
     before, base = _parameters(beside), _parameters(candidate)
-    own = {
-        f"{effect.name}.{name}": value for effect in effects for name, value in candidate.effects[effect.name].items()
-    }
+    own = {f"{effect.name}.{name}": value for effect in effects for name, value in candidate.effects[effect.name].items()}
     bare = unknown.effect.name
     flat = {f"{bare}.{name}": end for name, end in unknown.ends.items()}
     flat |= {f"{bare}.{name}": unknown.usual for name in unknown.amplitudes}
@@ -87,9 +85,10 @@ def _moments(
         some = np.unique(np.linspace(0, max(len(rows) - 1, 0), LOOKED_AT // len(layout.groups) + 2).astype(int))
         rows = rows[some[some < len(rows)]]
         models = [
-            PlainModel(plant, (), {**before, **given}), PlainModel(plant, tuple(effects), {**base, **given, **own}),
+            PlainModel(plant, (), {**before, **given}),
+            PlainModel(plant, tuple(effects), {**base, **given, **own}),
             PlainModel(plant, (unknown.effect,), {**before, **given, **flat}),
-        ]  # fmt: skip
+        ]
         for row in rows:
             place = {name: float(passed[row, k]) for k, name in enumerate(plant.states)}
             place |= {name: float(layout.inputs[row, k]) for k, name in enumerate(inputs)}

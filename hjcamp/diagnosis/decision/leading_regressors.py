@@ -50,7 +50,9 @@ def _quantities(layout: Layout, readings: Array) -> dict[str, Array]:
     m = motion.shape[1]
     per = m // (len(layout.measured.sensors) + len(moving))
     found: dict[str, Array] = {}
-    shown = [one.quantity if one.quantity not in layout.names else f"measured {one.quantity}" for one in layout.measured.sensors]
+    shown = [
+        one.quantity if one.quantity not in layout.names else f"measured {one.quantity}" for one in layout.measured.sensors
+    ]
     for place, name in enumerate([*shown, *moving]):
         own = slice(per * place, per * (place + 1))
         found |= {order + name: motion[:, own][:, k : k + 1] for k, order in enumerate(ORDERS[:per]) if told[own][k]}

@@ -29,9 +29,7 @@ def confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], un
     laws = {name: own for name, own in best.fitted.candidate.effects.items() if name not in model.names}
     free = [search.unknowns[name] for name in laws if name in search.unknowns]
     for step in search.steps:
-        here = [
-            name for name in added if any(name in one.names for one in step.named) and name not in step.before.names
-        ]
+        here = [name for name in added if any(name in one.names for one in step.named) and name not in step.before.names]
         for one in step.named:
             [other] = one.beyond(step.before)
             for name in here:

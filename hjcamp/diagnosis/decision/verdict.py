@@ -84,7 +84,9 @@ def _swinging(analysis: Analysis, verdict: Verdict) -> Verdict:
     if verdict.word not in (NOTHING, OUTSIDE) or verdict.unknown:
         return verdict
     swing = swing_of(analysis)
-    return replace(verdict, word=OUTSIDE, p_value=swing.chance, confidence_set=(), law_left=1.0, swing=swing) if swing else verdict
+    return (
+        replace(verdict, word=OUTSIDE, p_value=swing.chance, confidence_set=(), law_left=1.0, swing=swing) if swing else verdict
+    )
 
 
 def _of_no_constant(analysis: Analysis, verdict: Verdict) -> Verdict:
@@ -196,9 +198,7 @@ def _over(analysis: Analysis, at: Callable[[int], Analysis], width: int) -> Anal
     return seen if seen.windows.layout.width >= width else None
 
 
-def _more_in_longer(
-    analysis: Analysis, verdict: Verdict, at: Callable[[int], Analysis]
-) -> tuple[Analysis, Verdict] | None:
+def _more_in_longer(analysis: Analysis, verdict: Verdict, at: Callable[[int], Analysis]) -> tuple[Analysis, Verdict] | None:
     """Return the verdict over windows that are longer where all its sets have the same names and more: what acts slowly beside them."""
     seen = _over(analysis, at, LONGER[0] * analysis.windows.layout.width)
     if seen is None:

@@ -37,9 +37,7 @@ def ranges(analysis: Analysis) -> tuple[Array, Array]:
     return np.nanmin(whole, axis=0), np.nanmax(whole, axis=0)
 
 
-def beyond(
-    analysis: Analysis, bench: Bench, truths: Sequence[Windows], known: tuple[Array, Array]
-) -> list[list[Beyond]]:
+def beyond(analysis: Analysis, bench: Bench, truths: Sequence[Windows], known: tuple[Array, Array]) -> list[list[Beyond]]:
     """Return for each test of a bench what it takes beyond the known ranges with any of the true rivals."""
     plant, layout = analysis.measured.plant, bench.windows.layout
     units = {name: item.unit for name, item in plant.states.items()}
@@ -58,9 +56,7 @@ def beyond(
                 if high[k] <= low[k] and np.ptp(values[:, k]) == 0.0:
                     continue
                 bottom, top = (
-                    np.percentile(values[:, k], (TAIL, 100.0 - TAIL))
-                    if np.all(np.isfinite(values[:, k]))
-                    else (np.nan, np.inf)
+                    np.percentile(values[:, k], (TAIL, 100.0 - TAIL)) if np.all(np.isfinite(values[:, k])) else (np.nan, np.inf)
                 )
                 share, reached = max(((low[k] - bottom) / span[k], bottom), ((top - high[k]) / span[k], top))
                 if not share <= max(each[name].share if name in each else 0.0, 0.01):

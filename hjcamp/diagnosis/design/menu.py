@@ -20,9 +20,10 @@ CONDITIONS = 4
 DEARER = 1.25
 # What nothing drives differs from test to test by where it begins.
 BEGUN = {
-    0.5: ("half", "half as far from where"), -1.0: ("other_side", "as far on the other side of where"),
+    0.5: ("half", "half as far from where"),
+    -1.0: ("other_side", "as far on the other side of where"),
     1.5: ("farther", "1.5 times as far from where"),
-}  # fmt: skip
+}
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
@@ -79,20 +80,14 @@ def _changed(measured: Measured, place: int, samples: int, by_motion: bool) -> I
     rests = np.array([not by_motion and (np.ptp(whole[:, k]) == 0.0 or _switched(measured, k)) for k in range(whole.shape[1])])
     for word, size in sizes.items():
         other = np.where(rests, own, middle + size * (own - middle))
-        yield _with(
-            plain, by_motion, other, f"{called}_{word}", f"{said} at {100 * size:.0f} % of its size", {"size": size}
-        )
+        yield _with(plain, by_motion, other, f"{called}_{word}", f"{said} at {100 * size:.0f} % of its size", {"size": size})
     mirrored = np.where(rests, own, 2.0 * middle - own)
     if by_motion or np.all(mirrored >= low - 1e-9 * np.abs(low)):
-        yield _with(
-            plain, by_motion, mirrored, f"{called}_mirrored", f"{said} with its directions exchanged", {"size": -1.0}
-        )
+        yield _with(plain, by_motion, mirrored, f"{called}_mirrored", f"{said} with its directions exchanged", {"size": -1.0})
     for word, factor in (("slower", 0.5), ("faster", 1.5)):
         inputs, readings = _cut(test, factor * steps, samples)
         text = f"{said}, {word} ({100 * factor:.0f} % of its speed)"
-        yield replace(
-            plain, name=f"{called}_{word}", text=text, inputs=inputs, readings=readings, changes={"speed": factor}
-        )
+        yield replace(plain, name=f"{called}_{word}", text=text, inputs=inputs, readings=readings, changes={"speed": factor})
 
 
 def _switched(measured: Measured, k: int) -> bool:
@@ -163,9 +158,7 @@ def _courses(measured: Measured, place: int, samples: int) -> Iterator[Wanted]:
         )
         for share in () if switched else (0.25, 0.5, 0.75):
             yield course(f"at_{share * 100:.0f}", f"{name} held at {shown(at[share])}", [(at[share], seconds)])
-        stairs = (
-            [at[1.0], at[0.0]] if switched else [at[share] for share in (0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25, 0.0)]
-        )
+        stairs = [at[1.0], at[0.0]] if switched else [at[share] for share in (0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25, 0.0)]
         for word, count in (("steps", len(stairs)), ("quick_steps", 4 * len(stairs))):
             pieces = [(stairs[i % len(stairs)], seconds / count) for i in range(count)]
             yield course(word, f"{name} in {count} steps between {shown(low)} and {shown(high)}", pieces)

@@ -58,9 +58,7 @@ def motions(measured: Measured, place: int, samples: int) -> Iterator[Wanted]:
         ("high_end", high - (high - low) / 3.0, high),
     ):
         path = _triangle(bottom, top, 0.5 * speed, time)
-        yield moved(
-            name, f"to and fro between {shown(bottom)} and {shown(top)} at {shown(0.5 * speed)}/s", path, 0.5 * speed
-        )
+        yield moved(name, f"to and fro between {shown(bottom)} and {shown(top)} at {shown(0.5 * speed)}/s", path, 0.5 * speed)
     size = min(0.1 * (high - low), speed**2 / rate)
     path = 0.5 * (low + high) + size * np.sin(np.sqrt(rate / size) * 0.7 * time)
     yield moved(

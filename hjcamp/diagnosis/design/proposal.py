@@ -67,9 +67,7 @@ class Proposal:
         return max((value for one in self.tests for value in one.pairs.values()), default=0.0)
 
 
-def propose(
-    analysis: Analysis, question: Question, tests: int = 3, report: Report = lambda text, share: None
-) -> Proposal:
+def propose(analysis: Analysis, question: Question, tests: int = 3, report: Report = lambda text, share: None) -> Proposal:
     """Return the tests of the menu that separate the rivals best, at most ``tests`` of them worth making."""
     rivals, layout = question.rivals, analysis.windows.layout
     by_motion = held_by_loop(analysis)
@@ -88,9 +86,10 @@ def propose(
         truths.append(tuple(bench.simulated(analysis, one) for one in own))
     outside = beyond(analysis, bench, [one[0] for one in truths], ranges(analysis))
     able = [
-        k for k in range(len(wanted))
+        k
+        for k in range(len(wanted))
         if all(each.share <= FARTHEST for each in outside[k]) and all(_stays(one[0], k) for one in truths)
-    ]  # fmt: skip
+    ]
     fights = _contests(question, truths, report)
     singles = {k: _pairs(question, fights, [k]) for k in able}
     costs = {k: _cost(wanted[k], outside[k]) for k in able}
@@ -114,9 +113,7 @@ def _stays(simulated: Windows, test: int) -> bool:
     return bool(np.isfinite(layout.readings[np.repeat(layout.of_test, layout.width) == test]).all())
 
 
-def _contests(
-    question: Question, truths: Sequence[Sequence[Windows]], report: Report
-) -> dict[tuple[int, int], list[Contest]]:
+def _contests(question: Question, truths: Sequence[Sequence[Windows]], report: Report) -> dict[tuple[int, int], list[Contest]]:
     found: dict[tuple[int, int], list[Contest]] = {}
     for done, (true, other) in enumerate(question.contests):
         one, two = question.rivals[true], question.rivals[other]
@@ -131,9 +128,7 @@ def _pairs(question: Question, contests: dict[tuple[int, int], list[Contest]], t
     return _smaller(question, each)
 
 
-def _refitted(
-    analysis: Analysis, question: Question, truths: Sequence[Sequence[Windows]], tests: Sequence[int]
-) -> Pairs:
+def _refitted(analysis: Analysis, question: Question, truths: Sequence[Sequence[Windows]], tests: Sequence[int]) -> Pairs:
     rivals = question.rivals
     each = {
         (true, other): refitted(analysis, truths[true][0], rivals[true], rivals[other], tests)
@@ -170,9 +165,7 @@ def _chosen(
         places = [one.place for one in chosen]
         before = _score(_pairs(question, contests, places))
         gains = {
-            one.place: _score(_pairs(question, contests, [*places, one.place])) - before
-            for one in able
-            if one not in chosen
+            one.place: _score(_pairs(question, contests, [*places, one.place])) - before for one in able if one not in chosen
         }
         best = max(gains, key=lambda place: gains[place], default=None)
         if best is None or gains[best] <= LEAST_GAIN:

@@ -78,9 +78,7 @@ def question_of(
         sets = sets_of(answer)
     if not sets and answer["verdict"] in (NOTHING, CANNOT_TELL):
         return _hidden(analysis, seed)
-    values = {
-        row["effect"]: {key: one["value"] for key, one in row["parameters"].items()} for row in answer["candidates"]
-    }
+    values = {row["effect"]: {key: one["value"] for key, one in row["parameters"].items()} for row in answer["candidates"]}
     found = {name for one in sets for name in one}
     analysis.search.admit({name: law for name, law in analysis.search.values().items() if name in found})
     models = [_model_with(analysis, known, one, values) for one in sets]
@@ -98,9 +96,7 @@ def sets_of(answer: Mapping[str, Any]) -> list[tuple[str, ...]]:
     Where it cannot tell: nothing, and the effects that take a share that matters; none where no effect does.
     """
     named = [tuple(one) for one in answer["confidence_set"]]
-    others: list[tuple[str, ...]] = [
-        (row["effect"],) for row in answer["candidates"] if row["effect"] not in answer["effects"]
-    ]
+    others: list[tuple[str, ...]] = [(row["effect"],) for row in answer["candidates"] if row["effect"] not in answer["effects"]]
     if answer["verdict"] == CANNOT_TELL:
         rows = sorted(answer["candidates"], key=left_of)
         able = [(row["effect"],) for row in rows if left_of(row) <= 1.0 - MATTERS]

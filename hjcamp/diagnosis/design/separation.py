@@ -82,9 +82,7 @@ def contests(drawn: Sequence[Windows], truth: Rival, other: Rival) -> list[Conte
             slopes = slopes_of(simulated, other.candidate, free, features)
         white_slopes = np.einsum("wfp,fg->wgp", slopes, white)
         noise = truth.model.features @ white
-        found.append(
-            Contest(features @ white, white_slopes, other.model.fitted.information, noise, simulated.layout.of_test)
-        )
+        found.append(Contest(features @ white, white_slopes, other.model.fitted.information, noise, simulated.layout.of_test))
     return found
 
 

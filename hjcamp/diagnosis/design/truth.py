@@ -55,9 +55,7 @@ def held_by_loop(analysis: Analysis) -> bool:
     return False
 
 
-def run(
-    windows: Windows, candidate: Candidate, inputs: Array, begins: NDArray[np.bool_], starts: Array
-) -> tuple[Array, Array]:
+def run(windows: Windows, candidate: Candidate, inputs: Array, begins: NDArray[np.bool_], starts: Array) -> tuple[Array, Array]:
     """Return readings (n, sensors) and plant states (n, states) under ``inputs`` (n parts, inputs), begun anew where ``begins`` (n,).
 
     ``starts`` has a row for each of these places. Effects keep their own states within a test.
@@ -193,7 +191,9 @@ def _state_at(analysis: Analysis, states: Array, wanted: Wanted) -> Array:
     return np.asarray(np.maximum(end + wanted.begun * (begun - end), analysis.windows.lowest))
 
 
-def joined_with(analysis: Analysis, place: Place, simulated: Windows, chosen: Sequence[int]) -> tuple[Windows, NDArray[np.bool_]]:
+def joined_with(
+    analysis: Analysis, place: Place, simulated: Windows, chosen: Sequence[int]
+) -> tuple[Windows, NDArray[np.bool_]]:
     """Return windows of the measured tests, at a place, and of chosen simulated ones together, and which are new (windows,)."""
     own = analysis.windows.layout
     tests = tuple(simulated.layout.measured.tests[place] for place in chosen)

@@ -198,9 +198,7 @@ def moved_by(candidate: Candidate, free: Sequence[Free], step: Array) -> Candida
     return candidate
 
 
-def _lent(
-    windows: Windows, candidate: Candidate, free: Sequence[Free], base: Array, near: Fitted | None
-) -> tuple[Array, bool]:
+def _lent(windows: Windows, candidate: Candidate, free: Sequence[Free], base: Array, near: Fitted | None) -> tuple[Array, bool]:
     """Return slopes (windows, d, free), those of ``near`` where it has them, and whether all of them are fresh."""
     known = {(one.effect, one.name): k for k, one in enumerate(near.free)} if near else {}
     own = [one for one in free if (one.effect, one.name) not in known]
@@ -212,9 +210,7 @@ def _lent(
     return (np.stack(columns, axis=2) if columns else np.zeros((*base.shape, 0))), len(own) == len(free)
 
 
-def settled(
-    windows: Windows, start: Candidate, free: Sequence[Free], near: Fitted | None = None, turns: int = TURNS
-) -> Fitted:
+def settled(windows: Windows, start: Candidate, free: Sequence[Free], near: Fitted | None = None, turns: int = TURNS) -> Fitted:
     """Return the fit with the windows' starts moved along: fit, move the starts, and fit again until nothing is gained.
 
     In the end they are moved once more, so that what is left is judged by what the starts of this very model explain.
@@ -234,7 +230,9 @@ def settled(
         return found
     features = windows.move_starts(found.candidate, rounds=1)
     slopes = slopes_of(windows, found.candidate, free, features)
-    return replace(found, features=features, slopes=slopes, loss=whole_loss(features, found.candidate, free), place=windows.place)
+    return replace(
+        found, features=features, slopes=slopes, loss=whole_loss(features, found.candidate, free), place=windows.place
+    )
 
 
 def whole_loss(features: Array, candidate: Candidate, free: Sequence[Free]) -> float:

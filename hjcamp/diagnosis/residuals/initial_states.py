@@ -123,9 +123,7 @@ def _half(measured: Measured, k: int, order: int) -> tuple[int, float]:
         steps = np.arange(-half, half + 1)[:, None] ** np.arange(4 if order > 1 else 3)[None, :]
         weights = np.linalg.pinv(steps.astype(float))[order] * (2.0 if order == 2 else 1.0) / measured.period**order
         deviation = noise * float(np.linalg.norm(weights))
-        usual = np.sqrt(
-            np.mean([np.mean(slope(t.readings[:, k], half, measured.period, order) ** 2) for t in measured.tests])
-        )
+        usual = np.sqrt(np.mean([np.mean(slope(t.readings[:, k], half, measured.period, order) ** 2) for t in measured.tests]))
         if deviation < RATE_ERROR * usual:
             break
     return half, deviation

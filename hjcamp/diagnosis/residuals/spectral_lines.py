@@ -65,9 +65,11 @@ def refined(values: Array, frequency: float) -> float:
 
     near = 1.0 / len(values)
     found = minimize_scalar(
-        lambda at: float(np.var(values - sine_in(values, at))), bounds=(frequency - near, frequency + near), method="bounded",
+        lambda at: float(np.var(values - sine_in(values, at))),
+        bounds=(frequency - near, frequency + near),
+        method="bounded",
         options={"xatol": 0.01 * near},
-    )  # fmt: skip
+    )
     return float(found.x)
 
 

@@ -91,9 +91,13 @@ def swing_row(swing: Swing) -> dict[str, Any]:
     """Return what swings by itself, in the unit of its sensor's field."""
     sensor = swing.sensor
     return {
-        "channel": sensor.field, "frequency_hz": swing.frequency, "rms": float(swing.rms * sensor.scale), "unit": sensor.unit,
-        "left": swing.left, "chance": swing.chance,
-    }  # fmt: skip
+        "channel": sensor.field,
+        "frequency_hz": swing.frequency,
+        "rms": float(swing.rms * sensor.scale),
+        "unit": sensor.unit,
+        "left": swing.left,
+        "chance": swing.chance,
+    }
 
 
 def by_condition_row(analysis: Analysis, differs: Differs) -> dict[str, Any]:
@@ -106,7 +110,7 @@ def by_condition_row(analysis: Analysis, differs: Differs) -> dict[str, Any]:
             name: {"unit": units[name], "conditions": {at: {"value": one.value, **one.row} for at, one in found.items()}}
             for name, found in differs.parameters.items()
         },
-    }  # fmt: skip
+    }
 
 
 def constant_row(analysis: Analysis, one: Constant) -> dict[str, Any]:
@@ -143,11 +147,13 @@ def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]
     floor = analysis.floor.of_sensors(layout)
     return {
         one.field: {
-            "baseline": float(before[k] * one.scale), "augmented": float(after[k] * one.scale),
-            "floor": float(floor[k] * one.scale), "unit": one.unit,
+            "baseline": float(before[k] * one.scale),
+            "augmented": float(after[k] * one.scale),
+            "floor": float(floor[k] * one.scale),
+            "unit": one.unit,
         }
         for k, one in enumerate(layout.measured.sensors)
-    }  # fmt: skip
+    }
 
 
 def whole_rows(analysis: Analysis, model: Scored) -> dict[str, Any]:
@@ -185,19 +191,19 @@ def floor_rows(analysis: Analysis) -> dict[str, dict[str, Any]]:
         k = next(k for k, one in enumerate(layout.measured.sensors) if one.field == name)
         known = analysis.floor.source != "sensor"
         found[name] = {
-            "source": analysis.floor.source if known else "unknown", "value": row["floor"] if known else None, "unit": row["unit"],
-            "low": float(noise[k] * layout.measured.sensors[k].scale), "high": row["baseline"],
-        }  # fmt: skip
+            "source": analysis.floor.source if known else "unknown",
+            "value": row["floor"] if known else None,
+            "unit": row["unit"],
+            "low": float(noise[k] * layout.measured.sensors[k].scale),
+            "high": row["baseline"],
+        }
     return found
 
 
 def still_rows(measured: Measured) -> dict[str, dict[str, Any]]:
     """Return the recorded inputs that keep one value in all tests, in the unit of their field."""
     units = {field: unit_of_field(field, measured.plant.name) for field in measured.still}
-    return {
-        field: {"value": value * units[field].scale, "unit": units[field].shown}
-        for field, value in measured.still.items()
-    }
+    return {field: {"value": value * units[field].scale, "unit": units[field].shown} for field, value in measured.still.items()}
 
 
 def end_rows(layout: Layout) -> dict[str, dict[str, Any]]:
@@ -226,12 +232,15 @@ def worst(analysis: Analysis, model: Scored) -> list[dict[str, Any]]:
         both = shared(layout, model.fitted.features, tests)
         rows += [
             {
-                "condition": condition, "channel": one.field, "over_floor": float(left[k]),
-                "shared": None if both is None else float(both[k] * one.scale), "unit": one.unit,
+                "condition": condition,
+                "channel": one.field,
+                "over_floor": float(left[k]),
+                "shared": None if both is None else float(both[k] * one.scale),
+                "unit": one.unit,
                 "at": _few_windows(layout, model.fitted.features, np.flatnonzero(inside), k),
             }
             for k, one in enumerate(layout.measured.sensors)
-        ]  # fmt: skip
+        ]
     return sorted(rows, key=lambda row: -row["over_floor"])[:WORST]
 
 
@@ -271,16 +280,24 @@ def calibration(analysis: Analysis, model: Scored | None = None) -> dict[str, di
         if one.effect in had:
             unit = analysis.search.library[one.effect].parameters[one.name].unit
             found[f"{one.effect} {one.name}"] = {
-                "published": had[one.effect][one.name], "value": one.value, "unit": unit, **one.row, "at_bound": one.at_bound,
-            }  # fmt: skip
+                "published": had[one.effect][one.name],
+                "value": one.value,
+                "unit": unit,
+                **one.row,
+                "at_bound": one.at_bound,
+            }
         if one.effect or one.name.startswith(ZERO):
             continue
         declared = 0.0 if one.name.startswith(DELAY) else plant.parameters[one.name].default
         unit = "s" if one.name.startswith(DELAY) else plant.parameters[one.name].unit
         found[one.name] = {
-            "published": declared, "value": one.value, "unit": unit, **one.row, "at_bound": one.at_bound,
+            "published": declared,
+            "value": one.value,
+            "unit": unit,
+            **one.row,
+            "at_bound": one.at_bound,
             **({"held": True} if model is None and one.name in analysis.held else {}),
-        }  # fmt: skip
+        }
     return found
 
 
@@ -328,9 +345,7 @@ def asked_candidates(analysis: Analysis, verdict: Verdict, names: Sequence[str])
     return rows
 
 
-def _candidate(
-    analysis: Analysis, verdict: Verdict, name: str, model: Scored, step: Step, named: bool
-) -> dict[str, Any]:
+def _candidate(analysis: Analysis, verdict: Verdict, name: str, model: Scored, step: Step, named: bool) -> dict[str, Any]:
     effect = analysis.search.library[name]
     found = [one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name]
     t, count = analysis.search.t(model, step.before)
@@ -393,11 +408,14 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
         row = {
             "driver": known.driven_by,
             "law": name,
-            "quantity": known.quantity, "port": known.place, "signal": known.signal, "slots": list(known.effect.terms),
+            "quantity": known.quantity,
+            "port": known.place,
+            "signal": known.signal,
+            "slots": list(known.effect.terms),
             "apart_s": known.apart,
             "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
             "ruled_out": place > 0 and not (search.matters(one, reference) and not search.ruled_out(one, verdict.unknown)),
-        }  # fmt: skip
+        }
         if place == 0:
             row["left"] = rms_ratio(analysis, one, analysis.base)
             row["left_above_repeatability"] = left_above(analysis, one, analysis.base)

@@ -111,11 +111,14 @@ def shown_of(analysis: Analysis, name: str, features: Array, errors: Array) -> S
     layout = analysis.windows.layout
     rms = in_units(np.mean(features**2, axis=0), layout)
     tests = range(len(layout.measured.tests))
-    by_test = np.array([
-        in_units(np.mean(features[layout.of_test == test] ** 2, axis=0), layout)
-        if np.any(layout.of_test == test) else np.full(len(rms), np.nan)
-        for test in tests
-    ])  # fmt: skip
+    by_test = np.array(
+        [
+            in_units(np.mean(features[layout.of_test == test] ** 2, axis=0), layout)
+            if np.any(layout.of_test == test)
+            else np.full(len(rms), np.nan)
+            for test in tests
+        ]
+    )
     spread = np.mean((layout.readings - layout.means) ** 2, axis=0)
     left = np.mean(errors**2, axis=0)
     explained = 1.0 - left / np.maximum(spread, 1e-300)
@@ -135,14 +138,14 @@ def answer(found: Comparison) -> dict[str, Any]:
     for one in (*found.models, found.calibrated):
         error = {
             sensor.field: {
-                "rms": _number(one.rms[k] * sensor.scale), "floor": float(floor[k] * sensor.scale), "r2": _number(one.explained[k]),
+                "rms": _number(one.rms[k] * sensor.scale),
+                "floor": float(floor[k] * sensor.scale),
+                "r2": _number(one.explained[k]),
                 **(whole_row(one.whole, k, sensor) if one.whole else {}),
             }
             for k, sensor in enumerate(layout.measured.sensors)
-        }  # fmt: skip
-        models.append(
-            {"name": one.name, "tests": len(layout.measured.tests), "error": error, "score": _number(one.score)}
-        )
+        }
+        models.append({"name": one.name, "tests": len(layout.measured.tests), "error": error, "score": _number(one.score)})
     return {
         "schema": "hjcamp.comparison/1", "plant": layout.measured.plant.name, "models": models[:-1], "calibrated": models[-1],
         "window_s": layout.width * layout.measured.period, "floor_source": found.analysis.floor.source, "where": [],

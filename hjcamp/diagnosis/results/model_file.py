@@ -37,7 +37,9 @@ def load_model(name: str, plant: type[Plant], library: Mapping[str, type[Effect]
     other = content.get("plant", "pump_joint")
     if other != plant.name:
         raise UsageError(f"{path}: a model of plant {other}; these tests are of plant {plant.name}")
-    return Candidate(checked_base(content.get("parameters"), plant, f"{path}: parameters"), _effects(content, plant, library, path))
+    return Candidate(
+        checked_base(content.get("parameters"), plant, f"{path}: parameters"), _effects(content, plant, library, path)
+    )
 
 
 def savable(candidate: Candidate) -> Candidate:

@@ -38,9 +38,7 @@ def moved_orders(of_test: NDArray[np.int64], motion: Array, seed: int, draws: in
         for length in lengths:
             alike = [rows for rows in tests if len(rows) == length]
             for rows, other in zip(alike, generator.permutation(len(alike)), strict=True):
-                shift = (
-                    int(generator.integers(0, length)) if len(alike) > 1 else int(generator.integers(1, max(length, 2)))
-                )
+                shift = int(generator.integers(0, length)) if len(alike) > 1 else int(generator.integers(1, max(length, 2)))
                 order[rows] = np.roll(alike[other], shift)
         agreement = float(np.mean(centred * centred[order]))
         if abs(agreement) < ALIKE:
@@ -70,9 +68,7 @@ class Chance(NamedTuple):
         return (max(taken, 0.0) ** ROOT - centre) / spread if spread > 0.0 else 0.0
 
 
-def chance_gains(
-    projection: Projection, probes: Sequence[Probe], orders: Sequence[NDArray[np.int64]], seed: int
-) -> Chance:
+def chance_gains(projection: Projection, probes: Sequence[Probe], orders: Sequence[NDArray[np.int64]], seed: int) -> Chance:
     r"""Return how far the best effect stands out beside the real residuals, and beside those in each of the orders (orders,).
 
     .. math:: \max_e \frac{S_e^{1/3} - m_e}{s_e}, \quad S_e = \max_{probes\ of\ e} \tfrac12 |B^T r|^2

@@ -181,9 +181,7 @@ def refined(
     """Return a promise with the effect's shapes moved to where it promises most, in ever smaller steps (pattern search)."""
     best = first
     for share in (0.25, 0.12, 0.06):
-        setting = {
-            name: best.candidate.effects[effect.name][name] for name, item in effect.parameters.items() if item.shape
-        }
+        setting = {name: best.candidate.effects[effect.name][name] for name, item in effect.parameters.items() if item.shape}
         for tried in neighbours_of(effect, setting, share, visited):
             for probe in _probe(windows, beside, effect, tried):
                 promise = projection.promise(probe, effect)
@@ -212,9 +210,7 @@ def probes_of_unknown(windows: Windows, beside: Beside, unknown: Unknown) -> Ite
         columns.append(beside.response(windows, unknown.effect.name, own))
     responses = np.stack(columns, axis=2)
     if np.all(np.isfinite(responses)):
-        yield Probe(
-            unknown.effect.name, ends, unknown.amplitudes, np.full(len(unknown.amplitudes), size), False, responses
-        )
+        yield Probe(unknown.effect.name, ends, unknown.amplitudes, np.full(len(unknown.amplitudes), size), False, responses)
 
 
 class Projection:
@@ -249,9 +245,7 @@ class Projection:
         """Return an orthonormal basis (n, k) of what a probe adds."""
         columns = self.free_of_base(probe.responses)
         norms = np.linalg.norm(columns, axis=0)
-        before = np.linalg.norm(
-            np.einsum("wfk,fg->wgk", probe.responses, self.whitener).reshape(-1, columns.shape[1]), axis=0
-        )
+        before = np.linalg.norm(np.einsum("wfk,fg->wgk", probe.responses, self.whitener).reshape(-1, columns.shape[1]), axis=0)
         keep = norms > 1e-3 * np.maximum(before, 1e-300)
         if not keep.any():
             return np.zeros((len(columns), 0))
@@ -267,8 +261,12 @@ class Projection:
         for _ in range(len(share)):
             found = np.linalg.lstsq(columns[:, free], -left - columns[:, ~free] @ share[~free], rcond=1e-6)[0]
             share[free] = found
-            bounded = np.array([_within(effect.parameters[name], x, size)
-                                for name, x, size in zip(probe.amplitudes, share, probe.sizes, strict=True)])  # fmt: skip
+            bounded = np.array(
+                [
+                    _within(effect.parameters[name], x, size)
+                    for name, x, size in zip(probe.amplitudes, share, probe.sizes, strict=True)
+                ]
+            )
             free &= bounded == share
             share = bounded
             if free.all() or not free.any():
@@ -329,6 +327,4 @@ def free_of_effect(effect: type[Effect]) -> list[Free]:
 def free_of_unknown(unknown: Unknown) -> list[Free]:
     """Return the free parameters of an unknown: its knots, each known beforehand to be about as large as what it adds to."""
     most = 1e3 * unknown.usual
-    return [
-        Free(unknown.effect.name, name, unknown.usual, -most, most, spread=unknown.usual) for name in unknown.amplitudes
-    ]
+    return [Free(unknown.effect.name, name, unknown.usual, -most, most, spread=unknown.usual) for name in unknown.amplitudes]

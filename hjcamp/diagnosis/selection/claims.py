@@ -149,7 +149,9 @@ class Claims(Fits):
         if not math.isfinite(model.left_out) or not math.isfinite(other.left_out):
             return math.isfinite(model.left_out)
         t, chapters = self.t(model, other)
-        return t > critical(chapters, level) and float(np.sum(advantages(model.features, other.features, self.chapters))) > SETTLED
+        return (
+            t > critical(chapters, level) and float(np.sum(advantages(model.features, other.features, self.chapters))) > SETTLED
+        )
 
     def t(self, model: Scored, other: Scored) -> tuple[float, float]:
         """Return Student's t of a model's advantage over another, and the number of chapters that it stands on."""

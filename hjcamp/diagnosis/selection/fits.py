@@ -73,9 +73,7 @@ class Fits:
         features = left_out(windows, fitted, self.chapters)
         return Scored(names, fitted, features, size(features), windows.place)
 
-    def each(
-        self, work: Callable[[Given], Found], given: Sequence[Given], words: Callable[[Given], str]
-    ) -> list[Found]:
+    def each(self, work: Callable[[Given], Found], given: Sequence[Given], words: Callable[[Given], str]) -> list[Found]:
         """Return what ``work`` makes of each of ``given``, in order, by ``workers`` threads: a kernel leaves the interpreter free."""
         found: list[Found] = []
         with ThreadPoolExecutor(self.workers) as pool:

@@ -42,9 +42,7 @@ class Search(Claims):
         looked_for = tuple(among) or (*self.library, *self.unknowns)
         names = [name for name in looked_for if self.may_be_added(name, fitted.candidate.effects)]
         self.windows.kernels.prepare(names)
-        found = self.each(
-            lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}"
-        )
+        found = self.each(lambda name: self.probes(fitted, name), names, lambda name: f"screening {name.replace('_', ' ')}")
         probes = [probe for one in found for probe in one]
         layout = self.windows.layout
         orders = moved_orders(layout.of_test, motion_of(layout, layout.readings), self.seed + len(self.steps))
@@ -58,29 +56,42 @@ class Search(Claims):
         able = [name for name, one in best.items() if name in self.library and one.gain > 0.0 and name not in sure]
         able = [name for k, name in enumerate(able[: 2 * chosen]) if k < chosen // 2 or best[name].gain > usual]
         begun = self.each(
-            lambda name: self.begun(projection, name, [one for one in promises if one.effect == name]), [*sure, *able],
+            lambda name: self.begun(projection, name, [one for one in promises if one.effect == name]),
+            [*sure, *able],
             lambda name: f"looking closer at {name}",
-        )  # fmt: skip
+        )
         begun.sort(key=lambda one: one.loss)
         # what is promised is linear; what a curved law gains is seen when it is fitted
         closer = [one for one in begun[:1] if np.isfinite(one.loss)]
-        gain = max([gain, *(promised.stands_out(_added(one.candidate, fitted.candidate), fitted.loss - one.loss) for one in closer)])
+        gain = max(
+            [gain, *(promised.stands_out(_added(one.candidate, fitted.candidate), fitted.loss - one.loss) for one in closer)]
+        )
         chosen, unnamed = (FITTED, FITTED_UNKNOWNS) if p_value(gain, chance) <= LEVEL else (FITTED_BY_CHANCE, 0)
         others = [one for name, one in best.items() if name in self.unknowns][:unnamed]
         starts = [*begun[:chosen], *(self.begun_unknown(fitted, one) for one in others)]
         # what gains no more than chance promises cannot be claimed; two are fitted to be shown
         starts = [one for one in starts if fitted.loss - one.loss > usual or one in begun[:FITTED_BY_CHANCE]]
         models = self.each(
-            lambda start: self.fitted(start.candidate, start), starts,
+            lambda start: self.fitted(start.candidate, start),
+            starts,
             lambda start: f"fitting {_added(start.candidate, fitted.candidate)}",
-        )  # fmt: skip
+        )
         models = sorted((one for one in models if np.isfinite(one.left_out)), key=lambda one: one.left_out)
         added = [_added(one.fitted.candidate, fitted.candidate) for one in models]
         named = tuple(one for one, name in zip(models, added, strict=True) if name in self.library)
         others_fitted = tuple(one for one, name in zip(models, added, strict=True) if name in self.unknowns)
         different = len({order.tobytes() for order in orders})
         step = Step(
-            before, p_value(gain, chance), chance, gain, named, others_fitted, self.claims, different, promised.decoys, promised.twins
+            before,
+            p_value(gain, chance),
+            chance,
+            gain,
+            named,
+            others_fitted,
+            self.claims,
+            different,
+            promised.decoys,
+            promised.twins,
         )
         self.steps.append(step)
         return step
@@ -208,7 +219,9 @@ class Search(Claims):
         if hidden is None or hidden is best or self.matters(hidden, before, step.level):
             return None
         further = self.look(hidden)
-        found = [one for one in further.named if self.matters(one, hidden, further.level)] if further.p_value <= self.claims else []
+        found = (
+            [one for one in further.named if self.matters(one, hidden, further.level)] if further.p_value <= self.claims else []
+        )
         for both in found[:1] if found and not self.mends(found[0], hidden, further) else []:
             alone = self.fitted(both.fitted.candidate.without(hidden.beyond(before)), both.fitted)
             if self.matters(both, alone, step.level) and self.matters(both, before, step.level):
@@ -281,11 +294,14 @@ class Search(Claims):
         level = step.claims / max(len(fitted), 1)
         second = {self.library[name] for name in set(further.names) - set(model.names) if name in self.library}
         shown = (
-            one for name, one in fitted.items() if name in forms and (
+            one
+            for name, one in fitted.items()
+            if name in forms
+            and (
                 one.left_out <= further.left_out
                 or (any(alike_laws(self.unknowns[name], own) for own in second) and not self.beats(further, one))
             )
-        )  # fmt: skip
+        )
         return any(self.matters(one, model, level) for one in shown)
 
     def better_than_free_laws(self, before: Scored, step: Step) -> Scored | None:

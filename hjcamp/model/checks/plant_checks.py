@@ -92,7 +92,9 @@ def check_measured(plant: type[Plant]) -> str:
             continue
         field = unit_of_field(given.field or field_of(name, given.unit, where), f"{where}, Input {name}", given.unit)
         if dimension(field.si) != dimension(given.unit):
-            raise UsageError(f"{where}: the field '{given.field}' says {field.shown}, but the input '{name}' is in {given.unit or '1'}")
+            raise UsageError(
+                f"{where}: the field '{given.field}' says {field.shown}, but the input '{name}' is in {given.unit or '1'}"
+            )
     return counted(len(plant.measured), "channel")
 
 

@@ -44,9 +44,7 @@ def rate_slopes(plant: type[Plant], place: dict[str, float]) -> Array:
     lines, sizes = read_vocabulary(plant).statements, {name: abs(state.typical) for name, state in plant.states.items()}
     found = np.empty((len(sizes), len(sizes)))
     for column, (name, size) in enumerate(sizes.items()):
-        ends = [
-            evaluate(plant, lines, {**place, f"s_{name}": place[f"s_{name}"] + sign * STEP * size}) for sign in (1.0, -1.0)
-        ]
+        ends = [evaluate(plant, lines, {**place, f"s_{name}": place[f"s_{name}"] + sign * STEP * size}) for sign in (1.0, -1.0)]
         found[:, column] = [(ends[0][f"d_{one}"] - ends[1][f"d_{one}"]) / (2.0 * STEP * own) for one, own in sizes.items()]
     if not np.all(np.isfinite(found)):
         raise UsageError(f"plant {plant.name}: the slopes of its rates leave the finite numbers at usual states")

@@ -62,9 +62,7 @@ def _started() -> subprocess.Popen[bytes]:
         own = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined, unused-ignore]
     command = [sys.executable, "-m", "hjcamp.model.compile.compiled_ahead"]
     with safe_children():
-        process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **own
-        )
+        process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **own)
     atexit.register(process.kill)
     return process
 

@@ -37,9 +37,7 @@ class Composition:
         for effect in self.effects:
             check_effect(effect, self.plant)
         if self.gated and len(self.effects) > MOST_GATED:
-            raise UsageError(
-                f"{len(self.effects)} effects in the library; at most {MOST_GATED} can be compared at once"
-            )
+            raise UsageError(f"{len(self.effects)} effects in the library; at most {MOST_GATED} can be compared at once")
 
     @cached_property
     def vocabulary(self) -> Vocabulary:

@@ -33,16 +33,12 @@ def contact_source(composition: Composition) -> str:
     """Return the source of ``contact(k, time, direction, z, u, p)``: push, limit and locks of contact k; of ``locking``,
     the last alone; and of ``facing`` and ``faced``, which read and set the side that it is on.
     """
-    wanted = [f"return {one.push}, {one.limit}, {one.locks}" for one in composition.contacts] or [
-        "return 0.0, 0.0, 0.0"
-    ]
+    wanted = [f"return {one.push}, {one.limit}, {one.locks}" for one in composition.contacts] or ["return 0.0, 0.0, 0.0"]
     locks = [f"return 1.0 * {one.locks}" for one in composition.contacts] or ["return 0.0"]
     return (
         _of_each(composition, "contact(k, time, direction, z, u, p)", wanted)
         + _of_each(composition, "locking(k, time, direction, z, u, p)", locks)
-        + _of_each(
-            composition, "facing(direction, k)", [f"return {side}" for side in composition.sides] or ["return 0.0"]
-        )
+        + _of_each(composition, "facing(direction, k)", [f"return {side}" for side in composition.sides] or ["return 0.0"])
         + _of_each(
             composition,
             "faced(direction, k, side)",

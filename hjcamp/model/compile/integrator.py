@@ -114,7 +114,13 @@ def move(time, direction, z, u, p, plan, space, steps, h, a, before, counter):  
     searching = False
     # The rows of the states that are always there are written out; where others are present, too, sums in loops serve.
     sparse = WRITTEN < N and plan[PRESENT] > WRITTEN
-    if GLIDES and not sparse and accuracy == 0 and counter[4] == 0.0 and glided(time, direction, z, u, p, steps, h, a, before, counter):
+    if (
+        GLIDES
+        and not sparse
+        and accuracy == 0
+        and counter[4] == 0.0
+        and glided(time, direction, z, u, p, steps, h, a, before, counter)
+    ):
         if CONTACT and direction != 0.0 and shifted(time + h, direction, z, u, p, counter):
             direction = arrive(time + h, direction, z, u, p, plan, space, steps, h, before, counter)
         return direction

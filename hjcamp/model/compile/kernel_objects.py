@@ -132,10 +132,7 @@ class SealedFile(IndexDataCacheFile):
         content = Path(self._data_path(name)).read_bytes()
         length = len(content) - len(SEAL) - hashlib.sha256().digest_size
         # One without a seal was written by numba alone; it is whole if its pickle is.
-        if (
-            content[length:].startswith(SEAL)
-            and content[length + len(SEAL) :] != hashlib.sha256(content[:length]).digest()
-        ):
+        if content[length:].startswith(SEAL) and content[length + len(SEAL) :] != hashlib.sha256(content[:length]).digest():
             raise ValueError(f"{name} is damaged")
         return pickle.loads(content)
 

@@ -147,7 +147,9 @@ def _spread_inputs(composition: Composition, generator: np.random.Generator) -> 
         size = 10.0 ** generator.uniform(-2, 3) * generator.choice((-1.0, 1.0))
         given = known.get(name)
         default = given.default if given is not None else 0.0
-        found.append(default * generator.uniform(0.95, 1.05) if default else size * (given.typical if given is not None else 1.0))
+        found.append(
+            default * generator.uniform(0.95, 1.05) if default else size * (given.typical if given is not None else 1.0)
+        )
     return np.array(found)
 
 

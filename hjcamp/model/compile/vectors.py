@@ -52,9 +52,7 @@ def strided_in_python(space: Any, left: int, first: int, right: int, begin: int,
 def _row(context: Any, builder: Any, array: Any, kind: Any, row: Any) -> Any:
     """Return the address of a row, a whole number from 0, of a matrix."""
     matrix = make_array(kind)(context, builder, array)
-    address = builder.add(
-        builder.ptrtoint(matrix.data, PLACE), builder.mul(row, builder.extract_value(matrix.strides, 0))
-    )
+    address = builder.add(builder.ptrtoint(matrix.data, PLACE), builder.mul(row, builder.extract_value(matrix.strides, 0)))
     return builder.inttoptr(address, DOUBLE.as_pointer())
 
 

@@ -148,9 +148,7 @@ class Effect:
         if not cls.parameters:
             raise UsageError(f"{where}: no Parameter; an effect needs at least one")
         for parameter in cls.parameters.values():
-            if parameter.each_test and (
-                cls.subsystem not in ("", "lines") or parameter.name not in _used(cls.starts.values())
-            ):
+            if parameter.each_test and (cls.subsystem not in ("", "lines") or parameter.name not in _used(cls.starts.values())):
                 raise UsageError(
                     f"{where}: {parameter.name} is marked each_test, which is for what a state of the lines starts with; "
                     "the lines' pressures tell it, nothing else"

@@ -104,9 +104,7 @@ STORE = Element(
         Line("_inflow", "signal", "{inflow}", "inflow", "net flow in"),
         Line("_loss", "slot", "0.0", "inflow", "flow lost"),
         Line("_capacity", "slot", "{capacity}", "capacity", "what flows in for one unit of level"),
-        Line(
-            "_rate", "signal", "({name}_inflow - {name}_loss) / {name}_capacity", "inflow/capacity", "rate of the level"
-        ),
+        Line("_rate", "signal", "({name}_inflow - {name}_loss) / {name}_capacity", "inflow/capacity", "rate of the level"),
     ),
     {"loss": "{name}_loss", "capacity": "{name}_capacity", "level": "{state}", "inflow": "{name}_inflow"},
     rate="{name}_rate",
@@ -135,10 +133,9 @@ PATH = Element(
     ("flow",),
     (),
     ("upstream", "downstream"),
-    (Line("_free", "signal", "{flow}", "flow", "flow by the published law"),
-     Line("", "slot", "{name}_free", "flow", "flow")),
+    (Line("_free", "signal", "{flow}", "flow", "flow by the published law"), Line("", "slot", "{name}_free", "flow", "flow")),
     {"flow": "{name}"},
-)  # fmt: skip
+)
 ACTUATOR = Element(
     "actuator",
     ("command",),
@@ -288,9 +285,7 @@ def _given(element: Element, call: ast.Call, where: str) -> tuple[dict[str, str]
 def _complete_contact(pieces: dict[str, str], where: str) -> None:
     name = pieces["name"]
     if not pieces["velocity"].startswith("state."):
-        raise UsageError(
-            f"{where}: the velocity of contact '{name}' must be a state (state.NAME), not {pieces['velocity']}"
-        )
+        raise UsageError(f"{where}: the velocity of contact '{name}' must be a state (state.NAME), not {pieces['velocity']}")
     if not pieces["push"]:
         # what it needs to be held is found from the rates; its unit is that of its friction, or of what moves its mass
         if pieces["coulomb"] not in ABSENT:

@@ -134,7 +134,5 @@ def _flat(law: type[Law], function: str) -> ast.Module:
     definition.returns = None
     definition.args.args = [ast.arg(name) for name in names]
     body = [_Flatten(law).visit(line) for line in definition.body]
-    definition.body = [
-        line for line in body if not (isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant))
-    ]
+    definition.body = [line for line in body if not (isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant))]
     return ast.fix_missing_locations(ast.Module([definition], []))

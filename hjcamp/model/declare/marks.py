@@ -92,9 +92,13 @@ def store(
 
 
 def path(
-    flow: float, upstream: float | None = None, downstream: float | None = None,
-    name: str = "", group: str = "", subsystem: str = "",
-) -> float:  # fmt: skip
+    flow: float,
+    upstream: float | None = None,
+    downstream: float | None = None,
+    name: str = "",
+    group: str = "",
+    subsystem: str = "",
+) -> float:
     """Return a flow from one place to another, which effects may change.
 
     What resists or loses is one, the drop over a winding's resistance among it: its gain may then be found to change with time or with
@@ -103,15 +107,18 @@ def path(
     return flow
 
 
-def actuator(
-    command: float, supply: float | None = None, name: str = "", group: str = "", subsystem: str = ""
-) -> float:
+def actuator(command: float, supply: float | None = None, name: str = "", group: str = "", subsystem: str = "") -> float:
     """Return what a command drives: a force, a flow, a speed; effects give it a dead band, a delay, a limit."""
     return command
 
 
 def transmission(
-    output: float, torque: float | None = None, driven: float | None = None, name: str = "", group: str = "", subsystem: str = ""
+    output: float,
+    torque: float | None = None,
+    driven: float | None = None,
+    name: str = "",
+    group: str = "",
+    subsystem: str = "",
 ) -> float:
     """Return a motion that is passed on; effects give it play, stretch, eccentricity.
 

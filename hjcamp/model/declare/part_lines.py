@@ -55,11 +55,7 @@ def given_to(definition: ast.FunctionDef, call: ast.Call, label: str) -> dict[st
     arguments = [argument.arg for argument in definition.args.args]
     values = call.args[1:]
     further = (definition.args.vararg, definition.args.kwarg, *definition.args.kwonlyargs, *definition.args.posonlyargs)
-    if (
-        any(further)
-        or any(isinstance(value, ast.Starred) for value in values)
-        or any(not one.arg for one in call.keywords)
-    ):
+    if any(further) or any(isinstance(value, ast.Starred) for value in values) or any(not one.arg for one in call.keywords):
         raise UsageError(f"{label}: it takes its arguments one by one, each by its name or place (no *, no **)")
     if len(values) > len(arguments):
         raise UsageError(f"{label} takes {len(arguments)} arguments: {', '.join(arguments)}")

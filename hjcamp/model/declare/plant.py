@@ -31,9 +31,7 @@ SETTABLE = ("period", "loop", "controlled", "one_of", "subsystems", "labels", "r
 # What every plant's equations may use: the regime of its contact, the time, and what friction scatters by.
 # Of several contacts each has a regime of its own, ``drive.direction_NAME``.
 ALWAYS = {
-    "friction_scatter": Input(
-        "1", 1.0, "factor on static and Coulomb friction at this instant", name="friction_scatter"
-    ),
+    "friction_scatter": Input("1", 1.0, "factor on static and Coulomb friction at this instant", name="friction_scatter"),
     "direction": Input("1", text="friction regime: 0 held, +1 and -1 moving", name="direction"),
     "time": Input("s", text="time since the start of the command phase", name="time"),
 }
@@ -93,9 +91,7 @@ class Plant:
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         if (finite_number(cls.period) or 0.0) <= 0.0:
-            raise UsageError(
-                f"{cls.__name__}: period is {shown(cls.period)}; the seconds between two samples are needed"
-            )
+            raise UsageError(f"{cls.__name__}: period is {shown(cls.period)}; the seconds between two samples are needed")
         for name in vars(cls):
             meant = [] if hasattr(Plant, name) else get_close_matches(name, SETTABLE, n=1, cutoff=0.75)
             if meant and isinstance(getattr(cls, name), str | int | float | tuple | dict):

@@ -63,9 +63,7 @@ def coloured(generator: np.random.Generator, samples: int, correlation: float, r
     return np.asarray(dtbtrs(bands, kicks, uplo="L", diag="U")[0])
 
 
-def draw(
-    seed: int, samples: int, noise: Array, scatter: Scatter, period: float = 1e-3, rows: int | None = None
-) -> Draw:
+def draw(seed: int, samples: int, noise: Array, scatter: Scatter, period: float = 1e-3, rows: int | None = None) -> Draw:
     """Draw one test; ``noise`` (channels,) holds the standard deviation of each analog channel, 0 for the others.
 
     With ``rows`` only the first of the samples, equal bit for bit to those of a whole draw.

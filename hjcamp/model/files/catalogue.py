@@ -23,10 +23,7 @@ def class_in(path: Path, base: type[Kind], package: str | None = None, name: str
     found = [
         value
         for value in vars(module).values()
-        if inspect.isclass(value)
-        and issubclass(value, base)
-        and value is not base
-        and value.__module__ == module.__name__
+        if inspect.isclass(value) and issubclass(value, base) and value is not base and value.__module__ == module.__name__
     ]
     if len(found) > 1:
         names = ", ".join(value.__name__ for value in found)

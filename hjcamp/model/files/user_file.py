@@ -96,7 +96,9 @@ def _what_is_wrong(path: Path, problem: BaseException) -> str:
         if isinstance(known, HjcampError):
             said = str(known)
             declared = _declared_in(path, said)
-            return said if said.startswith(str(path)) else f"{path}: line {declared}: {said}" if declared else f"{where}: {said}"
+            return (
+                said if said.startswith(str(path)) else f"{path}: line {declared}: {said}" if declared else f"{where}: {said}"
+            )
     if isinstance(problem, SystemExit):
         return f"{where}: this file ends the program ({type(problem).__name__}: {text_of(problem)}); it may only define things"
     if said := _unknown_argument(problem) or _unknown_import(problem):
@@ -119,9 +121,7 @@ def _unknown_argument(problem: BaseException) -> str:
     kind = frames[-1][0].f_globals.get(found[1]) if found and frames else None
     if found is None or not dataclasses.is_dataclass(kind):
         return ""
-    return str(
-        unknown("argument", found[2], [one.name for one in dataclasses.fields(kind) if one.init], f"{found[1]}(...)")
-    )
+    return str(unknown("argument", found[2], [one.name for one in dataclasses.fields(kind) if one.init], f"{found[1]}(...)"))
 
 
 def _unknown_import(problem: BaseException) -> str:

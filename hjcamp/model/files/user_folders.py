@@ -10,9 +10,7 @@ ENVIRONMENT_VARIABLE = "HJCAMP_CONF"
 
 def user_folders() -> list[Path]:
     """Return the user's folders, first wins: each of ``$HJCAMP_CONF``, then the working directory."""
-    named = [
-        Path(os.path.expanduser(part)) for part in os.environ.get(ENVIRONMENT_VARIABLE, "").split(os.pathsep) if part
-    ]
+    named = [Path(os.path.expanduser(part)) for part in os.environ.get(ENVIRONMENT_VARIABLE, "").split(os.pathsep) if part]
     return [*named, Path.cwd()]
 
 

@@ -23,9 +23,7 @@ def _registry() -> Any:
 
 def _meant(unit: str) -> str:
     """Return a hint at the unit that is probably meant: kg*m2 is kg*m^2, Nm, which is read as nanometres, N*m, and degC K."""
-    written = re.sub(
-        r"([A-Za-z])(-?\d)", r"\1^\2", re.sub(r"\bNm(s?)\b", lambda one: "N*m*s" if one[1] else "N*m", unit)
-    )
+    written = re.sub(r"([A-Za-z])(-?\d)", r"\1^\2", re.sub(r"\bNm(s?)\b", lambda one: "N*m*s" if one[1] else "N*m", unit))
     written = re.sub(r"(?<=[A-Za-z0-9])[ .·](?=[A-Za-z])", "*", written)
     written = re.sub(r"°C|deg_?C|[Cc]elsius", "K", written)
     for one in dict.fromkeys((written, written.lower())):
@@ -43,9 +41,7 @@ def dimension(unit: str) -> Any:
     try:
         one = registry.Quantity(1.0, registry.parse_units(unit if unit != "1" else ""))
     except Exception:
-        raise UsageError(
-            f"unknown unit '{unit}'{_meant(unit)}; write SI units, such as m, rad, N, Pa*s/m^3, 1"
-        ) from None
+        raise UsageError(f"unknown unit '{unit}'{_meant(unit)}; write SI units, such as m, rad, N, Pa*s/m^3, 1") from None
     if not math.isclose(one.to_base_units().magnitude, 1.0):
         raise UsageError(
             f"unit '{unit}' is not an SI unit{_meant(unit)}; inside the model everything is in SI units (m, rad, Pa, s)"
@@ -152,11 +148,7 @@ def text(dims: Any) -> str:
     """Return a dimension in base units, such as ``kg*m/s^2``."""
     names = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[current]": "A"}
     names |= {"[temperature]": "K", "[substance]": "mol", "[luminosity]": "cd"}
-    over = [
-        f"{names.get(key, key)}" + (f"^{power:g}" if power != 1 else "") for key, power in dims.items() if power > 0
-    ]
-    under = [
-        f"{names.get(key, key)}" + (f"^{-power:g}" if power != -1 else "") for key, power in dims.items() if power < 0
-    ]
+    over = [f"{names.get(key, key)}" + (f"^{power:g}" if power != 1 else "") for key, power in dims.items() if power > 0]
+    under = [f"{names.get(key, key)}" + (f"^{-power:g}" if power != -1 else "") for key, power in dims.items() if power < 0]
     below = under[0] if len(under) == 1 else f"({'*'.join(under)})"
     return ("*".join(over) or "1") + (f"/{below}" if under else "")

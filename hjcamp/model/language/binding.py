@@ -44,9 +44,7 @@ def bind(effect: type[Effect], plant: type[Plant]) -> tuple[type[Effect], ...]:
     wanted = wanted_names(effect)
     ports = [port for port in read_vocabulary(plant).ports.values() if port.kind == effect.acts_on]
     if not ports:
-        raise Unfit(
-            f"{where}: needs {KINDS[effect.acts_on].one} ({KINDS[effect.acts_on].text}); plant {plant.name} has none"
-        )
+        raise Unfit(f"{where}: needs {KINDS[effect.acts_on].one} ({KINDS[effect.acts_on].text}); plant {plant.name} has none")
     able = [port for port in ports if not port.lacks(wanted)]
     if not able:
         least = min(ports, key=lambda port: len(port.lacks(wanted)))
@@ -139,9 +137,7 @@ def _check_place(effect: type[Effect], plant: type[Plant], port: Port) -> None:
     for local, allowed in effect.only_in.items():
         dims = units.value(in_lines(units, port.names[local]), port.name).dims
         if dims not in [dimension(unit) for unit in allowed]:
-            raise UsageError(
-                f"effect {effect.name}: needs its {local} in {' or '.join(allowed)}, not {units.written(dims)}"
-            )
+            raise UsageError(f"effect {effect.name}: needs its {local} in {' or '.join(allowed)}, not {units.written(dims)}")
     trial = _bound(effect, plant, [port], effect.name, None)
     check_effect(trial, plant)
     check_units(trial, plant)

@@ -63,7 +63,12 @@ def driven_in(function: ast.FunctionDef) -> dict[str, str]:
     found: dict[str, set[str]] = {}
     for name, call in passed.items():
         given = call.args[0] if isinstance(call, ast.Call) and call.args else None
-        if isinstance(given, ast.BinOp) and isinstance(given.op, ast.Sub) and _of_a_state(given.left) and _of_a_state(given.right):
+        if (
+            isinstance(given, ast.BinOp)
+            and isinstance(given.op, ast.Sub)
+            and _of_a_state(given.left)
+            and _of_a_state(given.right)
+        ):
             found[name] = {f"0.0 * ({ast.unparse(given.right)})"}
     for node in ast.walk(function):
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Sub):

@@ -32,10 +32,11 @@ def check_units(effect: type[Effect], plant: type[Plant]) -> None:
     units, theirs = _units(effect, plant, where), is_users(effect.__module__)
     slots = read_vocabulary(plant).slots
     expected = [
-        (name, function, slots[name].unit, "the slot is in") if name in slots
+        (name, function, slots[name].unit, "the slot is in")
+        if name in slots
         else (name, function, plant.parameters[name].unit, "the parameter is in")
         for name, function in effect.terms.items()
-    ]  # fmt: skip
+    ]
     groups = (("d_", effect.rates, "/s"), ("next_", effect.updates, ""), ("start_", effect.starts, ""))
     for prefix, group, suffix in groups:
         for state, function in group.items():
@@ -54,9 +55,7 @@ def _units(effect: type[Effect], plant: type[Plant], where: str) -> dict[str, st
     groups: tuple[Mapping[str, Any], ...] = (plant.inputs, plant.parameters, plant.states)
     for group in groups:
         units.update({name: item.unit for name, item in group.items() if name not in units})
-    units |= {
-        port.names["direction"]: "1" for port in read_vocabulary(plant).ports.values() if "direction" in port.names
-    }
+    units |= {port.names["direction"]: "1" for port in read_vocabulary(plant).ports.values() if "direction" in port.names}
     own: dict[str, Any] = {**effect.parameters, **effect.states}
     for name, item in own.items():
         try:
@@ -72,9 +71,7 @@ def _check_function(term: Term, unit: str, units: dict[str, str], where: str, sa
     callable_ = with_amounts(term.function)
     generator = random.Random(1)
     for _ in range(DRAWS):
-        given = [
-            Amount(generator.uniform(0.1, 2.0) * generator.choice((-1, 1)), dimension(units[name])) for name in names
-        ]
+        given = [Amount(generator.uniform(0.1, 2.0) * generator.choice((-1, 1)), dimension(units[name])) for name in names]
         try:
             result = Amount.of(callable_(*given))
         except UsageError as problem:

@@ -132,13 +132,9 @@ class Units:
         if kind == "input":
             return unknown("input", name[2:], self.plant.inputs, where)
         if name.startswith("d_"):
-            return UsageError(
-                f"{where}: rate.{name[2:]} must be given in a line above, where it is read (no algebraic loops)"
-            )
+            return UsageError(f"{where}: rate.{name[2:]} must be given in a line above, where it is read (no algebraic loops)")
         if name in MODULES:
-            return UsageError(
-                f"{where}: '{name}.' is not needed: write sin(...), sqrt(...) alone; known are {FUNCTIONS}"
-            )
+            return UsageError(f"{where}: '{name}.' is not needed: write sin(...), sqrt(...) alone; known are {FUNCTIONS}")
         if name in MARKS:
             return UsageError(
                 f"{where}: {name}(...) stands alone on its line: give it a name, NAME = {name}(...), and use that"
@@ -149,9 +145,7 @@ class Units:
             if name in declared:
                 return UsageError(f"{where}: '{name}' is written {space}.{name}")
         own = [f"{space}.NAME" for space in spaces]
-        own += [
-            one for one in list(self.scope)[self._known :] if one[:2] not in _PREFIXES and one[:2] not in ("d_", "__")
-        ]
+        own += [one for one in list(self.scope)[self._known :] if one[:2] not in _PREFIXES and one[:2] not in ("d_", "__")]
         known = f"a name must be computed in a line above: no algebraic loops; functions are {FUNCTIONS}"
         return unknown("name", name, own, f"{where} ({known})")
 

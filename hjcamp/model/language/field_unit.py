@@ -134,6 +134,5 @@ def field_of(name: str, si: str, where: str) -> str:
         if unit.si == si and unit.scale == 1.0:
             return f"{name}_{unit.suffix}"
     raise UsageError(
-        f"{where}: no field can hold the unit {si} of '{name}'; give field='{name}_UNIT' with one of "
-        + ", ".join(FIELD_UNITS)
+        f"{where}: no field can hold the unit {si} of '{name}'; give field='{name}_UNIT' with one of " + ", ".join(FIELD_UNITS)
     )

@@ -112,9 +112,7 @@ def _meant(effect: type[Effect], plant: type[Plant], others: Callable[[], Iterab
         theirs = read_vocabulary(other)
         if not used - here <= {*theirs.signals, *other.states, *other.parameters, *other.inputs}:
             continue
-        said = (
-            f' These are names of plant {other.name}: if it is for that plant only, write plant = "{other.name}" in it'
-        )
+        said = f' These are names of plant {other.name}: if it is for that plant only, write plant = "{other.name}" in it'
         # the slots first: they say on what it acts
         for name in [*effect.terms, *sorted(used)]:
             for port in theirs.ports.values():

@@ -117,9 +117,7 @@ def _sizes(plant: type[Plant]) -> Mapping[str, float]:
     regimes = {f"u_{port.names['direction']}" for port in vocabulary.ports.values() if "direction" in port.names}
     squares: dict[str, list[float]] = {name: [] for name in vocabulary.signals}
     for _ in range(DRAWS):
-        scope = plain_functions("") | {
-            f"p_{name}": item.default or float(item.base) for name, item in plant.parameters.items()
-        }
+        scope = plain_functions("") | {f"p_{name}": item.default or float(item.base) for name, item in plant.parameters.items()}
         scope |= {f"s_{name}": state.usual(generator) for name, state in plant.states.items()}
         scope |= {f"u_{name}": given.usual(generator) for name, given in plant.inputs.items()}
         scope |= {name: float(generator.choice((-1.0, 1.0))) for name in sorted({*regimes, "u_direction"})}

@@ -39,6 +39,4 @@ def _one_each(line: ast.stmt) -> list[ast.stmt]:
     set_here = {ast.unparse(one) for one in target.elts}
     if any(isinstance(node, ast.expr) and ast.unparse(node) in set_here for node in ast.walk(value)):
         return [line]
-    return [
-        ast.copy_location(ast.Assign([one], given), line) for one, given in zip(target.elts, value.elts, strict=True)
-    ]
+    return [ast.copy_location(ast.Assign([one], given), line) for one, given in zip(target.elts, value.elts, strict=True)]

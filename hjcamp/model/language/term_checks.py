@@ -48,9 +48,7 @@ def check_calls(effect: type[Effect], mathematics: tuple[str, ...]) -> None:
 
 def _call(effect: type[Effect], function: Callable[..., float], alone: Callable[..., Any], value: float) -> None:
     """Call a method with its parameters at their defaults and ``value`` for all else."""
-    given = [
-        effect.parameters[name].default if name in effect.parameters else value for name in parameters_of(function)
-    ]
+    given = [effect.parameters[name].default if name in effect.parameters else value for name in parameters_of(function)]
     try:
         result = alone(*given)
     except (ArithmeticError, ValueError):
@@ -79,9 +77,7 @@ def check_compiles(effect: type[Effect], mathematics: tuple[str, ...]) -> None:
             compiled.compile(signature)
         except Exception as problem:  # numba has several families of errors
             line = _line_of(problem, function)
-            raise UsageError(
-                _told(line, effect, function, f"numba cannot compile it: {_first_reason(problem)}")
-            ) from None
+            raise UsageError(_told(line, effect, function, f"numba cannot compile it: {_first_reason(problem)}")) from None
         kind = compiled.overloads[signature].signature.return_type
         if not isinstance(kind, types.Number | types.Boolean):
             said = f"it gives {kind}; a number is needed on every way through it"

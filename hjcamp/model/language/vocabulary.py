@@ -217,13 +217,13 @@ class _Reader:
             self.readings = tuple(ast.unparse(element) for element in elements if element is not None)
             return
         if not isinstance(node, ast.Assign) or len(node.targets) != 1:
-            raise UsageError(f"{where}: equations may hold assignments only (NAME = ..., rate.STATE = ...; A if CONDITION else B)")
+            raise UsageError(
+                f"{where}: equations may hold assignments only (NAME = ..., rate.STATE = ...; A if CONDITION else B)"
+            )
         target = node.targets[0]
         of_rate = isinstance(target, ast.Attribute)
         if of_rate and not (isinstance(target.value, ast.Name) and target.value.id == "rate"):  # type: ignore[attr-defined]
-            raise UsageError(
-                f"{where}: '{ast.unparse(target)}' cannot be assigned; write rate.STATE = ... or NAME = ..."
-            )
+            raise UsageError(f"{where}: '{ast.unparse(target)}' cannot be assigned; write rate.STATE = ... or NAME = ...")
         if not of_rate and not isinstance(target, ast.Name):
             raise UsageError(f"{where}: '{ast.unparse(target)}' cannot be assigned; one name for each line")
         name = target.attr if isinstance(target, ast.Attribute) else ast.unparse(target)
@@ -279,8 +279,7 @@ class _Reader:
 
     def _store(self, statement: Statement, where: str) -> None:
         if any(
-            one.target == statement.target and (one.mark == "rate") == (statement.mark == "rate")
-            for one in self.statements
+            one.target == statement.target and (one.mark == "rate") == (statement.mark == "rate") for one in self.statements
         ):
             raise UsageError(
                 f"{where}: '{statement.target}' is assigned twice; give what the second line computes a name of its own"
@@ -297,11 +296,7 @@ class _Reader:
         return str(
             self.units.of_rule(
                 rule,
-                {
-                    key: self._renamed(ast.parse(text, mode="eval").body)
-                    for key, text in given.items()
-                    if text and key in rule
-                },
+                {key: self._renamed(ast.parse(text, mode="eval").body) for key, text in given.items() if text and key in rule},
                 where,
             )
         )

@@ -90,14 +90,11 @@ class LoopSimulator(Simulator):
                 "index": "index",
             }
             moved = ", ".join(f"moved_{name}" for name in self.actuation.results)
-            lines.append(
-                f"{moved} = actuate({', '.join([*(known[name] for name in self.actuation.samples), 'ap', 'am'])})"
-            )
+            lines.append(f"{moved} = actuate({', '.join([*(known[name] for name in self.actuation.samples), 'ap', 'am'])})")
             lines += [f"u[{inputs.index(name)}] = moved_{name}" for name in self.actuation.results]
         else:
             lines += [
-                f"u[{inputs.index(name)}] = {' + '.join(f'answer_{part}' for part in parts)}"
-                for name, parts in self.sums
+                f"u[{inputs.index(name)}] = {' + '.join(f'answer_{part}' for part in parts)}" for name, parts in self.sums
             ]
         head = "@inlined\ndef command(running, time, index, row, seen, h, c, m, ap, am, record, u):\n"
         return head + "".join(f"    {line}\n" for line in lines) + "\n\n"
@@ -108,9 +105,7 @@ class LoopSimulator(Simulator):
         return (self.law,)
 
     @limited
-    def run_loop(
-        self, start: Mapping[str, float], p: Array, test: LoopTest, tolerance: float = 1.0
-    ) -> dict[str, Array]:
+    def run_loop(self, start: Mapping[str, float], p: Array, test: LoopTest, tolerance: float = 1.0) -> dict[str, Array]:
         """Return what a test records (n,), SI: the law's answers ``answer.NAME``, the inputs, and the readings ``reading.NAME``.
 
         ``start`` holds the plant's states; ``tolerance`` is the accepted correction of a step

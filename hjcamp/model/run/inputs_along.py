@@ -21,6 +21,5 @@ def inputs_along(plant: type[Plant], samples: int, **columns: Array | float) -> 
         if name not in names:
             raise unknown("input", name, names, f"plant {plant.name}")
     return np.column_stack(
-        [np.broadcast_to(columns.get(name, plant.inputs[name].default), samples) for name in names]
-        or [np.empty((samples, 0))]
+        [np.broadcast_to(columns.get(name, plant.inputs[name].default), samples) for name in names] or [np.empty((samples, 0))]
     ).astype(float)

@@ -198,9 +198,7 @@ class Simulator:
         return self._found[gates]
 
     @limited
-    def follow(
-        self, p: Array, course: Course, propagators: Propagators | None = None, tolerance: float = 1.0
-    ) -> Followed:
+    def follow(self, p: Array, course: Course, propagators: Propagators | None = None, tolerance: float = 1.0) -> Followed:
         """Drive the plant along ``course`` with the measured values of the cut's driven states.
 
         ``tolerance`` is the accepted correction of one step, in units of the states' resolution.
@@ -218,9 +216,7 @@ class Simulator:
         )  # fmt: skip
         return Followed(readings, ideal, forces, work[2, 1])
 
-    def run_free(
-        self, p: Array, given: Given, tolerance: float = 1.0, most: float = 0.0
-    ) -> tuple[Array, Array]:
+    def run_free(self, p: Array, given: Given, tolerance: float = 1.0, most: float = 0.0) -> tuple[Array, Array]:
         """Return the readings (n, channels) and the states (n, states) of tests under given inputs, SI.
 
         After ``most`` steps of the integrator, where any are given, they are NaN.

@@ -73,9 +73,7 @@ def check_model(model: Any, path: str, further: Sequence[type[Effect]] = ()) -> 
     """
     if "plant" in model:
         of = shown(model["plant"])
-        raise UsageError(
-            f"{path}: '{model.get('name')}' is of plant {of}; this test is of plant pump_joint: write plant={of}"
-        )
+        raise UsageError(f"{path}: '{model.get('name')}' is of plant {of}; this test is of plant pump_joint: write plant={of}")
     checked(SavedModel, model, path)
     effects = {one.name: one for one in (*chosen_effects(model["effects"], f"{path}.effects")[0], *further)}
     for name, value in model["parameters"].items():

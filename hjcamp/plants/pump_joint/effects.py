@@ -87,9 +87,7 @@ class EntrainedAir(Instance):
 
     of = "entrained_air"
     at = {"line1": {}, "line2": {}}  # noqa: RUF012
-    air_volume = Parameter(
-        "m^3", 8.5e-9, (0.0, 3e-7), text="air of one line at atmospheric pressure (0.5 %: 8.5 mm3)", off=0.0
-    )
+    air_volume = Parameter("m^3", 8.5e-9, (0.0, 3e-7), text="air of one line at atmospheric pressure (0.5 %: 8.5 mm3)", off=0.0)
 
 
 class FrictionDrift(Instance):
@@ -181,9 +179,7 @@ class Presliding(Instance):
 
     of = "presliding"
     at = {"seal": {}}  # noqa: RUF012
-    compliance = Parameter(
-        "m/N", 1e-5, (2e-6, 2e-4), "log-uniform", "mean deflection for each newton", shape=True, off=0.0
-    )
+    compliance = Parameter("m/N", 1e-5, (2e-6, 2e-4), "log-uniform", "mean deflection for each newton", shape=True, off=0.0)
     fall_velocity = Parameter(
         "m/s",
         5e-4,

@@ -46,8 +46,11 @@ def changed_loop(test: ClosedLoop, law: type[Controller], factors: Mapping[str, 
     """Return the closed loop with the factors of controller, feedforward and procedure applied; factors a law lacks do nothing."""
     control, procedure, reference = test.control.copy(), test.procedure.copy(), test.reference.copy()
     named = {"scale": "controller_scale"}
-    named |= {f"{side}_{gain}": name for side in ("positive", "negative") for gain, name in (
-        ("kd", "derivative_gain"), ("ki", "integral_gain"))}  # fmt: skip
+    named |= {
+        f"{side}_{gain}": name
+        for side in ("positive", "negative")
+        for gain, name in (("kd", "derivative_gain"), ("ki", "integral_gain"))
+    }
     for place, gain in enumerate(law.parameters):
         control[place] *= factors.get(named.get(gain, ""), 1.0)
         if gain == "bumpless":

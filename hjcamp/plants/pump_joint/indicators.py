@@ -13,9 +13,7 @@ if TYPE_CHECKING:
 
 INDICATORS = ("rmse1_deg", "rmse2_deg", "e_max_deg", "sse_deg")
 #: Lowest and highest of both lines, time of either line beyond a bound, share of the feedforward (0 to 1).
-FURTHER = (
-    "pressure_low_mpa", "pressure_high_mpa", "below_0p1_s", "above_0p58_s", "above_range_s", "feedforward_share"
-)  # fmt: skip
+FURTHER = ("pressure_low_mpa", "pressure_high_mpa", "below_0p1_s", "above_0p58_s", "above_range_s", "feedforward_share")
 AIR_MPA = 0.1  # thesis 5.2.5: below, air bubbles make the lines soft
 LEAK_MPA = 0.58  # thesis 4.4.4: above, the fittings leak
 SENSOR_RANGE_MPA = 0.689  # thesis 3.9, where the log does not say

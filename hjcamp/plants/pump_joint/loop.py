@@ -91,9 +91,13 @@ class JointSimulator(Simulator):
 
     @limited
     def run(
-        self, start: Mapping[str, float], p: Array, test: ClosedLoop, propagators: Propagators | None = None,
+        self,
+        start: Mapping[str, float],
+        p: Array,
+        test: ClosedLoop,
+        propagators: Propagators | None = None,
         tolerance: float = 1.0,
-    ) -> dict[str, Any]:  # fmt: skip
+    ) -> dict[str, Any]:
         """Run one test from its preload to its release; return the recorded columns in SI units by name.
 
         ``tolerance`` is the accepted correction of a step without one before it, in units of the states' resolution; others may

@@ -69,9 +69,7 @@ class PumpJoint(Plant):
     stiffness_asymmetry = Parameter("1", 0.0, (-0.3, 0.3), text="difference of dp/dV of the two lines over their mean")
     vapour_pressure = Parameter("Pa", -99e3, (-2e5, 0.0), text="gauge pressure below which the water parts")
     pulley_radius = Parameter("m", 3.41e-3, (1e-5, 1.0), text="pitch radius of the pulley (3.6)")
-    travel_stop = Parameter(
-        "m", INFINITE, (1e-5, INFINITE), text="travel of the sliders at which they meet a stop (E2: none)"
-    )
+    travel_stop = Parameter("m", INFINITE, (1e-5, INFINITE), text="travel of the sliders at which they meet a stop (E2: none)")
     stop_stiffness = Parameter("N/m", 1e5, (1e3, 1e8), text="stiffness of that stop")
     moving_mass = Parameter("kg", 0.0185, (1e-3, 10.0), "log-uniform", "effective mass at the sliders (4.5.2)")
     static_positive = Parameter("N", 7.20, (0.05, 60.0), text="static friction, positive direction (4.5.1.4)")
@@ -95,9 +93,13 @@ class PumpJoint(Plant):
         loss="leak2", stiffness="stiffness2", level="pressure2",
     )  # fmt: skip
     crossing = Port(
-        "path", subsystem="lines", like={"flow": "pump_flow"},
-        flow="cross_flow", upstream="pressure1", downstream="pressure2",
-    )  # fmt: skip
+        "path",
+        subsystem="lines",
+        like={"flow": "pump_flow"},
+        flow="cross_flow",
+        upstream="pressure1",
+        downstream="pressure2",
+    )
     seal = Port(
         "contact", subsystem="joint", velocity="slider_velocity", speed="speed", push="push", direction="direction",
         travel="slider_position", mass="moving_mass", static="friction_static", breakaway="friction_static",
@@ -242,12 +244,8 @@ class PumpJoint(Plant):
         # --- Lines (4.4.3.15, 4.4.3.16): dp = dp/dV (A1 dx - A2 dy); water parts at the vapour pressure
         pressure1 = slot(limited(state.pressure1, parameter.vapour_pressure, 1e9), "Pa", "pressure of line 1")
         pressure2 = slot(limited(state.pressure2, parameter.vapour_pressure, 1e9), "Pa", "pressure of line 2")
-        stiffness1 = slot(
-            parameter.line_stiffness * (1.0 + 0.5 * parameter.stiffness_asymmetry), "Pa/m^3", "dp/dV of line 1"
-        )
-        stiffness2 = slot(
-            parameter.line_stiffness * (1.0 - 0.5 * parameter.stiffness_asymmetry), "Pa/m^3", "dp/dV of line 2"
-        )
+        stiffness1 = slot(parameter.line_stiffness * (1.0 + 0.5 * parameter.stiffness_asymmetry), "Pa/m^3", "dp/dV of line 1")
+        stiffness2 = slot(parameter.line_stiffness * (1.0 - 0.5 * parameter.stiffness_asymmetry), "Pa/m^3", "dp/dV of line 2")
         leak1 = slot(0.0, "m^3/s", "flow lost from line 1")
         leak2 = slot(0.0, "m^3/s", "flow lost from line 2")
         cross_flow = slot(0.0, "m^3/s", "flow from line 1 to line 2")

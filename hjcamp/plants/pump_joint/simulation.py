@@ -44,9 +44,7 @@ LOG_NAMES = {
 def model_values(config: Mapping[str, Any]) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
     """Return the plant parameters of the configured hardware and model, and the effects with their parameters."""
     model = config["model"]
-    values = PumpJoint.configured(config) | {
-        name: float(value) for name, value in (model.get("parameters") or {}).items()
-    }
+    values = PumpJoint.configured(config) | {name: float(value) for name, value in (model.get("parameters") or {}).items()}
     effects = {name: dict(given or {}) for name, given in (model.get("effects") or {}).items()}
     for name, given in (config.get("effects") or {}).items():
         effects[name] = {**effects.get(name, {}), **(given or {})}
@@ -128,9 +126,7 @@ def _feedforward(text: str) -> Array:
     reference, direction = reference_of(config)
     given = config["controller"]["feedforward"]
     model = config["controller_model"]
-    values = PumpJoint.configured(config) | {
-        name: float(value) for name, value in (model.get("parameters") or {}).items()
-    }
+    values = PumpJoint.configured(config) | {name: float(value) for name, value in (model.get("parameters") or {}).items()}
     effects, parameters = chosen_effects(model.get("effects") or {})
     procedure = config["procedure"]
     middle = procedure["preload_mpa"] * 1e6

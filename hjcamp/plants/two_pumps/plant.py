@@ -18,9 +18,7 @@ TRAVEL = (-80 * math.pi, 80 * math.pi)
 
 def motor_pump(command, position, velocity, acceleration, parameter, rate):  # type: ignore[no-untyped-def]
     """Return the speed of a pump's nut (4.3): x / theta = gain / (s^3 + a2 s^2 + a1 s + a0)."""
-    speed = signal(
-        limited(velocity, -parameter.pump_speed_limit, parameter.pump_speed_limit), "m/s", "speed of the nut"
-    )
+    speed = signal(limited(velocity, -parameter.pump_speed_limit, parameter.pump_speed_limit), "m/s", "speed of the nut")
     rate[position] = speed
     rate[velocity] = acceleration
     rate[acceleration] = (
@@ -67,12 +65,8 @@ class TwoPumps(Plant):
     pump2_position = State("m", 1e-9, 1e-3, text="travel of nut 2, positive into line 2")
     pump2_velocity = State("m/s", 1e-6, 0.01, text="speed of nut 2")
     pump2_acceleration = State("m/s^2", 1e-4, 1.0, text="acceleration of nut 2")
-    pressure1 = State(
-        "Pa", 5.0, 1e4, start=0.26e6, scatter=3e3, text="pressure of line 1 as if the water could not part"
-    )
-    pressure2 = State(
-        "Pa", 5.0, 1e4, start=0.26e6, scatter=3e3, text="pressure of line 2 as if the water could not part"
-    )
+    pressure1 = State("Pa", 5.0, 1e4, start=0.26e6, scatter=3e3, text="pressure of line 1 as if the water could not part")
+    pressure2 = State("Pa", 5.0, 1e4, start=0.26e6, scatter=3e3, text="pressure of line 2 as if the water could not part")
     slider_position = State("m", 1e-9, 1e-3, text="travel of the sliders")
     slider_velocity = State("m/s", 2e-6, 0.01, text="speed of the sliders")
 
@@ -89,17 +83,11 @@ class TwoPumps(Plant):
     loss1 = Parameter("m^3/(s*Pa)", 0.0, (0.0, 1e-9), text="conductance of a leak of line 1")
     loss2 = Parameter("m^3/(s*Pa)", 0.0, (0.0, 1e-9), text="conductance of a leak of line 2")
     pulley_radius, moving_mass = ONE["pulley_radius"], ONE["moving_mass"]
-    static_positive, coulomb_positive, viscous_positive = (
-        ONE[f"{kind}_positive"] for kind in ("static", "coulomb", "viscous")
-    )
-    static_negative, coulomb_negative, viscous_negative = (
-        ONE[f"{kind}_negative"] for kind in ("static", "coulomb", "viscous")
-    )
+    static_positive, coulomb_positive, viscous_positive = (ONE[f"{kind}_positive"] for kind in ("static", "coulomb", "viscous"))
+    static_negative, coulomb_negative, viscous_negative = (ONE[f"{kind}_negative"] for kind in ("static", "coulomb", "viscous"))
     base_parameters = PumpJoint.base_parameters
 
-    arm_deg = Measured(
-        "encoder", of="slider_position", counts=2 * math.pi / 1024, plausible=(-2 * math.pi, 2 * math.pi)
-    )
+    arm_deg = Measured("encoder", of="slider_position", counts=2 * math.pi / 1024, plausible=(-2 * math.pi, 2 * math.pi))
     pressure1_mpa = Measured("gauge1", of="pressure1", noise=700.0, plausible=(-0.12e6, 2e6))
     pressure2_mpa = Measured("gauge2", of="pressure2", noise=700.0, plausible=(-0.12e6, 2e6))
     pump1_deg = Measured("motor1", of="pump1_position", counts=2 * math.pi / 4096, required=False, plausible=TRAVEL)
@@ -111,10 +99,10 @@ class TwoPumps(Plant):
         # --- Two motor-cylinder pumps (4.3)
         nut1 = part(
             motor_pump, drive.command1, state.pump1_position, state.pump1_velocity, state.pump1_acceleration, parameter, rate
-        )  # fmt: skip
+        )
         nut2 = part(
             motor_pump, drive.command2, state.pump2_position, state.pump2_velocity, state.pump2_acceleration, parameter, rate
-        )  # fmt: skip
+        )
         pistons1 = transmission(nut1, subsystem="pump")
         pistons2 = transmission(nut2, subsystem="pump")
 
@@ -125,13 +113,17 @@ class TwoPumps(Plant):
         rate.pressure1 = store(
             parameter.pump_area * pistons1 - slider_flow - parameter.loss1 * pressure1,
             stiffness=parameter.line_stiffness * (1.0 + 0.5 * parameter.stiffness_asymmetry),
-            name="line1", group="lines", subsystem="lines",
-        )  # fmt: skip
+            name="line1",
+            group="lines",
+            subsystem="lines",
+        )
         rate.pressure2 = store(
             (1.0 + parameter.mismatch) * parameter.pump_area * pistons2 + slider_flow - parameter.loss2 * pressure2,
             stiffness=parameter.line_stiffness * (1.0 - 0.5 * parameter.stiffness_asymmetry),
-            name="line2", group="lines", subsystem="lines",
-        )  # fmt: skip
+            name="line2",
+            group="lines",
+            subsystem="lines",
+        )
 
         # --- Joint (4.5)
         load_force = outside("N", "outside force on the sliders")
@@ -148,9 +140,12 @@ class TwoPumps(Plant):
         )
         rate.slider_position = state.slider_velocity
         rate.slider_velocity = body(
-            push + load_force - friction, mass=parameter.moving_mass, load=load_force, position=state.slider_position,
+            push + load_force - friction,
+            mass=parameter.moving_mass,
+            load=load_force,
+            position=state.slider_position,
             subsystem="joint",
-        )  # fmt: skip
+        )
         arm_angle = transmission(state.slider_position / parameter.pulley_radius, subsystem="joint")
 
         # --- Sensors

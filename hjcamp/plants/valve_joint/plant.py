@@ -48,12 +48,8 @@ class ValveJoint(Plant):
         Field("duty2_ratio", "1", False, "duty of cylinder 2: valve 4 above 0, valve 3 below"),
     )
 
-    pressure1 = State(
-        "Pa", 5.0, 1e5, start=0.3e6, scatter=3e3, text="pressure of cylinder 1 as if the water could not part"
-    )
-    pressure2 = State(
-        "Pa", 5.0, 1e5, start=0.3e6, scatter=3e3, text="pressure of cylinder 2 as if the water could not part"
-    )
+    pressure1 = State("Pa", 5.0, 1e5, start=0.3e6, scatter=3e3, text="pressure of cylinder 1 as if the water could not part")
+    pressure2 = State("Pa", 5.0, 1e5, start=0.3e6, scatter=3e3, text="pressure of cylinder 2 as if the water could not part")
     rack_position = State("m", 1e-8, 1e-3, text="travel of the racks")
     rack_velocity = State("m/s", 2e-6, 0.01, text="speed of the racks")
 
@@ -79,12 +75,8 @@ class ValveJoint(Plant):
     static = Parameter("N", 3.0, (0.0, 60.0), base=True, text="static friction at the racks (assumed)")
     coulomb = Parameter("N", 2.2, (0.0, 60.0), base=True, text="Coulomb friction at the racks (assumed)")
     viscous = Parameter("N*s/m", 19.9, (0.0, 1e3), base=True, text="viscous friction at the racks (4.5.1)")
-    tooth_ripple = Parameter(
-        "1", 0.3, (0.0, 0.9), text="share by which friction changes over a tooth (3.2 gives no size)"
-    )
-    tooth_phase = Parameter(
-        "rad", 0.0, (-math.pi, math.pi), text="where in a tooth the racks begin; drawn for each test"
-    )
+    tooth_ripple = Parameter("1", 0.3, (0.0, 0.9), text="share by which friction changes over a tooth (3.2 gives no size)")
+    tooth_phase = Parameter("rad", 0.0, (-math.pi, math.pi), text="where in a tooth the racks begin; drawn for each test")
     teeth = Parameter("1", 18.0, (1.0, 200.0), text="teeth of the pinion")
 
     arm_deg = Measured(
@@ -108,26 +100,28 @@ class ValveJoint(Plant):
         drop3 = signal(parameter.supply - pressure2, "Pa", "drop over valve 3")
         drop4 = signal(pressure2 - parameter.return_pressure, "Pa", "drop over valve 4")
         flow1 = path(
-            drive.valve1 * parameter.conductance * drop1 / sqrt(abs(drop1) + parameter.laminar), downstream=pressure1,
+            drive.valve1 * parameter.conductance * drop1 / sqrt(abs(drop1) + parameter.laminar),
+            downstream=pressure1,
             subsystem="valves",
-        )  # fmt: skip
+        )
         flow2 = path(
-            drive.valve2 * parameter.conductance * drop2 / sqrt(abs(drop2) + parameter.laminar), upstream=pressure1,
+            drive.valve2 * parameter.conductance * drop2 / sqrt(abs(drop2) + parameter.laminar),
+            upstream=pressure1,
             subsystem="valves",
-        )  # fmt: skip
+        )
         flow3 = path(
-            drive.valve3 * parameter.conductance * drop3 / sqrt(abs(drop3) + parameter.laminar), downstream=pressure2,
+            drive.valve3 * parameter.conductance * drop3 / sqrt(abs(drop3) + parameter.laminar),
+            downstream=pressure2,
             subsystem="valves",
-        )  # fmt: skip
+        )
         flow4 = path(
-            drive.valve4 * parameter.conductance * drop4 / sqrt(abs(drop4) + parameter.laminar), upstream=pressure2,
+            drive.valve4 * parameter.conductance * drop4 / sqrt(abs(drop4) + parameter.laminar),
+            upstream=pressure2,
             subsystem="valves",
-        )  # fmt: skip
+        )
 
         # --- Chambers
-        rack_flow = signal(
-            parameter.joint_area * state.rack_velocity, "m^3/s", "flow into cylinder 1 by the rack's motion"
-        )
+        rack_flow = signal(parameter.joint_area * state.rack_velocity, "m^3/s", "flow into cylinder 1 by the rack's motion")
         rate.pressure1 = store(
             flow1 - flow2 - rack_flow,
             stiffness=parameter.line_stiffness,
@@ -145,9 +139,12 @@ class ValveJoint(Plant):
 
         # --- Racks and pinion: a piston that is free cannot pull; friction changes over a tooth
         ripple = signal(
-            1.0 + parameter.tooth_ripple * sin(parameter.teeth * state.rack_position / parameter.pinion_radius + parameter.tooth_phase),
-            "1", "friction here over its mean",
-        )  # fmt: skip
+            1.0
+            + parameter.tooth_ripple
+            * sin(parameter.teeth * state.rack_position / parameter.pinion_radius + parameter.tooth_phase),
+            "1",
+            "friction here over its mean",
+        )
         load_force = outside("N", "outside force on the racks")
         push = signal(
             (max(pressure1, 0.0) - max(pressure2, 0.0)) * parameter.joint_area, "N", "force of the water on the racks"
@@ -164,9 +161,12 @@ class ValveJoint(Plant):
         )
         rate.rack_position = state.rack_velocity
         rate.rack_velocity = body(
-            push + load_force - friction, mass=parameter.moving_mass, load=load_force, position=state.rack_position,
+            push + load_force - friction,
+            mass=parameter.moving_mass,
+            load=load_force,
+            position=state.rack_position,
             subsystem="joint",
-        )  # fmt: skip
+        )
         arm_angle = transmission(state.rack_position / parameter.pinion_radius, subsystem="joint")
 
         # --- Sensors

@@ -62,16 +62,8 @@ class Valves(Law):
             row = 32 * valve
             area = 0.0
             for piece in range(3):
-                low = (
-                    0.0
-                    if piece == 0
-                    else (min(part_opens, part_closes) if piece == 1 else max(part_opens, part_closes))
-                )
-                high = (
-                    min(part_opens, part_closes)
-                    if piece == 0
-                    else (max(part_opens, part_closes) if piece == 1 else 1.0)
-                )
+                low = 0.0 if piece == 0 else (min(part_opens, part_closes) if piece == 1 else max(part_opens, part_closes))
+                high = min(part_opens, part_closes) if piece == 0 else (max(part_opens, part_closes) if piece == 1 else 1.0)
                 # 64 keeps the place positive: dead times reach back 30 samples and one
                 late = (now - whole_opens - (0 if low >= part_opens else 1) + 64) % 32
                 opened = memory.switched[row + late]

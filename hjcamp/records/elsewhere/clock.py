@@ -28,7 +28,9 @@ REPEATED = 0.1
 TURNS, TURNS_S = (2.0**16, 2.0**24, 2.0**31, 2.0**32), (86_400.0, 3600.0, 60.0)
 
 
-def last_of_each_time(fields: dict[str, np.ndarray], time: np.ndarray, where: str) -> tuple[dict[str, np.ndarray], np.ndarray, str]:
+def last_of_each_time(
+    fields: dict[str, np.ndarray], time: np.ndarray, where: str
+) -> tuple[dict[str, np.ndarray], np.ndarray, str]:
     """Return columns of shape (rows,) and times, s, with the last row of each time alone, and in words what was left out.
 
     A variable step has two rows at a switch, before and after it; some loggers write each row twice. Raises UsageError
@@ -65,7 +67,9 @@ def falls_back(time: np.ndarray, rule: ColumnRule, where: str) -> None:
         raise UsageError(
             f"{said}; import two tests in one table as tables of their own; where its clock begins again, say unwrap in the map"
         )
-    raise UsageError(f"{said}: its clock rolls over; say in the map time_s: {{column: {rule.column}, ..., unwrap: {found:.12g}}}")
+    raise UsageError(
+        f"{said}: its clock rolls over; say in the map time_s: {{column: {rule.column}, ..., unwrap: {found:.12g}}}"
+    )
 
 
 def lost_rows(time: np.ndarray) -> np.ndarray | None:
@@ -108,7 +112,9 @@ def usual_step(
     lost = lost_rows(time)
     usual, rounding = _between_ticks(steps, usual) if lost is None else (usual, 0.0)
     if wanted and wanted < usual * (1 - RATE_TOLERANCE):
-        raise UsageError(f"{where}: resample_s is {wanted:g}, rows are {span(usual)} apart: samples between rows would be made up")
+        raise UsageError(
+            f"{where}: resample_s is {wanted:g}, rows are {span(usual)} apart: samples between rows would be made up"
+        )
     longest = LONGEST_STEP * max(usual, wanted)
     if lost is not None and not wanted:
         if fill:
@@ -124,8 +130,9 @@ def usual_step(
         everywhere = number > UNEVEN * len(steps) and steps.max() < FARTHEST_STEP * usual
         uneven = (
             f", or, as the rows are uneven all along, say in the map resample_s: {float(steps.max()) / LONGEST_STEP:.3g}"
-            if everywhere else ""
-        )  # fmt: skip
+            if everywhere
+            else ""
+        )
         more = f", the first of {number}" if number > 1 else ""
         raise UsageError(
             f"{where}: gap of {span(steps[row])} after row {row + 1} (time {time[row]:.9g} s){more}, where rows are {span(usual)} "
@@ -214,7 +221,9 @@ def resample(
     begin = int(np.ceil(time[0] / period - tolerance))
     end = int(np.floor(time[-1] / period + tolerance))
     if end - begin < 1:
-        raise UsageError(f"{where}: {span(time[-1] - time[0])} of rows are no two samples {span(period)} apart: resample_s is too long")
+        raise UsageError(
+            f"{where}: {span(time[-1] - time[0])} of rows are no two samples {span(period)} apart: resample_s is too long"
+        )
     clock = np.arange(begin, end + 1) * period
     before = np.searchsorted(time, clock + tolerance * period, side="right") - 1
     resampled = {"time_s": clock}

@@ -146,9 +146,7 @@ def read_import_map(path: Path) -> ImportMap:
     topic = _text(content, "topic", where)
     period = period_of_rows(content, plant, where)
     if period is None and "time_s" not in rules and not topic:
-        raise UsageError(
-            f"{where}: give period_s or sampling_hz, or map a column to time_s (of an MCAP file: its topic)"
-        )
+        raise UsageError(f"{where}: give period_s or sampling_hz, or map a column to time_s (of an MCAP file: its topic)")
     check_names({"time_s", *rules}, table, where)
     metadata = _metadata(content.get("metadata"), "metadata", where)
     return ImportMap(
@@ -183,7 +181,9 @@ def _content(path: Path) -> Any:
         names = [line.partition(":")[2] for line in lines]
         if not any(READ_OTHERWISE.search(name.strip().removeprefix("{").removesuffix("}")) for name in names):
             raise
-        raise UsageError(f"{fault}; a name with brackets, braces, a colon, # or quotes is written in quotes: \"Time [s]\"") from None
+        raise UsageError(
+            f'{fault}; a name with brackets, braces, a colon, # or quotes is written in quotes: "Time [s]"'
+        ) from None
 
 
 def example_map(plant: type[Plant]) -> str:
@@ -260,7 +260,9 @@ def _rule(name: str, content: Any, table: FieldTable, where: str) -> ColumnRule:
     if numbers.get("scale", 1.0) == 0.0:
         raise UsageError(f"{place}: a scale of 0 leaves nothing of the column")
     if numbers.get("unwrap", 1.0) <= 0.0:
-        raise UsageError(f"{place}: unwrap is {numbers['unwrap']:g}; give after how much the column begins again, such as 65536 or 360")
+        raise UsageError(
+            f"{place}: unwrap is {numbers['unwrap']:g}; give after how much the column begins again, such as 65536 or 360"
+        )
     known = table.field(name)
     unit = conversion_to_field(known, str(content.get("unit", known.unit)), where)
     return ColumnRule(column=str(column), topic=_text(content, "topic", place), shift=unit.shift, factor=unit.factor, **numbers)
@@ -273,9 +275,7 @@ def _metadata(content: Any, place: str, where: str) -> dict[str, str]:
     found = {str(key): str(value) for key, value in content.items() if value is not None}
     for key in (PLANT_KEY, PERIOD_KEY):
         if key in found:
-            raise UsageError(
-                f"{where}: {place}: {key} is written by the import; give it beside fields, as '{key}: ...'"
-            )
+            raise UsageError(f"{where}: {place}: {key} is written by the import; give it beside fields, as '{key}: ...'")
     return found
 
 

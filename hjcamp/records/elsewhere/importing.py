@@ -124,9 +124,7 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> tuple[T
         filled += [Finding("time_s", repeated, False)] if repeated else []
         falls_back(times, rules.rules.get("time_s", ColumnRule("")), where)
     if times is None:
-        raise UsageError(
-            f"{rules.where}: give period_s or sampling_hz, or map a column to time_s; {source} has no times"
-        )
+        raise UsageError(f"{rules.where}: give period_s or sampling_hz, or map a column to time_s; {source} has no times")
     # a plant that declares a short period may have a faster logger
     most = max(HIGHEST_SAMPLING_HZ, 100.0 / rules.plant.period)
     usual = usual_step(times, where, most, rules.resample or 0.0, rules.interpolate)

@@ -106,7 +106,7 @@ def missing_of(value: Any, where: str) -> tuple[float | str, ...]:
     """Return the readings that stand for none, numbers or texts, as they are in the file."""
     listed = value if isinstance(value, list) else [value]
     if not listed or any(isinstance(one, bool | dict | list) or one is None for one in listed):
-        raise UsageError(f"{where}: missing is {shown(value)}; give what stands for no reading, such as [-9999, \"---\"]")
+        raise UsageError(f'{where}: missing is {shown(value)}; give what stands for no reading, such as [-9999, "---"]')
     found: list[float | str] = []
     for one in listed:
         # YAML 1.1 reads 1e30 as a text; what a table holds as a text may be a number in another file

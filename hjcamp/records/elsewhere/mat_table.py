@@ -66,8 +66,9 @@ def _column(source: Path, name: str, content: dict[str, Any], variables: list[st
     if value.ndim > 1 and value.size > max(value.shape):
         ways = [
             f"{name}({','.join(':' if k == axis else '1' for k in range(value.ndim))})"
-            for axis in range(value.ndim) if value.shape[axis] == max(value.shape)
-        ]  # fmt: skip
+            for axis in range(value.ndim)
+            if value.shape[axis] == max(value.shape)
+        ]
         shape = " x ".join(map(str, value.shape))
         raise UsageError(f"{source}: '{name}' is a matrix ({shape}); give one column or row of it: {' or '.join(ways)}")
     return value.reshape(-1).astype(np.float64)

@@ -101,16 +101,16 @@ def _read_csv(source: Path, names: list[str], rules: ImportMap) -> Table:
             f"{source}: cannot be read as a table with {separator!r} between its columns: {_first_line(error)}; the map may say "
             "separator, decimal_comma, header, skip_lines (before the header) and comment"
         ) from error
-    table.columns = [
-        name.replace('""', '"') if found.header else str(place + 1) for place, name in enumerate(table.columns)
-    ]
+    table.columns = [name.replace('""', '"') if found.header else str(place + 1) for place, name in enumerate(table.columns)]
     return Table(_numbers(source, table, names, comma, rules))
 
 
 def _check_width(source: Path, columns: int) -> None:
     """Raise ``UsageError`` for a table of more columns than anybody measures."""
     if columns > MOST_COLUMNS:
-        raise UsageError(f"{source}: {columns} columns; a table has at most {MOST_COLUMNS} (does each row stand on a line of its own?)")
+        raise UsageError(
+            f"{source}: {columns} columns; a table has at most {MOST_COLUMNS} (does each row stand on a line of its own?)"
+        )
 
 
 def _text_of(source: Path) -> str:

@@ -43,7 +43,9 @@ def table_of(lines: Sequence[str], names: Collection[str], comment: str | None =
     """
     first = 0
     if not all(name.isdigit() for name in names):
-        headers = (k for k, line in enumerate(lines[:LOOKED_AT]) if any(_has(line, names, one) for one in (*SEPARATORS, BLANKS)))
+        headers = (
+            k for k, line in enumerate(lines[:LOOKED_AT]) if any(_has(line, names, one) for one in (*SEPARATORS, BLANKS))
+        )
         first = next(headers, 0)
     kept = [line for line in lines[first:] if line.strip()]
     while len(kept) > 1 and not kept[-1].strip(EMPTY):

@@ -22,8 +22,34 @@ TIME = (
 )
 ORDERS = ("dmy", "mdy")  # of what stands as 3/4/2026: of those that can be read the shortest test
 MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
-MONTH_OF = {name: number for number, name in enumerate(MONTHS, 1)} | {"mär": 3, "mae": 3, "mrz": 3, "mai": 5, "okt": 10, "dez": 12}
-OTHER_WORDS = {"t", "z", "utc", "gmt", "mon", "tue", "wed", "thu", "fri", "sat", "sun", "mo", "di", "mi", "do", "fr", "sa", "so"}
+MONTH_OF = {name: number for number, name in enumerate(MONTHS, 1)} | {
+    "mär": 3,
+    "mae": 3,
+    "mrz": 3,
+    "mai": 5,
+    "okt": 10,
+    "dez": 12,
+}
+OTHER_WORDS = {
+    "t",
+    "z",
+    "utc",
+    "gmt",
+    "mon",
+    "tue",
+    "wed",
+    "thu",
+    "fri",
+    "sat",
+    "sun",
+    "mo",
+    "di",
+    "mi",
+    "do",
+    "fr",
+    "sa",
+    "so",
+}
 WORD = re.compile(r"\d+|[^\W\d_]+")
 MOST_DATES = 1000
 MOST_DAYS = 36_500
@@ -55,16 +81,19 @@ def seconds_of(column: polars.Series, where: str) -> np.ndarray | None:
     marks = parts["mark"].unique().to_list()
     lengths = parts["part"].str.len_chars().unique().to_list()
     if ":" in marks and (short or len(marks) > 1 or len(lengths) > 1 or lengths[0] not in COLON_DIGITS):
-        raise UsageError(f"{where}: {column[0]!r:.60} can be read in several ways: write the fraction of a second behind a point")
+        raise UsageError(
+            f"{where}: {column[0]!r:.60} can be read in several ways: write the fraction of a second behind a point"
+        )
     if short and not dated and marks == [None]:
         raise UsageError(
             f"{where}: {column[0]!r:.60} may be hours and minutes, or minutes and seconds: write seconds as well, or give period_s"
         )
     minutes = bool(short) and not dated
     hours, minute, second = (
-        (np.zeros(len(column), np.int64), number["first"], number["second"]) if minutes
+        (np.zeros(len(column), np.int64), number["first"], number["second"])
+        if minutes
         else (_of_the_day(number["first"], parts["half"]), number["second"], number["third"])
-    )  # fmt: skip
+    )
     fraction = parts["part"].fill_null("0").str.slice(0, 9).str.pad_end(9, "0").cast(polars.Int64).to_numpy()
     ticks = hours * HOUR + (60 * minute + second) * 10**9 + fraction
     if not dated:

@@ -66,9 +66,7 @@ class Container:
 
     def add_attachment(self, name: str, media_type: str, content: bytes, time_ns: int) -> None:
         """Write a file into the file."""
-        data = record_bytes(
-            records.Attachment(create_time=0, log_time=time_ns, name=name, media_type=media_type, data=content)
-        )
+        data = record_bytes(records.Attachment(create_time=0, log_time=time_ns, name=name, media_type=media_type, data=content))
         start = self._write(data)
         self._attachment_indexes.append(
             records.AttachmentIndex(
@@ -135,9 +133,7 @@ class Container:
         for group in self._summary_groups():
             if group:
                 data = b"".join(map(record_bytes, group))
-                place = records.SummaryOffset(
-                    group_opcode=data[0], group_start=start + len(summary), group_length=len(data)
-                )
+                place = records.SummaryOffset(group_opcode=data[0], group_start=start + len(summary), group_length=len(data))
                 offsets += record_bytes(place)
                 summary += data
         footer_start = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, start + len(summary))

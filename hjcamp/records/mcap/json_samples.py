@@ -41,9 +41,7 @@ class JsonDecoder:
                 sample = next(
                     index for index, entry in enumerate(column) if type(entry) not in (float, int, type(None), object)
                 )
-                raise UsageError(
-                    f"{where}: '{name}' is no number at sample {first_sample + sample}: {column[sample]!r:.40}"
-                )
+                raise UsageError(f"{where}: '{name}' is no number at sample {first_sample + sample}: {column[sample]!r:.40}")
             if not kinds <= {float, int}:
                 column = [entry if type(entry) in (float, int) else np.nan for entry in column]
             try:

@@ -102,11 +102,7 @@ def _chunk_of_unknown_length(data: bytes, content: int, result: Salvage) -> int 
             result.found.add_stretch(decompress(chunk, content - RECORD_PREFIX))
             return content + CHUNK_HEADER_BYTES + len(chunk.compression) + len(chunk.data)
         _note_lost_span(data, content, result)
-        if (
-            chunk.compression
-            and chunk.uncompressed_size <= MOST_CHUNK_BYTES
-            and result.next_chunk(data, content) == len(data)
-        ):
+        if chunk.compression and chunk.uncompressed_size <= MOST_CHUNK_BYTES and result.next_chunk(data, content) == len(data):
             result.found.add_stretch(_whole_records(expand(chunk.compression, chunk.data, chunk.uncompressed_size)))
     except Damaged as fault:
         result.problems.append(str(fault))

@@ -123,9 +123,7 @@ class SampleDecoder:
                 schema = self._found.schemas.get(channel.schema_id)
                 self._decoders[channel_id] = ProtobufDecoder(schema, self._table.names, self._where)
             else:
-                raise UsageError(
-                    f"{self._where}: messages in '{channel.message_encoding}'; protobuf and json can be read"
-                )
+                raise UsageError(f"{self._where}: messages in '{channel.message_encoding}'; protobuf and json can be read")
         return self._decoders[channel_id]
 
     def _only_channel(self) -> None:

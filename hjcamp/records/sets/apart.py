@@ -85,9 +85,7 @@ def _apart(own: Array, each: Array, least: float, level: float, moves: float) ->
         outside &= float(np.min(np.mean((own - each) ** 2, axis=1))) > between
     others = max(count - 1, 1) * freedom
     allowed, turned = float(fdtri(freedom, others, 1.0 - level)), float(fdtri(least_freedom, least_freedom, 1.0 - LEVEL))
-    return Apart(
-        size / max(scatter, least), allowed, bool(outside), count > 1, turned, math.sqrt(2.0 / freedom + 2.0 / others)
-    )
+    return Apart(size / max(scatter, least), allowed, bool(outside), count > 1, turned, math.sqrt(2.0 / freedom + 2.0 / others))
 
 
 def _freedom(deviation: Array) -> float:

@@ -56,10 +56,7 @@ def _pairs(courses: Sequence[Course]) -> Iterator[tuple[Course, Course]]:
         for k, one in enumerate(group):
             yield from ((one, other) for other in group[k + 1 :])
     rest = list(courses)
-    sizes = [
-        {name: (float(one.columns[name].mean()), float(one.columns[name].std())) for name in one.measured}
-        for one in rest
-    ]
+    sizes = [{name: (float(one.columns[name].mean()), float(one.columns[name].std())) for name in one.measured} for one in rest]
     for k, one in enumerate(rest):
         for j in range(k + 1, len(rest)):
             if one.condition != rest[j].condition and _look_the_same(sizes[k], sizes[j]):
@@ -69,8 +66,7 @@ def _pairs(courses: Sequence[Course]) -> Iterator[tuple[Course, Course]]:
 def _look_the_same(one: dict[str, tuple[float, float]], other: dict[str, tuple[float, float]]) -> bool:
     shared = one.keys() & other.keys()
     return bool(shared) and all(
-        max(abs(one[name][0] - other[name][0]), abs(one[name][1] - other[name][1]))
-        <= CLOSE * max(one[name][1], other[name][1])
+        max(abs(one[name][0] - other[name][0]), abs(one[name][1] - other[name][1])) <= CLOSE * max(one[name][1], other[name][1])
         for name in shared
     )
 
@@ -87,8 +83,7 @@ def _lag(one: Course, other: Course) -> int | None:
         if 2 * (last - first) < min(one.samples, other.samples):
             continue
         pairs = [
-            (one.columns[name][first:last], other.columns[name][first - lag : last - lag], within[name])
-            for name in shared
+            (one.columns[name][first:last], other.columns[name][first - lag : last - lag], within[name]) for name in shared
         ]
         if all(np.max(np.abs(a - b)) <= rounding for a, b, rounding in pairs) and any(
             _changes(a) >= FEWEST for a, _, _ in pairs
@@ -124,11 +119,7 @@ def _text(one: Course, other: Course, lag: int) -> str:
     """Return in words that ``other`` is no test of its own."""
     if _simulated(one, other):
         return f"is {one.where} again: without scatter every repetition of a simulation is the same; they count once"
-    cut = (
-        ""
-        if lag == 0 and one.samples == other.samples
-        else f", of which it has {other.samples} of {one.samples} samples"
-    )
+    cut = "" if lag == 0 and one.samples == other.samples else f", of which it has {other.samples} of {one.samples} samples"
     return f"is a copy of {one.where}{cut}: readings differ by less than their last digit; both count once"
 
 

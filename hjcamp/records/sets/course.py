@@ -69,11 +69,7 @@ def courses_of(logs: Iterable[TestLog]) -> list[Course]:
             continue
         measured, along, inputs = _names(plant_of(log.metadata, str(log.path)))
         phase = log.command_phase
-        own = {
-            name: phase[name]
-            for name in (*measured, *along, *inputs)
-            if name in phase and np.all(np.isfinite(phase[name]))
-        }
+        own = {name: phase[name] for name in (*measured, *along, *inputs) if name in phase and np.all(np.isfinite(phase[name]))}
         references = [name for name in along if name.startswith("reference_") and name in own]
         commanded = references or [name for name in inputs if name in own]
         shown = tuple(name for name in measured if name in own)

@@ -50,11 +50,7 @@ def odd_ones(courses: Sequence[Course]) -> list[Odd]:
 
 def _look(one: Course, rest: Sequence[Course], level: float) -> dict[str, Apart]:
     """Return how far each column that its repetitions have as well is from these."""
-    return {
-        name: apart(name, one.columns, rest, level)
-        for name in one.columns
-        if all(name in each.columns for each in rest)
-    }
+    return {name: apart(name, one.columns, rest, level) for name in one.columns if all(name in each.columns for each in rest)}
 
 
 def _odd(
@@ -90,8 +86,7 @@ def _odd(
             continue
         after = {name: apart(name, mistake.columns, rest, level, mistake.skipped) for name in before}
         worse = (
-            far(name, each) or (each.outside and not each.known and not before[name].outside)
-            for name, each in after.items()
+            far(name, each) or (each.outside and not each.known and not before[name].outside) for name, each in after.items()
         )
         if first.ratio < best and not any(worse):
             explained[mistake.fitted] = first.ratio, first.turned, field, mistake
@@ -124,14 +119,10 @@ def _twice(one: Course, rest: Sequence[Course], names: Sequence[str], level: flo
     again: dict[str, Array] = {name: values[length:] for name, values in one.columns.items()}
     if any(apart(name, again, rest, level).far for name in names):
         return None
-    return Odd(
-        one.log, names[0], f"holds the test of its {counted(len(rest), 'repetition')} twice, one after the other", True
-    )
+    return Odd(one.log, names[0], f"holds the test of its {counted(len(rest), 'repetition')} twice, one after the other", True)
 
 
-def _explained(
-    one: Course, rest: Sequence[Course], others: Sequence[Sequence[Course]], worst: str, mistake: Mistake
-) -> Odd:
+def _explained(one: Course, rest: Sequence[Course], others: Sequence[Sequence[Course]], worst: str, mistake: Mistake) -> Odd:
     """Return the finding of a log that agrees after a mistake is undone: of two, that which goes against the other conditions."""
     agrees = f"and agrees with {'them' if len(rest) > 1 else 'it'} {mistake.text}"
     known = not mistake.fitted

@@ -24,9 +24,7 @@ LONGEST_MAT = 63
 def units_of_log(log: TestLog) -> dict[str, str]:
     """Return the unit of each field of a log, as it is written in it."""
     table = log.table
-    return {
-        name: table.field(name).unit if name in table.names else unit_of_field(name, "").shown for name in log.columns
-    }
+    return {name: table.field(name).unit if name in table.names else unit_of_field(name, "").shown for name in log.columns}
 
 
 def _parquet(log: TestLog, stream: IO[bytes]) -> None:
@@ -84,7 +82,9 @@ def export_logs(logs: Sequence[Path], read: Callable[[Path], TestLog], kind: str
         try:
             log = read(path)
         except UsageError as fault:
-            whole = f"; {counted(done, 'table')} of {len(logs)} logs before it, in {folder}, {'is' if done == 1 else 'are'} whole"
+            whole = (
+                f"; {counted(done, 'table')} of {len(logs)} logs before it, in {folder}, {'is' if done == 1 else 'are'} whole"
+            )
             raise UsageError(f"{fault}{whole if done else ''}") from fault
         with whole_file(target) as stream:
             FORMATS[kind](log, stream)

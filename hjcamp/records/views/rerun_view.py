@@ -42,9 +42,7 @@ def write_recording(path: Path, log: TestLog, panels: Labels, phases: Mapping[st
         import rerun as rr
         import rerun.blueprint as rrb
     except ImportError:
-        raise UsageError(
-            "--with rerun: the package rerun-sdk is not installed; pip install 'hjcamp[viewers]'"
-        ) from None
+        raise UsageError("--with rerun: the package rerun-sdk is not installed; pip install 'hjcamp[viewers]'") from None
     views: list[Any] = [rrb.TextLogView(origin=f"/{EVENTS}", name="events")]
     part = path.with_name(path.name + ".part")
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -49,9 +49,12 @@ def foxglove_layout(panels: Panels, states: Mapping[str, str]) -> str:
             "showXAxisLabels": True, "showYAxisLabels": True, "legendDisplay": "floating", "foxglovePanelTitle": title,
         }  # fmt: skip
     content = {
-        "configById": configurations, "globalVariables": {}, "userNodes": {}, "playbackConfig": {"speed": 1},
+        "configById": configurations,
+        "globalVariables": {},
+        "userNodes": {},
+        "playbackConfig": {"speed": 1},
         "layout": _stacked(list(configurations)),
-    }  # fmt: skip
+    }
     return json.dumps(content, indent=2) + "\n"
 
 

@@ -104,6 +104,8 @@ def _estimate(row: Mapping[str, Any]) -> str:
 
 
 SHEETS = {
-    "hjcamp.comparison/1": _comparison, "hjcamp.diagnosis/1": _diagnosis, "hjcamp.diagnosis/2": _diagnosis,
+    "hjcamp.comparison/1": _comparison,
+    "hjcamp.diagnosis/1": _diagnosis,
+    "hjcamp.diagnosis/2": _diagnosis,
     "hjcamp.calibration/1": _calibration,
-}  # fmt: skip
+}

@@ -144,9 +144,7 @@ def means_painter(conditions: Sequence[str], indicators: Sequence[str], kinds: S
         panels[0, 0].set_yticks(range(len(conditions)), [drawn(name) for name in conditions])
         panels[0, 0].set_ylim(len(conditions) - 0.4, -0.6)
         if len(kinds) > 1:
-            figure.legend(
-                *panels[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=len(kinds), frameon=False
-            )
+            figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=len(kinds), frameon=False)
 
     return paint
 
@@ -156,7 +154,9 @@ def means_caption(indicators: Sequence[str], rows: Sequence[Mapping[str, Any]]) 
     numbers = sorted({int(row["n"]) for row in rows})
     tests = f"n = {numbers[0]}" if len(numbers) == 1 else f"n = {numbers[0]} to {numbers[-1]}"
     shown = ", ".join(TITLES.get(name, readable(name)).removesuffix(" (deg)") for name in indicators)
-    return f"{shown} of every condition: mean and sample standard deviation of the tests ({tests}), with published values if any."
+    return (
+        f"{shown} of every condition: mean and sample standard deviation of the tests ({tests}), with published values if any."
+    )
 
 
 def course_caption(condition: Condition) -> str:
@@ -189,9 +189,7 @@ def course_painter(condition: Condition) -> Callable[[Any], None]:
                     condition.time, spread.lowest, spread.highest, color=BLUE, alpha=0.25, linewidth=0.0, label="range"
                 )
             panel.set_ylabel(text)
-        top.plot(
-            condition.time, condition.signals[WANTED].mean, "--", color=INK, linewidth=0.8, label="reference"
-        )
+        top.plot(condition.time, condition.signals[WANTED].mean, "--", color=INK, linewidth=0.8, label="reference")
         top.legend(frameon=False)
         bottom.set_xlabel("time (s)")
 

@@ -9,9 +9,13 @@ from hjcamp.report.formats import escape_latex
 from hjcamp.report.names import readable
 
 TITLES = {
-    "RMSE1": r"RMSE\textsubscript{1}", "RMSE2": r"RMSE\textsubscript{2}", "|e|max": r"$|e|_\mathrm{max}$", "SSE": "SSE",
-    "|SSE|": r"$|\mathrm{SSE}|$", "n": "$n$",
-}  # fmt: skip
+    "RMSE1": r"RMSE\textsubscript{1}",
+    "RMSE2": r"RMSE\textsubscript{2}",
+    "|e|max": r"$|e|_\mathrm{max}$",
+    "SSE": "SSE",
+    "|SSE|": r"$|\mathrm{SSE}|$",
+    "n": "$n$",
+}
 MACROS = {"rmse1_deg": "RmseOne", "rmse2_deg": "RmseTwo", "e_max_deg": "EMax", "sse_deg": "Sse"}
 DIGITS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
 

@@ -19,7 +19,9 @@ CHARACTER_MM = 1.6
 LONGEST = 40
 #: A number, and what may stand behind it: its deviation, a mark, an arrow, a change in brackets.
 VALUE = re.compile(r"(-?)(\d+)(?:\.(\d+))?(?: ([^\w\s].*))?")
-DEVIATION = "In a table, ± is the sample standard deviation s of the n tests, with the digits that were printed where it is published."
+DEVIATION = (
+    "In a table, ± is the sample standard deviation s of the n tests, with the digits that were printed where it is published."
+)
 DEFINED = {
     "RMSE1": "RMSE1: root mean square of the error of the arm's angle over the command phase.",
     "RMSE2": "RMSE2: the same without its first 0.25 s.",
@@ -65,9 +67,7 @@ def _tabular(sheet: Sheet, columns: Sequence[int]) -> list[str]:
     lines = [rf"\begin{{tabular}}{{{spec}}}", r"\toprule", " & ".join(heads) + r" \\", r"\midrule"]
     for row in sheet.rows:
         if row[0].kind == "block":
-            lines.append(
-                rf"\multicolumn{{{len(columns) + len(marked)}}}{{l}}{{\emph{{{header_of_block(row[0].text)}}}}} \\"
-            )
+            lines.append(rf"\multicolumn{{{len(columns) + len(marked)}}}{{l}}{{\emph{{{header_of_block(row[0].text)}}}}} \\")
         else:
             cells = [_cell(row[place], bool(formats[place]), sheet.headers[place]) for place in columns]
             behind = [f" & {escape_latex(_after(row[place]))}" if place in marked else "" for place in columns]
@@ -89,7 +89,9 @@ def _said_once(sheet: Sheet) -> Sheet:
 def _width_mm(sheet: Sheet, columns: Iterable[int]) -> float:
     """Return about how wide these columns are in small type."""
     rows = [row for row in sheet.rows if len(row) == len(sheet.headers)]
-    texts = {place: [sheet.headers[place] + " (deg)", *(f"{row[place].text} {row[place].mark}" for row in rows)] for place in columns}
+    texts = {
+        place: [sheet.headers[place] + " (deg)", *(f"{row[place].text} {row[place].mark}" for row in rows)] for place in columns
+    }
     return CHARACTER_MM * sum(min(max(map(len, found)), LONGEST) + 2 for found in texts.values())
 
 

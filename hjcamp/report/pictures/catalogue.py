@@ -12,9 +12,13 @@ from hjcamp.report.pictures.prediction import readable
 
 
 def draw_change(
-    time: NDArray[Any], changed: tuple[str, str], without: NDArray[Any], with_: NDArray[Any],
-    driver: tuple[str, str], values: NDArray[Any],
-) -> str:  # fmt: skip
+    time: NDArray[Any],
+    changed: tuple[str, str],
+    without: NDArray[Any],
+    with_: NDArray[Any],
+    driver: tuple[str, str],
+    values: NDArray[Any],
+) -> str:
     """Return a quantity (n,) without and with an effect over time (s), and their difference over a driver (n,).
 
     ``changed`` and ``driver`` are name and SI unit.

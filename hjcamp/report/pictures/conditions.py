@@ -57,10 +57,14 @@ def panels_by_unit(signals: Sequence[str]) -> list[Panel]:
     panels = []
     for unit, names in units.items():
         curves = [
-            Curve(name, name.rpartition("_")[0].replace("_", " "), INK if name.startswith("reference_") else COLOURS[k % len(COLOURS)],
-                  name.startswith("reference_"))
+            Curve(
+                name,
+                name.rpartition("_")[0].replace("_", " "),
+                INK if name.startswith("reference_") else COLOURS[k % len(COLOURS)],
+                name.startswith("reference_"),
+            )
             for k, name in enumerate(names)
-        ]  # fmt: skip
+        ]
         title = names[0].rpartition("_")[0].replace("_", " ") if len(names) == 1 else "signals"
         panels.append(Panel(f"{title} ({unit})", tuple(curves)))
     return panels
@@ -133,8 +137,9 @@ class Frame:
                 band = PolyCollection([], color=curve.colour, alpha=0.22, linewidth=0.0)
                 self._bands[curve.signal] = axes.add_collection(band, autolim=False)
             style = (0, (4, 2.5)) if curve.dashed else "-"
-            (line,) = axes.plot([], [], color=curve.colour, linewidth=1.2, linestyle=style,
-                                label=curve.label.format(observed=self._observed))  # fmt: skip
+            (line,) = axes.plot(
+                [], [], color=curve.colour, linewidth=1.2, linestyle=style, label=curve.label.format(observed=self._observed)
+            )
             self._lines[curve.signal] = line
             self._others[curve.signal] = []
 

@@ -140,12 +140,20 @@ def _limits(values: Sequence[Array]) -> tuple[float, float]:
 
 
 def draw_worst_test(
-    title: str, quantity: str, unit: str, time: Array, measured: Array, models: Sequence[tuple[str, Array]],
-    *, observed: str = "measured",
+    title: str,
+    quantity: str,
+    unit: str,
+    time: Array,
+    measured: Array,
+    models: Sequence[tuple[str, Array]],
+    *,
+    observed: str = "measured",
 ) -> str:
     """Return the worst test: measured (n,) and each model's prediction above, their residuals below; SI or field units."""
     label, scaled = readable(quantity, unit, measured, *(values for _, values in models))
-    residual, [_, *left] = readable(f"residual: model - {observed}", unit, measured, *(values - measured for _, values in models))
+    residual, [_, *left] = readable(
+        f"residual: model - {observed}", unit, measured, *(values - measured for _, values in models)
+    )
 
     def paint(figure: Any) -> None:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1))

@@ -15,9 +15,7 @@ MOST_LABELS = 24
 LONGEST_LABEL = 18
 
 
-def draw_history(
-    path: Path, title: str, indicator: str, rows: Sequence[Mapping[str, Any]], labels: Sequence[str]
-) -> None:
+def draw_history(path: Path, title: str, indicator: str, rows: Sequence[Mapping[str, Any]], labels: Sequence[str]) -> None:
     """Write the picture of the ``rows`` of a history; a red mark is a row in which conditions changed."""
     from matplotlib.figure import Figure
 

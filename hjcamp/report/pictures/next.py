@@ -57,9 +57,7 @@ def draw_predictions(tests: Sequence[Prediction], bars: Sequence[Bar], labels: L
     return buffer.getvalue()
 
 
-def predictions_figure(
-    tests: Sequence[Prediction], bars: Sequence[Bar], labels: Labels, kind: Callable[..., Any]
-) -> Any:
+def predictions_figure(tests: Sequence[Prediction], bars: Sequence[Bar], labels: Labels, kind: Callable[..., Any]) -> Any:
     """Return the picture as a figure of matplotlib, made by ``kind``."""
     shown = list(tests)[:COLUMNS]
     below = 1.0 + 0.24 * len(bars)
@@ -82,8 +80,7 @@ def predictions_figure(
 def _column(axes: Any, one: Prediction, title: str, labelled: bool, labels: Labels) -> None:
     first = next(iter(one.means))
     curves = {
-        name: np.column_stack([mean, labels.factor * (mean - one.means[first])[:, -1]])
-        for name, mean in one.means.items()
+        name: np.column_stack([mean, labels.factor * (mean - one.means[first])[:, -1]]) for name, mean in one.means.items()
     }
     spreads = {name: np.column_stack([spread, labels.factor * spread[:, -1]]) for name, spread in one.spreads.items()}
     for row, (axis, label) in enumerate(zip(axes, (*labels.rows, labels.last.format(name=first)), strict=True)):

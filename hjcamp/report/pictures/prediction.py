@@ -25,8 +25,14 @@ def readable(name: str, unit: str, *values: Array) -> tuple[str, list[Array]]:
 
 
 def draw_windows(
-    name: str, unit: str, time: Array, measured: Array, models: Sequence[tuple[str, Array]], edges: Array,
-    *, observed: str = "measured",
+    name: str,
+    unit: str,
+    time: Array,
+    measured: Array,
+    models: Sequence[tuple[str, Array]],
+    edges: Array,
+    *,
+    observed: str = "measured",
 ) -> str:
     """Return a stretch of one channel: measured and predicted above, residuals below; gaps at the windows' ``edges``."""
     colours = itertools.cycle(itertools.product(("-", "--", ":"), MODELS))

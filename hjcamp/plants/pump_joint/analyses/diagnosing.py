@@ -44,9 +44,7 @@ def diagnose_joint(
     report: Report = silent,
     compiling: Callable[[int, int], None] = lambda done, count: None,
     lacking: Callable[[Evidence], None] = lambda evidence: None,
-    gather: Callable[[Diagnosis, dict[str, Any], Mapping[str, type[Effect]]], Any] = lambda found, content, library: (
-        None
-    ),
+    gather: Callable[[Diagnosis, dict[str, Any], Mapping[str, type[Effect]]], Any] = lambda found, content, library: None,
 ) -> Diagnosed:
     """Return what the model of the joint misses (`hjcamp.plants.pump_joint.diagnosis.diagnose`).
 

@@ -37,20 +37,22 @@ def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool,
     console.print(f"  next    hjcamp run campaign=open_loop_validation model={name} rig={name}", markup=False)
     # Without the choice of --only the logs may be of several rigs, which no model fits.
     if not only:
-        console.print(
-            f"          hjcamp compare {' '.join(map(str, data.paths))} --model {name}", markup=False, soft_wrap=True
-        )
+        console.print(f"          hjcamp compare {' '.join(map(str, data.paths))} --model {name}", markup=False, soft_wrap=True)
 
 
 def answer_of(found: Calibration) -> dict[str, Any]:
     """Return the constants with their 95 % intervals (SI), as a diagnosis tells its calibration."""
     rows = {
         name: {
-            "published": one.published, "value": one.value, "unit": one.unit,
-            "ci95": list(one.interval) if one.interval else None, "tests": one.tests, "text": one.text,
+            "published": one.published,
+            "value": one.value,
+            "unit": one.unit,
+            "ci95": list(one.interval) if one.interval else None,
+            "tests": one.tests,
+            "text": one.text,
         }
         for name, one in found.estimates.items()
-    }  # fmt: skip
+    }
     head = {
         "schema": "hjcamp.calibration/1",
         "plant": "pump_joint",

@@ -44,9 +44,7 @@ def tests_of(found: Comparison) -> Iterator[ModelledTest]:
     names = names_of([test.log for test in evidence.tests])
     for index, test in enumerate(evidence.tests):
         part = slice(int(evidence.edges[index]), int(evidence.edges[index + 1]))
-        columns = {
-            name: values[::STRIDE] for name, values in test.log.command_phase.items() if name not in NOT_CHANNELS
-        }
+        columns = {name: values[::STRIDE] for name, values in test.log.command_phase.items() if name not in NOT_CHANNELS}
         measured = {name: replays[0].measured[part, place] for place, name in enumerate(CHANNELS[:3])}
         models = {}
         for one in (*replays, *found.lesser):

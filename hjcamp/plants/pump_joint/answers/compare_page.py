@@ -110,7 +110,7 @@ def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = (
         page.place_table([place.row() for place in last.places]),
         page.picture(maps[last.replay.name][0], pictures["where"]),
         page.note(PALE_SAID),
-    ]  # fmt: skip
+    ]
     if calibrated:
         parts += [
             page.heading("Where: after calibrating its base parameters on these tests"),
@@ -136,7 +136,9 @@ def lead_of(models: list[Compared], calibrated: Compared | None = None) -> str:
     told = " -> ".join(f"{one.score:.2f}" for one in models)
     told += f" ({calibrated.score:.2f} after calibrating its base parameters)" if calibrated else ""
     evidence = models[0].replay.evidence
-    tests = f"{counted(len(evidence.tests), 'test')}, {counted(len(evidence.conditions), 'condition')}, driven by the measured pump"
+    tests = (
+        f"{counted(len(evidence.tests), 'test')}, {counted(len(evidence.conditions), 'condition')}, driven by the measured pump"
+    )
     if not evidence.repeated:
         return f"Error over the spread of the measurement {told}; no test was repeated, so there is no floor. {tests}."
     return f"Error over floor, geometric mean of arm and lines: {told}. {tests}."

@@ -48,17 +48,13 @@ def begun(row: Mapping[str, Any], file: Path) -> Begun:
     subsystem, slots, share, turning = QUANTITIES[row["port"]]
     forward, backward = curve["forward"], curve["backward"]
     both = [
-        None
-        if a is None and b is None
-        else share * (_mean(a, b, 1.0) if a is not None and b is not None else _one(a, b))
+        None if a is None and b is None else share * (_mean(a, b, 1.0) if a is not None and b is not None else _one(a, b))
         for a, b in zip(forward, backward, strict=True)
     ]
     values, first, last = even_steps(curve["x"], both, KNOTS)
     said = str(row["quantity"])
     tables: list[Table] = [Table("even", slots, values, curve["y_unit"], f"{said}, alike both ways")]
-    odd = [
-        None if a is None or b is None else share * _mean(a, b, -1.0) for a, b in zip(forward, backward, strict=True)
-    ]
+    odd = [None if a is None or b is None else share * _mean(a, b, -1.0) for a, b in zip(forward, backward, strict=True)]
     if sum(value is not None for value in odd) >= 2:
         known = {"x": curve["x"], "y": odd}
         turned, _, _ = even_steps(known["x"], known["y"], KNOTS)

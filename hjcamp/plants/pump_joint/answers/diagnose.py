@@ -71,9 +71,7 @@ def tell_of_compiling(console: Console, report: Callable[[str, float], None], do
         console.print(f"  compiling {counted(count, 'kernel')}, once for these effects", markup=False)
 
 
-def next_command(
-    content: dict[str, Any], paths: list[Path], model: str = "published", folder: Path = Path("diagnose")
-) -> str:
+def next_command(content: dict[str, Any], paths: list[Path], model: str = "published", folder: Path = Path("diagnose")) -> str:
     """Return the command that goes on from an answer; it can be pasted as it is."""
     from hjcamp.commands import command_files
 
@@ -85,9 +83,7 @@ def next_command(
     if verdict == "outside_library":
         driver = content["drivers"][0] if content["drivers"] else "unknown"
         begun = f" --from {joined([folder])}" if content.get("unknowns") else ""
-        return (
-            f"hjcamp effects new {driver}_effect{begun}   # write its law, then: hjcamp diagnose {joined(paths)}{own}"
-        )
+        return f"hjcamp effects new {driver}_effect{begun}   # write its law, then: hjcamp diagnose {joined(paths)}{own}"
     if verdict == "nothing_missing" or "next" not in command_files():
         return f"hjcamp compare {joined(paths)}{own}"
     return f"hjcamp next {joined(paths)}"

@@ -95,8 +95,7 @@ class Told(Diagnosed):
     def detectable(self) -> list[str]:
         """Return the smallest amplitude of every effect that would have been seen."""
         return [
-            f"{name} {told(row['value'], row['unit'], 2)}".rstrip()
-            for name, row in self.content["minimum_detectable"].items()
+            f"{name} {told(row['value'], row['unit'], 2)}".rstrip() for name, row in self.content["minimum_detectable"].items()
         ]
 
     def where(self) -> list[str]:
@@ -114,7 +113,9 @@ class Told(Diagnosed):
 
     def worst(self) -> list[str]:
         """Return the conditions that err most on tests not used for the fit, by the model with the effects."""
-        return worst_words(self.content["worst"], "the floor" if self.judging.scale.repeated else "the spread of what was measured")
+        return worst_words(
+            self.content["worst"], "the floor" if self.judging.scale.repeated else "the spread of what was measured"
+        )
 
     def errors(self) -> list[tuple[str, Judged]]:
         """Return the errors by name: as started, calibrated, with the effects."""

@@ -36,9 +36,7 @@ def configured(overrides: list[str]) -> dict[str, Any]:
     from hjcamp.configuration.composer import Composer, free
 
     if any(line.startswith("campaign=") for line in overrides):
-        raise UsageError(
-            "campaign=...: a picture shows one test; choose trajectory=, controller=, payload= ... instead"
-        )
+        raise UsageError("campaign=...: a picture shows one test; choose trajectory=, controller=, payload= ... instead")
     config = Composer().compose([free(line) for line in (*TEST, *overrides)]).config
     check_configuration(config)
     return config

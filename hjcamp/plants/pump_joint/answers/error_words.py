@@ -88,9 +88,7 @@ def worse_than_mean(errors: Mapping[str, ChannelError | None]) -> list[str]:
     """Return in words which channels a model predicts worse than their own mean would: its r2 is below 0."""
     from hjcamp.report.units import label
 
-    told = [
-        f"{label(name)} ({one.r2:.2g})" for name, one in errors.items() if one and one.r2 is not None and one.r2 < 0
-    ]
+    told = [f"{label(name)} ({one.r2:.2g})" for name, one in errors.items() if one and one.r2 is not None and one.r2 < 0]
     if not told:
         return []
     return [f"r2 is negative for {', '.join(told)}: the mean of the measurement would be nearer than the model."]

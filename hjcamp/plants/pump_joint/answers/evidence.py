@@ -47,9 +47,7 @@ def gathered(found: Diagnosis, content: dict[str, Any], library: Mapping[str, ty
     return Shown(missing_of(found, content, library, added), readings, windows)
 
 
-def missing_of(
-    found: Diagnosis, content: dict[str, Any], library: Mapping[str, type[Effect]], added: list[str]
-) -> Missing:
+def missing_of(found: Diagnosis, content: dict[str, Any], library: Mapping[str, type[Effect]], added: list[str]) -> Missing:
     """Return what the calibrated model misses over its likeliest driver, what the named law says there, and what is left.
 
     Where effects were named, the driver is that of their law. A law of the lines may depend on the very pressures.
@@ -108,9 +106,7 @@ def evidence_pictures(found: Diagnosis, shown: Shown) -> dict[str, str]:
     from hjcamp.records.log import observed
     from hjcamp.report.pictures.evidence import draw_correlations, draw_gains, draw_missing, draw_worst_test
 
-    pictures = (
-        {f"missing_{name}": svg for name, svg in draw_missing(shown.missing).items()} if shown.missing.before else {}
-    )
+    pictures = {f"missing_{name}": svg for name, svg in draw_missing(shown.missing).items()} if shown.missing.before else {}
     pictures["worst_test"] = draw_worst_test(
         *_worst_test(found, shown), observed=observed(test.log for test in found.features.evidence.tests)
     )

@@ -28,9 +28,7 @@ LABELS = Labels(
 Pairs = dict[tuple[int, int], float]
 
 
-def answer(
-    proposal: Proposal | None, verdict: str | None, campaign: Path | None, picture: Path | None
-) -> dict[str, Any]:
+def answer(proposal: Proposal | None, verdict: str | None, campaign: Path | None, picture: Path | None) -> dict[str, Any]:
     """Return every key of the schema; without a proposal nothing is to be separated."""
     rivals = proposal.rivals if proposal else []
     return {
@@ -78,11 +76,7 @@ def names_of(proposal: Proposal) -> str:
 
 def comment_of(proposal: Proposal, words: Words) -> list[str]:
     """Return the head of the campaign's file."""
-    source = (
-        f"Proposed by hjcamp next from {joined(words.paths)}"
-        if words.paths
-        else "Proposed by hjcamp next before any test"
-    )
+    source = f"Proposed by hjcamp next from {joined(words.paths)}" if words.paths else "Proposed by hjcamp next before any test"
     return [
         f"{source}, to set apart {names_of(proposal)}.",
         "Separations are expected, in standard deviations of the repetitions.",
@@ -154,9 +148,7 @@ def tell(console: Console, proposal: Proposal, work: Work, campaign: Path, pictu
     for place, one in enumerate(proposal.tests, start=1):
         config = one.trial.config
         preload = f"{config['procedure']['preload_mpa']:g} MPa"
-        table.add_row(
-            f"  {place}", one.trial.choice.text, preload, config["controller"]["name"], _sigma(one.pairs, rivals)
-        )
+        table.add_row(f"  {place}", one.trial.choice.text, preload, config["controller"]["name"], _sigma(one.pairs, rivals))
     console.print(table)
     for line in _outlook(proposal):
         console.print(line, markup=False)
@@ -202,7 +194,5 @@ def _outlook(proposal: Proposal) -> list[str]:
         for (a, b), value in list(proposal.together.items())[:ROWS]
     ]
     if alike:
-        lines.append(
-            "what stays below 3 sigma is the same thing to this rig, or needs other tests than those of the menu"
-        )
+        lines.append("what stays below 3 sigma is the same thing to this rig, or needs other tests than those of the menu")
     return lines

@@ -101,9 +101,7 @@ def work_of(words: Words, library: Mapping[str, Any], effort: str, seed: int, re
     effects = tuple(library.values())
     if not words.paths:
         bench = Bench(effects, _lines(words.fixed))
-        return Work(
-            words, rivals_by_name(words.rivals or [NOTHING, *library], library, bench.values), bench, words.fixed, None
-        )
+        return Work(words, rivals_by_name(words.rivals or [NOTHING, *library], library, bench.values), bench, words.fixed, None)
     evidence = evidence_of(words.paths)
     metadata = evidence.tests[0].log.metadata
     fixed = {group: metadata[group] for group in HARDWARE if metadata.get(group)} | words.fixed

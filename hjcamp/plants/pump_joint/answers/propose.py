@@ -62,9 +62,7 @@ def propose(
         title = f"Tests that set apart {names_of(proposal)}"
         choices = [one.trial.choice for one in proposal.tests]
         new_campaign(path.stem)
-        write_campaign(
-            path, campaign_content(path.stem, title, work.fixed, choices, REPETITIONS), comment_of(proposal, given)
-        )
+        write_campaign(path, campaign_content(path.stem, title, work.fixed, choices, REPETITIONS), comment_of(proposal, given))
     content = answer(proposal, work.found.verdict if work.found else None, path, picture)
     content["seconds"] = round(time.perf_counter() - began, 3)
     write_answer(json, content)

@@ -83,9 +83,7 @@ def added(data: Data, names: Sequence[str], name: str, model: str, report: Repor
     return add(data, names, name, model, report)
 
 
-def calibrated(
-    data: Data, name: str, only: Sequence[str], overwrite: bool, report: Report
-) -> tuple[Path, dict[str, Any], Any]:
+def calibrated(data: Data, name: str, only: Sequence[str], overwrite: bool, report: Report) -> tuple[Path, dict[str, Any], Any]:
     """Identify the constants and save them: the model's file, rows, what was found."""
     from hjcamp.plants.pump_joint.analyses.calibrating import identify_joint, pairs
 

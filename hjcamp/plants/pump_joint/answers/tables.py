@@ -106,9 +106,7 @@ def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
 
 def print_errors(console: Console, content: Mapping[str, Any], fitted: str = "fitted") -> None:
     """Print loss and mean absolute log ratio of each model, table by table; ``fitted`` says what was done with the cells."""
-    console.print(
-        "error   mean absolute log ratio of RMSE1, RMSE2 and largest error; cells within two sigma", markup=False
-    )
+    console.print("error   mean absolute log ratio of RMSE1, RMSE2 and largest error; cells within two sigma", markup=False)
     for key, used in (("error", fitted), ("error_held_out", "held out")):
         for name, one in content[key].items():
             ratios = [f"{table} {ratio:.2f}" for table, ratio in one["mean_abs_log_ratio"].items() if ratio is not None]

@@ -101,9 +101,7 @@ def tune_campaign(
     return told
 
 
-def search(
-    conditions: list[Condition], first: Mapping[str, Mapping[str, float]], seed: int, console: Console
-) -> Retuned:
+def search(conditions: list[Condition], first: Mapping[str, Mapping[str, float]], seed: int, console: Console) -> Retuned:
     """Return the gains found for conditions that share them; says on a terminal how far the search is."""
     from hjcamp.campaign.compiling import Doing, kernels_of, status
     from hjcamp.plants.pump_joint.studies.retune import retune

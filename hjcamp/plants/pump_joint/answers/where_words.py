@@ -101,9 +101,7 @@ def strongest_cuts(places: Sequence[Place]) -> list[Place]:
         if place.variable != "all":
             found.setdefault((place.subsystem, place.variable), []).append(place)
     return [
-        bins[0]
-        for (_, variable), bins in found.items()
-        if variable != "repetition" or uneven([place.share for place in bins])
+        bins[0] for (_, variable), bins in found.items() if variable != "repetition" or uneven([place.share for place in bins])
     ]
 
 
@@ -123,9 +121,7 @@ def grouped_bars(rows: Sequence[Mapping[str, Any]], groups: int = 4, most: int =
         if row["variable"] != "all":
             group = f"{row['subsystem']}, by {str(row['variable']).replace('_', ' ')}"
             divided.setdefault(group, []).append((group, str(row["bin"]), float(row["share"])))
-    telling = [
-        cut for group, cut in divided.items() if not group.endswith("repetition") or uneven([bar[2] for bar in cut])
-    ]
+    telling = [cut for group, cut in divided.items() if not group.endswith("repetition") or uneven([bar[2] for bar in cut])]
     for cut in telling[:groups]:
         bars += cut[:most]
     return bars

@@ -49,8 +49,7 @@ def lines_of(log: TestLog, constants: Constants) -> tuple[Line, Line]:
     moved = columns["pump_deg"] if "pump_deg" in columns else columns["command_deg"]
     volume = constants.pump_area * pump_travel(moved - moved[0], constants)
     found = tuple(
-        Line(sign * volume, columns[f"pressure{number}_mpa"], columns["time_s"])
-        for number, sign in ((1, 1.0), (2, -1.0))
+        Line(sign * volume, columns[f"pressure{number}_mpa"], columns["time_s"]) for number, sign in ((1, 1.0), (2, -1.0))
     )
     rise = max(float(np.ptp(line.pressure)) for line in found)
     if rise < SMALLEST_RISE_MPA:
@@ -134,9 +133,7 @@ def identify_compliance(logs: Sequence[TestLog], constants: Constants) -> Findin
     if valid is None:
         warnings.append("dp/dV differs by more than 5 % all over the range: the line is not linear")
         valid = low, high
-    mean, interval = mean_interval(
-        per_test, _resolution(logs[0], constants) / float(np.ptp(every[0].volume)) * per_test[0]
-    )
+    mean, interval = mean_interval(per_test, _resolution(logs[0], constants) / float(np.ptp(every[0].volume)) * per_test[0])
     first = Estimate(
         "line_stiffness", mean, "Pa/m^3", interval, len(per_test), "dp/dV of one line", "MPa/mm³", SCALE,
         constants.published.get("line_stiffness"),
@@ -165,9 +162,7 @@ def _resolution(log: TestLog, constants: Constants) -> float:
     return float(constants.pump_area * pump_travel(np.median(steps) if len(steps) else 0.0, constants))
 
 
-def _moduli(
-    stiffness: Estimate, constants: Constants, middle: float
-) -> tuple[tuple[Estimate, ...], dict[str, str], list[str]]:
+def _moduli(stiffness: Estimate, constants: Constants, middle: float) -> tuple[tuple[Estimate, ...], dict[str, str], list[str]]:
     tubing = constants.tubing
     names = ("inner_diameter_mm", "outer_diameter_mm", "length_mm", "youngs_modulus_mpa", "poisson_ratio", "water")
     if any(tubing.get(name) is None for name in names):

@@ -105,9 +105,7 @@ def bode_charts(points: Sequence[Point]) -> tuple[str, list[Chart]]:
     phase: list[Series] = []
     for number, (case, own) in enumerate(cases.items()):
         found = bandwidth(own)
-        said.append(
-            f"{case}: {f'-3 dB at {found[0]:.1f} Hz, phase {found[1]:.0f} deg' if found else 'no -3 dB reached'}"
-        )
+        said.append(f"{case}: {f'-3 dB at {found[0]:.1f} Hz, phase {found[1]:.0f} deg' if found else 'no -3 dB reached'}")
         x = np.array([one.frequency for one in own])
         for series, values in ((gain, gains_db(own)), (phase, phases_deg(own))):
             series.append(Series(x, np.asarray(values), case, "line", number))

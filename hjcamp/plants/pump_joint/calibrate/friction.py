@@ -99,9 +99,7 @@ def _nothing_steady(logs: Sequence[TestLog], shown: Sequence[Shown]) -> str:
     )
 
 
-def _static(
-    name: str, broke: Sequence[Breakaway], constants: Constants, repeated: bool, warnings: list[str]
-) -> list[Estimate]:
+def _static(name: str, broke: Sequence[Breakaway], constants: Constants, repeated: bool, warnings: list[str]) -> list[Estimate]:
     if not broke:
         warnings.append(f"no breakaway in the {name} direction: static friction is not identified")
         return []
@@ -189,9 +187,13 @@ def _charts(
     every = max(len(difference) // 1500, 1)
     time = columns["time_s"][::every]
     charts.append(
-        Chart("friction_test", "4.5.1", "Force of the lines and travel of the sliders in one test", "Time (s)",
-              "Force (N), travel (mm)",
-              (Series(time, difference[::every], "(p1 − p2) A₂ (N)"),
-               Series(time, travel[::every], "travel (mm)", "line", 1)))
-    )  # fmt: skip
+        Chart(
+            "friction_test",
+            "4.5.1",
+            "Force of the lines and travel of the sliders in one test",
+            "Time (s)",
+            "Force (N), travel (mm)",
+            (Series(time, difference[::every], "(p1 − p2) A₂ (N)"), Series(time, travel[::every], "travel (mm)", "line", 1)),
+        )
+    )
     return tuple(charts)

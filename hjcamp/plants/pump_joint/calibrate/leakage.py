@@ -82,8 +82,10 @@ def fit_leak(time: Array, pressure: Array, noise: float) -> Leak:
             found = least_squares(
                 lambda x: (Leak(*x).course(since) - pressure) / noise,
                 np.clip(first, np.add(bounds[0], 1e-9), np.subtract(bounds[1], 1e-9)),
-                bounds=bounds, x_scale=[0.1, 0.01, 1.0, 0.01], max_nfev=100,
-            )  # fmt: skip
+                bounds=bounds,
+                x_scale=[0.1, 0.01, 1.0, 0.01],
+                max_nfev=100,
+            )
             if 2.0 * found.cost < goal:
                 goal, leak = 2.0 * found.cost, Leak(*(float(value) for value in found.x))
     return leak

@@ -134,9 +134,7 @@ def _breakaway(turned: Array, push: Array, time: Array, test: int, direction: fl
     return Breakaway(test, direction, float(level) + 0.5 * rise, rise, float(time[peak])) if rise > 0 else None
 
 
-def _unsteady(
-    turned: Array, time: Array, push: Array, expected: float, count: float, broke: Breakaway | None
-) -> str | None:
+def _unsteady(turned: Array, time: Array, push: Array, expected: float, count: float, broke: Breakaway | None) -> str | None:
     if len(turned) * 1e-3 < SHORTEST_PLATEAU_S:
         return "too short after breakaway"
     speed = float(np.polyfit(time, turned, 1)[0])

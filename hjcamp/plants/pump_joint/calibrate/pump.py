@@ -84,9 +84,7 @@ def fit_orders(responses: Array) -> dict[int, tuple[TransferFunction, float]]:
     rate = 2.2 / max((high - low) * 1e-3, 1e-3)
     found: dict[int, tuple[TransferFunction, float]] = {}
     for order in ORDERS:
-        starts = (
-            [_plain_start(final, delay * share, rate, order) for share in (0.9, 0.4)] if order <= PLANT_ORDER else []
-        )
+        starts = [_plain_start(final, delay * share, rate, order) for share in (0.9, 0.4)] if order <= PLANT_ORDER else []
         if order > 1:
             starts += _grown(found[order - 1][0], order)
         if order > 2:

@@ -53,8 +53,7 @@ def identify_sensors(logs: Sequence[TestLog]) -> Finding:
 
     quiet = [log for log in logs if float(np.ptp(log.command_phase["arm_deg"])) < 1.1] or list(logs)
     noises = [
-        float(np.mean([pressure_noise(log.columns[f"pressure{number}_mpa"]) for number in (1, 2)])) * 1e6
-        for log in quiet
+        float(np.mean([pressure_noise(log.columns[f"pressure{number}_mpa"]) for number in (1, 2)])) * 1e6 for log in quiet
     ]
     add("pressure_noise", noises, "Pa", "noise of a pressure sample", "MPa", 1e-6)
     for field, name, text in (("arm_deg", "encoder_count", "arm encoder"), ("pump_deg", "pump_count", "pump encoder")):

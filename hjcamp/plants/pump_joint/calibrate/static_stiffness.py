@@ -89,9 +89,7 @@ def step_of(log: TestLog, config: Mapping[str, Any]) -> Step:
     """Return what one log of a force step tells; ``UsageError`` where it does not say when the force came and went."""
     given = (config.get("effects") or {}).get(FORCE)
     if not given or not {"strength", "begin", "end"} <= set(given):
-        raise UsageError(
-            f"{log.condition_key}: effects.{FORCE} needs strength, begin and end, which say what was put on"
-        )
+        raise UsageError(f"{log.condition_key}: effects.{FORCE} needs strength, begin and end, which say what was put on")
     command = log.command_phase
     time, arm = command["time_s"], command["arm_deg"]
     begin, end = float(given["begin"]), float(given["end"])
@@ -199,9 +197,7 @@ def stiffness_charts(steps: Sequence[Step]) -> tuple[str, list[Chart]]:
     charts = []
     if drawn:
         name = "Force that the lines bear over what the arm gives way"
-        charts.append(
-            Chart("stiffness", "", name, "Travel at the sliders (mm)", "Change of (p2 - p1) A2 (N)", tuple(drawn))
-        )
+        charts.append(Chart("stiffness", "", name, "Travel at the sliders (mm)", "Change of (p2 - p1) A2 (N)", tuple(drawn)))
     name = "Angle that is left at the end of the force"
     charts.append(Chart("left", "", name, "Force at the sliders (N)", "Angle left (deg)", tuple(angles)))
     return "; ".join(said), charts

@@ -151,6 +151,4 @@ def telling_rows(response: Array) -> NDArray[np.intp]:
     rise = max(high - low, 5)
     every = max(rise // 20, 1)
     end = min(high + 4 * rise, len(response) - 1)
-    return np.unique(
-        np.concatenate([np.arange(0, end, every), np.linspace(end, len(response) - 1, 15)]).astype(np.intp)
-    )
+    return np.unique(np.concatenate([np.arange(0, end, every), np.linspace(end, len(response) - 1, 15)]).astype(np.intp))

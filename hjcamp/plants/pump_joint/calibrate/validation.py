@@ -30,9 +30,7 @@ def model_test(log: TestLog, configure: Configure, model: str = "published") -> 
 
     attached = attached_configuration(log)
     if attached is None and not log.metadata.get("trajectory"):
-        raise UsageError(
-            f"{log.path}: names no trajectory and holds no configuration; the model cannot repeat the test"
-        )
+        raise UsageError(f"{log.path}: names no trajectory and holds no configuration; the model cannot repeat the test")
     chosen = tuple((group, log.metadata[group]) for group in CHOSEN if log.metadata.get(group) and attached is None)
     config: dict[str, Any] = copy.deepcopy(dict(configure((*hardware_of(log), *chosen, ("model", model)))))
     if attached is not None:

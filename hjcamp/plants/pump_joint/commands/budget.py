@@ -22,9 +22,7 @@ def register(app: typer.Typer) -> None:
 def budget(
     overrides: Annotated[
         list[str] | None,
-        typer.Argument(
-            metavar="[OVERRIDE...]", help="As for run: trajectory=, controller=, model= ...", show_default=False
-        ),
+        typer.Argument(metavar="[OVERRIDE...]", help="As for run: trajectory=, controller=, model= ...", show_default=False),
     ] = None,
     share: Annotated[float, typer.Option(min=0.05, max=0.95, help="What is left of each part.")] = 0.5,
     repetitions: Annotated[int, typer.Option(min=1, max=100, help="Simulated tests of each part.")] = 7,
@@ -48,9 +46,7 @@ def budget(
     check_answer_file(json_file)
     plan = compose_plan(overrides or [])
     if len(plan.conditions) != 1:
-        raise UsageError(
-            f"a budget is of one test, not of {len(plan.conditions)}: conditions=NAME chooses one of the campaign"
-        )
+        raise UsageError(f"a budget is of one test, not of {len(plan.conditions)}: conditions=NAME chooses one of the campaign")
     (condition,) = plan.conditions
     if other := condition.config.get("plant"):
         raise UsageError(f"plant {other['name']}: a budget knows the parts of pump_joint alone")
@@ -59,9 +55,13 @@ def budget(
     console, doing = make_console(), Doing("counting")
     with status(console, kernels_of([condition.config]), doing):
         items = work(
-            condition, share, repetitions, seed, not keep_gains,
+            condition,
+            share,
+            repetitions,
+            seed,
+            not keep_gains,
             lambda name, done: doing.now(f"{done:.0%} done, {name}"),
-        )  # fmt: skip
+        )
     if items[0].problem:
         raise UsageError(f"the rig as it is cannot be simulated: {items[0].problem}")
     _print(condition.name, items, share)
@@ -71,10 +71,13 @@ def budget(
     write_answer(
         json_file,
         {
-            "schema": "hjcamp.budget/1", "condition": condition.name, "share": share, "seed": seed,
+            "schema": "hjcamp.budget/1",
+            "condition": condition.name,
+            "share": share,
+            "seed": seed,
             "rows": [_row(one) for one in items],
         },
-    )  # fmt: skip
+    )
 
 
 def _row(one: Item) -> dict[str, Any]:
@@ -84,9 +87,12 @@ def _row(one: Item) -> dict[str, Any]:
         spread = errors.std(axis=0, ddof=1).tolist() if len(errors) > 1 else [None, None]
         mean = errors.mean(axis=0).tolist()
         return {
-            "rmse1_deg_mean": mean[0], "rmse1_deg_std": spread[0], "e_max_deg_mean": mean[1], "e_max_deg_std": spread[1],
+            "rmse1_deg_mean": mean[0],
+            "rmse1_deg_std": spread[0],
+            "e_max_deg_mean": mean[1],
+            "e_max_deg_std": spread[1],
             "n": len(errors),
-        }  # fmt: skip
+        }
 
     return {
         "part": one.name,
@@ -102,9 +108,7 @@ def _print(name: str, items: list[Item], share: float) -> None:
     from hjcamp.campaign.console import make_console
     from hjcamp.report.sheet import with_deviation
 
-    table = Table(
-        title=f"{name}: each part down to {share:g} of what it is", title_justify="left", box=None, pad_edge=False
-    )
+    table = Table(title=f"{name}: each part down to {share:g} of what it is", title_justify="left", box=None, pad_edge=False)
     headings = ("part made better", "RMSE1, gains kept", "RMSE1, tuned anew", "|e|max, best", "change")
     for heading in headings:
         table.add_column(heading, justify="left" if heading == headings[0] else "right")

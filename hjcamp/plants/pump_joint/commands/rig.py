@@ -37,9 +37,7 @@ def serve(
         list[str] | None, typer.Argument(metavar="EFFECTS", help="Hidden effects: effects.leakage.conductance=1e-15")
     ] = None,
     address: Annotated[str, typer.Option(help="HOST:PORT to serve on.")] = "localhost:31763",
-    fault: Annotated[
-        list[str] | None, typer.Option(help="KIND@SAMPLE or KIND@SAMPLE#TEST; more than one is fine.")
-    ] = None,
+    fault: Annotated[list[str] | None, typer.Option(help="KIND@SAMPLE or KIND@SAMPLE#TEST; more than one is fine.")] = None,
     anybody: Annotated[bool, typer.Option("--anybody", help="Serve on an address that other computers reach.")] = False,
     real_time: Annotated[
         bool, typer.Option("--real-time", help="Time passes by itself, as on a real rig; otherwise a read is a sample.")

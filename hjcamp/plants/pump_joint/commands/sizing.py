@@ -114,13 +114,17 @@ def answer_question(lines: list[str]) -> dict[str, Any]:
                 "at_mpa": there * 1e-6,
                 "limits": [
                     {
-                        "limit": limit.name, "what": limit.what, "needed": limit.needed * SCALE[limit.unit],
-                        "there": limit.there * SCALE[limit.unit], "unit": limit.unit, "stops": limit.stops,
+                        "limit": limit.name,
+                        "what": limit.what,
+                        "needed": limit.needed * SCALE[limit.unit],
+                        "there": limit.there * SCALE[limit.unit],
+                        "unit": limit.unit,
+                        "stops": limit.stops,
                     }
                     for limit in found
                 ],
             }
-        )  # fmt: skip
+        )
     tension = capability.string_tension(question, joint)
     _print_answers(answers, tension)
     if question.pressure is not None and question.pressure > joint.sensor_range:
@@ -192,9 +196,7 @@ def draw(output: Path, lines: list[str]) -> None:
 
     for line in lines:
         if "=" not in line or line.partition("=")[0] == "campaign":
-            raise UsageError(
-                f"figures takes overrides of the joint, such as friction=first_state, not '{line}': {USAGE}"
-            )
+            raise UsageError(f"figures takes overrides of the joint, such as friction=first_state, not '{line}': {USAGE}")
     config = Composer().compose([*PAYLOAD, *lines]).config
     check_configuration(config)
     check_place(output / f"{next(iter(FIGURES))}.png", "--output")

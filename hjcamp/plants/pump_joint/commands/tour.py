@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 EFFORTS = ("quick", "standard", "thorough")
 PICTURE = "error_falls.svg"
+
+
 def register(app: typer.Typer) -> None:
     """Add the command."""
     app.command("tour")(tour)

@@ -163,9 +163,7 @@ def _candidates(judged: Judging, shown: int) -> list[dict[str, Any]]:
     return [_candidate(judged, name, rows[name][0], rows[name][0].fits[name], rows[name][1], baseline) for name in order]
 
 
-def _candidate(
-    judged: Judging, name: str, step: Step | None, fit: Fit, posterior: float, baseline: float
-) -> dict[str, Any]:
+def _candidate(judged: Judging, name: str, step: Step | None, fit: Fit, posterior: float, baseline: float) -> dict[str, Any]:
     """Return the row of one effect: as it stands in the final model where it is in that, else as fitted beside others."""
     best = judged.best
     own = best if fit is best.fit else judged.local(fit)
@@ -175,10 +173,14 @@ def _candidate(
     ratio = _finite(error / baseline) if baseline > 0 else None
     chance = step.chance_of(name) if step is not None and name in step.fits else None
     return {
-        "effect": name, "posterior": float(posterior), "heldout_error_ratio": ratio, "p_value": chance,
-        "law_left": law_left(judged.found, final.fit), "parameters": parameters,
+        "effect": name,
+        "posterior": float(posterior),
+        "heldout_error_ratio": ratio,
+        "p_value": chance,
+        "law_left": law_left(judged.found, final.fit),
+        "parameters": parameters,
         "functional": functional(judged.found, name, final.fit, parameters),
-    }  # fmt: skip
+    }
 
 
 def asked_candidates(judged: Judging, names: Sequence[str], present: Sequence[str]) -> list[dict[str, Any]]:

@@ -19,10 +19,14 @@ from hjcamp.plants.pump_joint.diagnosis.scale import HEADLINE, Judged, Scale
 WORST = 8
 # What each residual is, SI.
 RESIDUALS = {
-    "arm": ("arm angle", "rad"), "difference": ("pressure difference", "Pa"), "line_sum": ("pressure sum", "Pa"),
-    "line_difference": ("pressure difference", "Pa"), "sliding": ("force on the sliders", "N"),
-    "breakaway": ("breakaway force", "N"), "home": ("first reading", "rad"),
-}  # fmt: skip
+    "arm": ("arm angle", "rad"),
+    "difference": ("pressure difference", "Pa"),
+    "line_sum": ("pressure sum", "Pa"),
+    "line_difference": ("pressure difference", "Pa"),
+    "sliding": ("force on the sliders", "N"),
+    "breakaway": ("breakaway force", "N"),
+    "home": ("first reading", "rad"),
+}
 # What tests may differ by, as their metadata name it.
 VALUES = ("trajectory", "controller", "preload_mpa", "adjustment_mpa", "payload", "orientation", "pump", "tubing", "amplifier")
 
@@ -87,9 +91,11 @@ def floor_rows(scale: Scale, before: Judged) -> dict[str, dict[str, Any]]:
         high = error.rms if error is not None else scale.spreads[name]
         rows[name] = {
             "source": "repetitions" if value is not None else "unknown",
-            "value": value, "unit": unit_of_field(name, "plant pump_joint").shown,
-            "low": min(value, high) if value is not None else 0.0, "high": max(value or 0.0, high),
-        }  # fmt: skip
+            "value": value,
+            "unit": unit_of_field(name, "plant pump_joint").shown,
+            "low": min(value, high) if value is not None else 0.0,
+            "high": max(value or 0.0, high),
+        }
     return rows
 
 
@@ -114,6 +120,8 @@ def worst(evidence: Evidence, scale: Scale, after: Judged) -> list[dict[str, Any
 
 def rests_on(evidence: Evidence) -> dict[str, int]:
     """Return how many tests and conditions the answer rests on, and how many values of what differs between them."""
-    seen: Mapping[str, set[str]] = {name: {test.log.metadata.get(name, "") for test in evidence.tests} - {""} for name in VALUES}
+    seen: Mapping[str, set[str]] = {
+        name: {test.log.metadata.get(name, "") for test in evidence.tests} - {""} for name in VALUES
+    }
     differ = {name: len(values) for name, values in seen.items() if values}
     return {"tests": len(evidence.tests), "conditions": len(evidence.conditions), **differ}

@@ -143,9 +143,7 @@ class Judge:
 
     def __init__(self, views: Views, parts: Sequence[Fold], scale: Scale) -> None:
         self.scale, self._whole = scale, views
-        self._parts = [
-            (fold.held_out, Views(views.evidence.only(fold.held_out), views.effects, views.crew)) for fold in parts
-        ]
+        self._parts = [(fold.held_out, Views(views.evidence.only(fold.held_out), views.effects, views.crew)) for fold in parts]
 
     def of(self, candidates: Sequence[Candidate]) -> Judged:
         """Return the errors of one candidate for each fold, all folds together."""
@@ -169,7 +167,9 @@ class Judge:
             return Judged(errors, float("nan"))
         places = tuple(place for tests, _ in self._parts for place in tests)
         of_tests = {
-            name: tuple(float(np.sqrt(np.mean(one**2))) for one in left) for name, (left, _) in every.items() if name in HEADLINE
+            name: tuple(float(np.sqrt(np.mean(one**2))) for one in left)
+            for name, (left, _) in every.items()
+            if name in HEADLINE
         }
         conditions = [self._whole.evidence.tests[place].condition for place in places]
         shared = {

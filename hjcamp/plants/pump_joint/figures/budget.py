@@ -32,9 +32,7 @@ def draw_budget(path: Path, title: str, rows: Sequence[tuple[str, NDArray[np.flo
             means = [float(errors[:, column].mean()) for _, errors in rows]
             spread = [float(errors[:, column].std(ddof=1)) if len(errors) > 1 else 0.0 for _, errors in rows]
             colours = [INK, *(BLUE if mean <= means[0] else RED for mean in means[1:])]
-            axes.barh(
-                places, means, xerr=spread, color=colours, height=0.62, error_kw={"elinewidth": 0.9, "ecolor": INK}
-            )
+            axes.barh(places, means, xerr=spread, color=colours, height=0.62, error_kw={"elinewidth": 0.9, "ecolor": INK})
             axes.axvline(means[0], color=INK, linewidth=0.7, linestyle=(0, (4, 2.5)))
             dress(axes, "")
             axes.set_yticks(places, names)

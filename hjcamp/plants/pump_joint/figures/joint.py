@@ -67,7 +67,9 @@ def payload_load(figure: Any, config: Mapping[str, Any]) -> None:
         axes.set_ylim(-0.1, 0.1)  # N
     dress(axes, "Force at the sliders (N)")
     payload = config["payload"]
-    what = f"{float(payload['mass_g']):g} g at {float(payload['radius_mm']):g} mm, vertical; hangs at {math.degrees(rest):g} deg"
+    what = (
+        f"{float(payload['mass_g']):g} g at {float(payload['radius_mm']):g} mm, vertical; hangs at {math.degrees(rest):g} deg"
+    )
     axes.set_xlabel(f"Angle of the arm (deg); payload={payload['name']}, {what}", fontsize=8.5)
 
 

@@ -61,9 +61,7 @@ def muscle_and_cylinder(figure: Any) -> None:
         (line,) = axes.plot(travel * 1e3, muscle.area(travel) * pressure * 1e6, color=BLUE)
         force = actuators.cylinder_force(pressure * 1e6, CYLINDER_BORE)
         (other,) = axes.plot([0.0, STROKE * 1e3], [force, force], color=RED, linestyle=DASH_DOT)
-        axes.annotate(
-            f"{pressure:g} MPa", (STROKE * 1e3, force), (3, 0), textcoords="offset points", fontsize=7.5, va="center"
-        )
+        axes.annotate(f"{pressure:g} MPa", (STROKE * 1e3, force), (3, 0), textcoords="offset points", fontsize=7.5, va="center")
     axes.legend([line, other], ["braided muscle, 60 mm", "cylinder, 4 mm bore"], fontsize=8, frameon=False)
     axes.axvline(8.0, color=INK, linewidth=0.6, linestyle=DASHED)
     axes.annotate("equal at 8 mm", (8.0, 0.2), (4, 0), textcoords="offset points", fontsize=7.5)
@@ -94,16 +92,17 @@ def six_bar(figure: Any) -> None:
         pressure.axhline(limit, color=INK, linewidth=0.6, linestyle=DASHED)
     pressure.annotate(
         f"within 45 deg: {math.degrees(low):.1f} to {math.degrees(high):.1f} deg of the joint",
-        (0.45, 0.06), xycoords="axes fraction", fontsize=7.5, va="bottom",
-    )  # fmt: skip
+        (0.45, 0.06),
+        xycoords="axes fraction",
+        fontsize=7.5,
+        va="bottom",
+    )
     dress(pressure, "Pressure angle (deg)")
     volume.plot(travel, bar.common_volume(angle, CYLINDER_BORE) * 1e9, color=BLUE)
     dress(volume, "Volume of both cyl-\ninders, change (mm³)")
     for axes in (over, pressure, volume):
         axes.axvspan(ends[0] * 1e3, ends[1] * 1e3, color=GREEN, alpha=0.12, linewidth=0.0)
-    volume.set_xlabel(
-        "Piston travel (mm); shaded: ±40 deg of the joint; below: second loop as mirror image", fontsize=8.5
-    )
+    volume.set_xlabel("Piston travel (mm); shaded: ±40 deg of the joint; below: second loop as mirror image", fontsize=8.5)
 
 
 def string_torque(figure: Any) -> None:

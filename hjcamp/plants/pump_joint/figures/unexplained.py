@@ -28,9 +28,7 @@ def draw_unexplained(horizontal: str, vertical: str, centres: Array, forward: Ar
         for axis, curves in parts.items():
             for values, colour, name in curves:
                 seen = np.isfinite(values)
-                axis.plot(
-                    centres[seen], values[seen], color=colour, linewidth=1.3, marker="o", markersize=3, label=name
-                )
+                axis.plot(centres[seen], values[seen], color=colour, linewidth=1.3, marker="o", markersize=3, label=name)
             axis.axhline(0.0, color=INK, linewidth=0.6)
             axis.margins(y=0.2)
             dress(axis, vertical if axis is left else "")

@@ -81,9 +81,12 @@ def _composer() -> Composer:
     # Our own files alone: a user's group of the same name must not pass for the published one.
     root = packaged_root()
     folders = (
-        "pkg://hydra.conf", f"file://{root / 'conf'}", f"campaigns://{root / 'campaigns'}", f"plants://{OWN_PLANTS}",
+        "pkg://hydra.conf",
+        f"file://{root / 'conf'}",
+        f"campaigns://{root / 'campaigns'}",
+        f"plants://{OWN_PLANTS}",
         "structured://",
-    )  # fmt: skip
+    )
     return Composer(zip(("hydra", "main", "hjcamp", "plants", "schema"), folders, strict=True))
 
 

@@ -67,9 +67,7 @@ def _of_means() -> list[Inconsistency]:
     found = []
     for row in printed_rows().iter_rows(named=True):
         low, high = implied_mean(_tests(row))
-        found.append(
-            (f"Table {row['table']}, mean", _name(row), row["mean_printed"], low - HALF_STEP, high + HALF_STEP)
-        )
+        found.append((f"Table {row['table']}, mean", _name(row), row["mean_printed"], low - HALF_STEP, high + HALF_STEP))
     return _outside(found)
 
 

@@ -42,9 +42,7 @@ def constants() -> dict[str, Any]:
 @lru_cache(maxsize=1)
 def printed_rows() -> pl.DataFrame:
     """Return the 96 printed rows: table, condition, indicator, test1 ... test7 (deg), mean_printed, std_printed."""
-    return pl.read_csv(
-        FOLDER / "measured_indicators.csv", schema_overrides={"table": pl.String, "std_printed": pl.Float64}
-    )
+    return pl.read_csv(FOLDER / "measured_indicators.csv", schema_overrides={"table": pl.String, "std_printed": pl.Float64})
 
 
 def measured_indicators() -> pl.DataFrame:

@@ -88,9 +88,7 @@ class RigCheck:
             self.out[2] = self.command
             if self.out[0] == COMMAND_PHASE:
                 self.out[1] = self.arm  # there is no reference to follow
-            reason = self.asked_to_stop() or self.limits.check(
-                missed, tasks.volts, one, two, self.arm, self.motor, self.out
-            )
+            reason = self.asked_to_stop() or self.limits.check(missed, tasks.volts, one, two, self.arm, self.motor, self.out)
             if reason is None:
                 tasks.write(self.command, self.motor, 0.0, preload_speed)
                 self.command = tasks.put_out[0]

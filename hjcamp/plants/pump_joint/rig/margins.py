@@ -30,7 +30,10 @@ def rig_watches(config: Mapping[str, Any]) -> list[Watch]:
         Watch("pressure1_mpa", "MPa", (Term("pressure1_mpa"),), low, high),
         Watch("pressure2_mpa", "MPa", (Term("pressure2_mpa"),), low, high),
         Watch(
-            "pressure_sum_low_mpa", "MPa", (Term("pressure1_mpa"), Term("pressure2_mpa")), limits.pressure_sum_low_mpa,
+            "pressure_sum_low_mpa",
+            "MPa",
+            (Term("pressure1_mpa"), Term("pressure2_mpa")),
+            limits.pressure_sum_low_mpa,
             phases=(REST_PHASE, COMMAND_PHASE),
         ),
         _both("arm_deg", "deg", (Term("arm_deg"),), limits.arm_deg),
@@ -40,7 +43,7 @@ def rig_watches(config: Mapping[str, Any]) -> list[Watch]:
         _both("pump_speed_mm_per_s", "mm/s", _change("pump_deg", travel * rate), limits.pump_speed_mm_per_s),
         _both("pump_following_deg", "deg", (Term("command_deg", 1.0, 1), Term("pump_deg", -1.0)), limits.pump_following_deg),
         Watch("missed_in_all", "samples", (Term(MISSED),), None, limits.missed_in_all),
-    ]  # fmt: skip
+    ]
     return [one for one in found if any(end is not None and isfinite(end) for end in (one.low, one.high))]
 
 

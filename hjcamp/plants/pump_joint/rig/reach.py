@@ -74,9 +74,7 @@ def check_reach(config: Mapping[str, Any], wiring: Wiring, limits: Limits) -> No
 def _check_arm(need: Need, limits: Limits, where: str) -> None:
     farthest = max(need.lowest_arm, need.highest_arm, key=abs)
     if abs(farthest) > limits.arm_deg:
-        raise UsageError(
-            f"{where} turns the arm to {farthest:.4g} deg, limits.arm_deg stops it at {limits.arm_deg:g} deg"
-        )
+        raise UsageError(f"{where} turns the arm to {farthest:.4g} deg, limits.arm_deg stops it at {limits.arm_deg:g} deg")
     if abs(need.first_arm) > limits.tracking_deg:
         raise UsageError(
             f"{where} begins at {need.first_arm:.4g} deg, where the arm is not: "
@@ -91,9 +89,7 @@ def _check_pump(need: Need, lead: float, wiring: Wiring, limits: Limits, where: 
         walls = []
         if wiring.quantity == "position" and output.within(volts) != volts:
             end = output.within(volts) / (DEGREE * output.volts_per_unit)
-            walls.append(
-                (end, f"outputs.pump ends at {end:.0f} deg ({output.within(volts):g} V; {volts:.2f} V needed)")
-            )
+            walls.append((end, f"outputs.pump ends at {end:.0f} deg ({output.within(volts):g} V; {volts:.2f} V needed)"))
         if abs(travel) > limits.pump_travel_mm:
             end = limits.pump_travel_mm / lead * 360.0
             walls.append((end, f"limits.pump_travel_mm stops it at {end:.0f} deg ({limits.pump_travel_mm:g} mm)"))

@@ -13,9 +13,7 @@ SETTLED_SAMPLES = 100  # by then the drive has done what it was told
 SETTLED = 0.2  # and a fifth of the limit is too far from it
 PRELOAD_PHASE, RELEASE_PHASE = 0.0, 4.0
 SOFTEST = 2.0  # the lines may take in twice the water that their stiffness says: air, warm tubing, another make
-UNLOADED = (
-    1.5  # without preload the pump may move further before the arm follows (up to 0.85 mm in the simulated campaigns)
-)
+UNLOADED = 1.5  # without preload the pump may move further before the arm follows (up to 0.85 mm in the simulated campaigns)
 SMALLEST_MM = 0.05  # of pump travel: less may be noise of the pressures
 FIRST, SECOND = 1.0, -1.0
 

@@ -227,9 +227,7 @@ class RigTasks:
 
     def _write_safe(self, motor: float) -> None:
         outputs = self.wiring.outputs
-        safe = [
-            outputs[name].volts(motor) if (volts := outputs[name].safe_v) is None else volts for name in self._names
-        ]
+        safe = [outputs[name].volts(motor) if (volts := outputs[name].safe_v) is None else volts for name in self._names]
         self._writer.write_one_sample(np.array(safe), self._timeout)
         self._written[:] = safe
 

@@ -135,9 +135,7 @@ def _with_devices(wiring: Wiring, rig: WiredRig) -> Wiring:
 
 
 def _pressure(given: PressureSettings) -> PressureInput:
-    return PressureInput(
-        given.channel, given.mpa_per_v, given.mpa_at_0v, given.lowest_v, given.highest_v, given.terminal
-    )
+    return PressureInput(given.channel, given.mpa_per_v, given.mpa_at_0v, given.lowest_v, given.highest_v, given.terminal)
 
 
 def _encoder(given: EncoderSettings) -> EncoderInput:

@@ -137,9 +137,7 @@ def limits(question: Question, joint: Joint, friction: Friction) -> list[Limit]:
     if question.diameter is not None:
         for built, size in BUILT.items():
             tube = envelope(*size)
-            found.append(
-                Limit("envelope", f"tube around the {built}", tube, question.diameter, "mm", tube > question.diameter)
-            )
+            found.append(Limit("envelope", f"tube around the {built}", tube, question.diameter, "mm", tube > question.diameter))
     return found
 
 

@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 HALF_POWER = 2.0**-0.5
 
 
-def response(
-    frequency: NDArray[np.float64], a2: float, a1: float, a0: float, delay: float = 0.0
-) -> NDArray[np.complex128]:
+def response(frequency: NDArray[np.float64], a2: float, a1: float, a0: float, delay: float = 0.0) -> NDArray[np.complex128]:
     r"""Return the response at frequencies in Hz, relative to that at rest.
 
     .. math:: G(s)/G(0) = a_0 e^{-\tau s} / (s^3 + a_2 s^2 + a_1 s + a_0)

@@ -56,9 +56,7 @@ class Muscle:
         return float(brentq(lambda x: float(self.area(np.array(x))), 0.0, 0.6 * self.length))
 
 
-def muscle_with_crossing(
-    length: float, largest_diameter: float, membrane: float, bore: float, crossing: float
-) -> Muscle:
+def muscle_with_crossing(length: float, largest_diameter: float, membrane: float, bore: float, crossing: float) -> Muscle:
     """Return the muscle that pulls as hard as a cylinder of ``bore`` at the contraction ``crossing``; SI units.
 
     ``largest_diameter`` is taken where the braid is free of force (54.7 deg). The length of the thread, which the thesis

@@ -74,9 +74,7 @@ def bore_ratio(pump_bore: float, other_bore: float) -> float:
     return (pump_bore / other_bore) ** 2
 
 
-def pump_inertance_drop(
-    acceleration: float, pump_bore: float, inner_diameter: float, length: float, density: float
-) -> float:
+def pump_inertance_drop(acceleration: float, pump_bore: float, inner_diameter: float, length: float, density: float) -> float:
     """Return rho L a, Pa, of the water that a pump's acceleration drives through the tubing. Source: thesis 4.4.2."""
     return tubing.inertance_drop(tubing.tubing_speed(acceleration, pump_bore, inner_diameter), length, density)
 
@@ -104,9 +102,7 @@ def quantities() -> list[Quantity]:
             relation = next((sign for key, sign in RELATIONS.items() if key in row), "=")
             printed = next((str(row[key]) for key in ("printed", *RELATIONS) if key in row), None)
             more = str(row.get("inferred", ""))
-            found.append(
-                Quantity(part, row["quantity"], value, row["unit"], printed, relation, str(row["place"]), more)
-            )
+            found.append(Quantity(part, row["quantity"], value, row["unit"], printed, relation, str(row["place"]), more))
     return found
 
 

@@ -55,9 +55,7 @@ def better_by(values: Mapping[str, float], share: float) -> dict[str, Values]:
     lag = {"pump_a2": 1, "pump_a1": 2, "pump_a0": 3, "pump_gain": 3}
     return {
         "friction": {name: share * value for name, value in friction.items()},
-        "static above Coulomb friction": {
-            name: values[name] - (1.0 - share) * excess for name, excess in above.items()
-        },
+        "static above Coulomb friction": {name: values[name] - (1.0 - share) * excess for name, excess in above.items()},
         "viscous friction": {name: share * friction[name] for name in friction if name.startswith("viscous")},
         "friction difference of the directions": {
             name: mean[name.partition("_")[0]] + share * (value - mean[name.partition("_")[0]])
@@ -68,7 +66,7 @@ def better_by(values: Mapping[str, float], share: float) -> dict[str, Values]:
         "lag of the pump": {name: values[name] / share**power for name, power in lag.items()},
         "delay of the pump": {"pump_delay": share * values["pump_delay"]},
         "step of the arm encoder": {"encoder_count": share * values["encoder_count"]},
-    }  # fmt: skip
+    }
 
 
 def variants(config: Mapping[str, Any], share: float) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -117,9 +115,7 @@ def budget(
                 draws = range(seed + BEHIND, seed + BEHIND + DRAWS)
                 found = retune([replace(condition, config=config)], gains_of(config, name), seed, draws=draws)
                 with suppress(HjcampError):  # gains that run away in another test: those as they were stand
-                    retuned = errors_of(
-                        {**config, "controller": {**config["controller"], **found.gains}}, repetitions, seed
-                    )
+                    retuned = errors_of({**config, "controller": {**config["controller"], **found.gains}}, repetitions, seed)
             items.append(Item(name, kept, retuned))
         except HjcampError as problem:
             items.append(Item(name, np.empty((0, 2)), np.empty((0, 2)), str(problem)))

@@ -52,9 +52,7 @@ def critical_point(composer: Composer, overrides: Sequence[str], step_deg: float
 
 def oscillation(composer: Composer, overrides: Sequence[str], step_deg: float, gain: float) -> float | None:
     """Return the period (s) of the oscillation that lasts after a step at this proportional gain, None without one."""
-    gains = [
-        f"controller.{side}.{name}={gain if name == 'kp' else 0.0!r}" for side in SIDES for name in ("kp", "ki", "kd")
-    ]
+    gains = [f"controller.{side}.{name}={gain if name == 'kp' else 0.0!r}" for side in SIDES for name in ("kp", "ki", "kd")]
     step = ["trajectory=hold", f"trajectory.angle_deg={step_deg!r}", f"trajectory.duration={DURATION_S!r}"]
     config = composer.compose([*overrides, "controller=pid", *step, *QUIET, *gains]).config
     prepared = prepare(config, 1)

@@ -23,9 +23,7 @@ FILTERS = {"a": 1, "b": 5, "c": 10}
 FIGURES = {"plain": "5.2.2", "dither": "5.2.3, 5.2.5", "pressure_adjustment": "5.2.6"}
 
 
-def design_pictures(
-    logs: Sequence[TestLog], configurations: Mapping[str, Mapping[str, Any]]
-) -> dict[str, tuple[str, str]]:
+def design_pictures(logs: Sequence[TestLog], configurations: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple[str, str]]:
     """Return both pictures from the first repetition of each condition; none for the logs of other campaigns."""
     found: dict[str, TestLog] = {}
     for log in logs:
@@ -40,9 +38,7 @@ def design_pictures(
             f"{_which(list(found.values()))} of each step; 5.2.5 is the pressures of the test of 5.2.3",
         )
     }
-    raw = next(
-        (name for name in found if _samples(configurations[name]) == 1 and _dithered(configurations[name])), None
-    )
+    raw = next((name for name in found if _samples(configurations[name]) == 1 and _dithered(configurations[name])), None)
     if raw is not None:
         signals = filtered(found[raw], configurations[raw])
         titles = [

@@ -65,7 +65,10 @@ class _Test:
 
 
 def retune(
-    conditions: Sequence[Condition], start: Gains, seed: int, notice: Callable[[float], None] = lambda best: None,
+    conditions: Sequence[Condition],
+    start: Gains,
+    seed: int,
+    notice: Callable[[float], None] = lambda best: None,
     draws: Sequence[int] = (),
 ) -> Retuned:
     """Return the gains with the smallest mean RMSE1 over ``conditions``, which are to share one gain set.

@@ -63,8 +63,7 @@ def tasks() -> list[Task]:
     """Return what there is to compile, the longest first: what it is in words, and the call that compiles it."""
     library = tuple(load_effects().values())
     found: list[Task] = [
-        (f"next, {len(library)} effects under {controller}", try_test, (choice,))
-        for controller, choice in menu_tests().items()
+        (f"next, {len(library)} effects under {controller}", try_test, (choice,)) for controller, choice in menu_tests().items()
     ]
     found += [task for task, _ in _of_a_diagnosis(library)]
     found += [("diagnose, residuals of the views", compile_passes, ())]

@@ -50,10 +50,12 @@ def _model(model: Fit) -> dict[str, Any]:
     for one in quantities_of(model.names):
         place = model.places[one.name]
         rows[one.name] = {
-            "published": one.parameter.default, "value": one.back(place), "unit": one.parameter.unit,
+            "published": one.parameter.default,
+            "value": one.back(place),
+            "unit": one.parameter.unit,
             "sigma_from_published": one.surprise(place) if math.isfinite(one.spread) else None,
             "at_bound": one.back(place) in one.parameter.bounds,
-        }  # fmt: skip
+        }
     return {"names": list(model.names), "quantities": rows, "settings": model_of(model.settings)}
 
 
@@ -69,8 +71,9 @@ def _finite(value: float) -> float | None:
 
 def _step(step: Step) -> dict[str, Any]:
     rivals = sorted(step.rivals, key=lambda one: penalised(one, step.control))
-    promised = [{"name": one.name, "loss": one.loss, "gain": step.predicted + step.promised[0].loss - one.loss}
-                for one in step.promised]  # fmt: skip
+    promised = [
+        {"name": one.name, "loss": one.loss, "gain": step.predicted + step.promised[0].loss - one.loss} for one in step.promised
+    ]
     return {
         "before": list(step.before.names),
         "control_loss": step.control.loss,
@@ -95,16 +98,18 @@ def cell_rows(models: Mapping[str, Judged]) -> list[dict[str, Any]]:
     rows = []
     for place in range(len(cells)):
         table, condition, indicator = cells.label(place)
-        rows.append({
-            "table": table,
-            "condition": condition,
-            "choices": dict(cells.conditions[cells.rows[place]]),
-            "indicator": indicator,
-            "measured": float(cells.means[place]),
-            "sigma": float(cells.sigma[place]),
-            "simulated": {name: float(one.simulated[place]) for name, one in models.items()},
-            "error_in_sigma": {name: float(one[place]) for name, one in errors.items()},
-        })  # fmt: skip
+        rows.append(
+            {
+                "table": table,
+                "condition": condition,
+                "choices": dict(cells.conditions[cells.rows[place]]),
+                "indicator": indicator,
+                "measured": float(cells.means[place]),
+                "sigma": float(cells.sigma[place]),
+                "simulated": {name: float(one.simulated[place]) for name, one in models.items()},
+                "error_in_sigma": {name: float(one[place]) for name, one in errors.items()},
+            }
+        )
     return rows
 
 

@@ -60,9 +60,7 @@ class Cells:
         """
         known = np.hypot(self.error_of_mean, self.error_of_simulated)
         share = known / np.maximum(np.abs(self.means), LEAST)
-        return np.where(
-            self.logarithmic, np.hypot(share, self.form * FORM_SHARE), np.hypot(known, self.form * FORM_ANGLE)
-        )
+        return np.where(self.logarithmic, np.hypot(share, self.form * FORM_SHARE), np.hypot(known, self.form * FORM_ANGLE))
 
     def of(self, indicators: Array) -> Array:
         """Return the simulated mean (cells,) of each cell from (conditions, repetitions, indicators)."""
@@ -84,9 +82,7 @@ class Cells:
 
         if left(1.0) >= 0.0:
             return self
-        return replace(
-            self, form=float(brentq(left, LEAST_FORM, 1.0, xtol=1e-4)) if left(LEAST_FORM) > 0.0 else LEAST_FORM
-        )
+        return replace(self, form=float(brentq(left, LEAST_FORM, 1.0, xtol=1e-4)) if left(LEAST_FORM) > 0.0 else LEAST_FORM)
 
     def with_means(self, means: Array) -> Cells:
         """Return the same cells, known as well on their scales, with other means: a twin."""

@@ -33,9 +33,9 @@ def compare(
             report(f"simulating with model {name}", (number + place / len(question.conditions)) / len(models))
             config = {**condition.config, "model": model}
             trajectory = str(config["trajectory"]["name"])
-            rows.append([
-                _indicators(config, seed_of(seed, condition.name, one), trajectory) for one in range(1, repetitions + 1)
-            ])  # fmt: skip
+            rows.append(
+                [_indicators(config, seed_of(seed, condition.name, one), trajectory) for one in range(1, repetitions + 1)]
+            )
         judged[name] = Judged(question.cells, question.cells.of(np.array(rows)))
     return {
         "schema": "hjcamp.table_comparison/1",

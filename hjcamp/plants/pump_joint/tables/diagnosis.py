@@ -140,9 +140,7 @@ def _p_left(search: Search, model: Fit, loss: float) -> float:
     return (1 + sum(one >= loss for one in own)) / (1 + len(own))
 
 
-def verdict_of(
-    model: Fit, steps: Sequence[Step], p_left: float, elsewhere: Sequence[Fit] = ()
-) -> tuple[str, tuple[str, ...]]:
+def verdict_of(model: Fit, steps: Sequence[Step], p_left: float, elsewhere: Sequence[Fit] = ()) -> tuple[str, tuple[str, ...]]:
     """Return one of the five words, and the names that go with it; ``elsewhere`` are the models of other bottoms of the base."""
     if not model.names:
         return (NOTHING if p_left > LEVEL else OUTSIDE), ()

@@ -97,9 +97,7 @@ def _quantities(found: Mapping[str, Any]) -> Iterator[str]:
     for key in names:
         rows = [one.get(key) for one in models.values()]
         given = next(row for row in rows if row)
-        values = " | ".join(
-            "" if row is None else f"{row['value']:.3g}{' (bound)' if row['at_bound'] else ''}" for row in rows
-        )
+        values = " | ".join("" if row is None else f"{row['value']:.3g}{' (bound)' if row['at_bound'] else ''}" for row in rows)
         away = last.get(key, {}).get("sigma_from_published")
         yield (
             f"| `{key}` | {given['unit']} | {given['published']:.3g} | {values} | {'' if away is None else format(away, '.1f')} |"

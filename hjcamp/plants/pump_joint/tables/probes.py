@@ -190,9 +190,7 @@ def look(rig: Rig, cells: Cells, model: Fit, names: Sequence[str], crew: Crew, d
 
     probes = list(crew.together(probed, range(len(looked))))
     simulated = cells.of(rig.indicators(model.settings))
-    return Looked(
-        model, fitting, simulated, fitting.slopes(at, WIDEST), probes, [name for name in names if name in own]
-    )
+    return Looked(model, fitting, simulated, fitting.slopes(at, WIDEST), probes, [name for name in names if name in own])
 
 
 def looked_at(quantities: Sequence[Quantity]) -> list[Array]:

@@ -35,9 +35,7 @@ class Question:
         """Why nothing can be told from these cells, in words; empty where something can."""
         found = []
         if len(self.cells) < FEWEST_CELLS:
-            found.append(
-                f"{_count(len(self.cells), 'mean')}; {FEWEST_CELLS} at least are needed to hold the base parameters"
-            )
+            found.append(f"{_count(len(self.cells), 'mean')}; {FEWEST_CELLS} at least are needed to hold the base parameters")
         if len(self.conditions) < FEWEST_CONDITIONS:
             found.append(f"{_count(len(self.conditions), 'condition')}; {FEWEST_CONDITIONS} at least are needed")
         return found

@@ -69,14 +69,14 @@ class Rig:
             if report:
                 report(number / len(conditions))
             law = find_controller(condition.config["controller"]["name"])
-            known = frozenset(
-                {**(condition.config["model"].get("effects") or {}), **(condition.config.get("effects") or {})}
-            )
+            known = frozenset({**(condition.config["model"].get("effects") or {}), **(condition.config.get("effects") or {})})
             trajectory = str(condition.config["trajectory"]["name"])
-            tests.append([
-                Place(trajectory, law, prepare(condition.config, seed_of(seed, condition.name, number)), known)
-                for number in range(1, repetitions + 1)
-            ])  # fmt: skip
+            tests.append(
+                [
+                    Place(trajectory, law, prepare(condition.config, seed_of(seed, condition.name, number)), known)
+                    for number in range(1, repetitions + 1)
+                ]
+            )
         return cls(tests)
 
     def repeated(self, count: int) -> Rig:

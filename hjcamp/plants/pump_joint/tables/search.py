@@ -129,10 +129,14 @@ class Search:
         if printed.loss <= len(self.cells):
             return [printed]
         quantities, generator = base_quantities(), np.random.default_rng([self.seed, 98])
-        starts = {"without a drop of friction": {one.name: one.forth(1.0) for one in quantities if one.name.startswith("drop_")}}
+        starts = {
+            "without a drop of friction": {one.name: one.forth(1.0) for one in quantities if one.name.startswith("drop_")}
+        }
         for number in range(1, self.effort.starts - 1):
             away = generator.standard_normal(len(quantities))
-            starts[f"from draw {number}"] = {one.name: one.start + one.spread * far for one, far in zip(quantities, away, strict=True)}
+            starts[f"from draw {number}"] = {
+                one.name: one.start + one.spread * far for one, far in zip(quantities, away, strict=True)
+            }
         fits = self.crew.together(lambda one: self._fit(f"base {one}", (), [starts[one]], self.effort.base), list(starts))
         return sorted([printed, *fits], key=lambda one: one.loss)
 
@@ -141,9 +145,7 @@ class Search:
         begin, share = 0.1 + 0.8 * number / self.effort.steps, 0.8 / self.effort.steps
         names = [name for name in self.names if name not in model.names]
         doing = f"step {number + 1}: looking at {len(names)} candidates"
-        looked = look(
-            self.rig, self.cells, model, names, self.crew, lambda at: self.report(doing, begin + 0.4 * share * at)
-        )
+        looked = look(self.rig, self.cells, model, names, self.crew, lambda at: self.report(doing, begin + 0.4 * share * at))
         promise = looked.predicted(self.cells)
         generator = np.random.default_rng([self.seed, number])
         twins = [looked.predicted(self.cells.drawn(looked.simulated, generator)).gain for _ in range(self.effort.twins)]
@@ -203,9 +205,7 @@ class Search:
         generator = np.random.default_rng([self.seed, 99])
         return [float(robust(self.cells.drawn(simulated, generator).errors(simulated)).sum()) for _ in range(199)]
 
-    def _fit(
-        self, key: str, names: Sequence[str], starts: Sequence[Mapping[str, float]], budget: int, polish: int = 0
-    ) -> Fit:
+    def _fit(self, key: str, names: Sequence[str], starts: Sequence[Mapping[str, float]], budget: int, polish: int = 0) -> Fit:
         def compute() -> dict[str, Any]:
             return fit(self.rig, self.cells, tuple(names), starts, budget, self.seed, polish).as_json()
 

@@ -42,9 +42,7 @@ def read_table(path: Path) -> Cells:
     numbered = [(number, line) for number, line in numbered if any(line)]
     lines = [line for _, line in numbered]
     if lines and len(lines[0]) == 1 and ";" in lines[0][0]:
-        raise UsageError(
-            f"table {path}: its cells are parted by semicolons; part them by commas, with points in numbers"
-        )
+        raise UsageError(f"table {path}: its cells are parted by semicolons; part them by commas, with points in numbers")
     if len(lines) < 2:
         raise UsageError(f"table {path}: it needs a line of column names and one line for each condition")
     (_, header), *body = numbered
@@ -69,9 +67,7 @@ def read_table(path: Path) -> Cells:
         raise UsageError(f"table {path}: every mean is empty")
     rows, columns, *values = zip(*found, strict=True)
     means, errors, simulated = map(np.array, values)
-    return Cells(
-        (path.name,) * len(found), conditions, np.array(rows), np.array(columns), means, errors, 0.0, simulated
-    )
+    return Cells((path.name,) * len(found), conditions, np.array(rows), np.array(columns), means, errors, 0.0, simulated)
 
 
 def _columns(path: Path, header: Sequence[str]) -> tuple[list[str], list[str]]:

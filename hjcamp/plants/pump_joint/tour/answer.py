@@ -79,7 +79,9 @@ def compared(hidden: dict[str, Any], diagnosis: dict[str, Any]) -> str:
     ]
     if not pairs:
         return ""
-    inside = f"{len(pairs) - len(outside)} of {counted(len(pairs), 'hidden value')} lie within the 95 % interval of what was found"
+    inside = (
+        f"{len(pairs) - len(outside)} of {counted(len(pairs), 'hidden value')} lie within the 95 % interval of what was found"
+    )
     return f"{inside}; outside: {', '.join(outside)}." if outside else f"{inside}."
 
 

@@ -97,7 +97,9 @@ def effects_to_add(diagnosis: dict[str, Any]) -> list[str]:
     if diagnosis.get("verdict") == "effect" and named:
         return list(named)
     if not ranked:
-        raise HjcampError("the diagnosis names no effect, so there is nothing to add; try the step again with --effort standard")
+        raise HjcampError(
+            "the diagnosis names no effect, so there is nothing to add; try the step again with --effort standard"
+        )
     return ranked[:1]
 
 

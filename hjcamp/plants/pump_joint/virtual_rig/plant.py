@@ -41,9 +41,7 @@ class VirtualPlant:
     equal outputs give equal readings. ``hidden`` is what the client does not know: {effect: {parameter: SI value}}.
     """
 
-    def __init__(
-        self, config: Mapping[str, Any], seed: int, hidden: Mapping[str, Mapping[str, float]] | None = None
-    ) -> None:
+    def __init__(self, config: Mapping[str, Any], seed: int, hidden: Mapping[str, Mapping[str, float]] | None = None) -> None:
         known = copy.deepcopy(dict(config))
         for name, given in (hidden or {}).items():
             known["effects"] = {**(known.get("effects") or {}), name: dict(given or {})}

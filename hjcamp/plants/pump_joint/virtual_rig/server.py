@@ -40,9 +40,7 @@ def is_local(address: str) -> bool:
 def check_address(address: str, anybody: bool = False) -> None:
     """Raise ``UsageError`` for an address that is none, or that other computers reach unless ``anybody`` may."""
     if not is_local(address) and not anybody:
-        raise UsageError(
-            f"address '{address}': other computers can reach it, without a password; add --anybody if so wanted"
-        )
+        raise UsageError(f"address '{address}': other computers can reach it, without a password; add --anybody if so wanted")
 
 
 def client_address(address: str, port: int) -> str:

@@ -50,7 +50,9 @@ class Tasks:
     def create(self, name: str) -> Task:
         """Add a task; without a name it gets one."""
         if len(self._tasks) >= MOST_TASKS or len(name) > LONGEST_NAME:
-            raise DeviceError(NO_ROOM, f"The device keeps {MOST_TASKS} tasks, with names of {LONGEST_NAME} letters, and no more.")
+            raise DeviceError(
+                NO_ROOM, f"The device keeps {MOST_TASKS} tasks, with names of {LONGEST_NAME} letters, and no more."
+            )
         if name in self._tasks:
             raise DeviceError(DUPLICATE_NAME, f"Specified task name '{name}' conflicts with an existing task name.")
         task = Task(name, name) if name else Task(f"_unnamedTask<{next(self._numbers)}>", uuid.uuid4().hex)
@@ -78,9 +80,7 @@ class Tasks:
         task = self.find(session)
         for other in self._tasks.values():
             if channel in other.channels:
-                raise DeviceError(
-                    RESERVED, f"The specified resource is reserved: {channel} belongs to task '{other.name}'."
-                )
+                raise DeviceError(RESERVED, f"The specified resource is reserved: {channel} belongs to task '{other.name}'.")
         task.kind = kind
         task.channels.append(channel)
         return task

@@ -49,9 +49,7 @@ class PushHold(SumDifference):
             memory.pushing = memory.direction
             memory.offset = (memory.last1 if forward else memory.last2) - turn
             held = memory.last2 if forward else memory.last1
-            memory.lacking = ((held - away) * parameter.line_pressure - parameter.hold_kp * lack) / max(
-                parameter.mean_ki, 1e-9
-            )
+            memory.lacking = ((held - away) * parameter.line_pressure - parameter.hold_kp * lack) / max(parameter.mean_ki, 1e-9)
         memory.lacking = memory.lacking + lack * sample.period
         push = turn + memory.offset
         hold = away + (parameter.hold_kp * lack + parameter.mean_ki * memory.lacking) / parameter.line_pressure

@@ -61,9 +61,7 @@ class SumDifference(Pid):
     feedforward_gain = Parameter("1", 1.23, (0.0, 100.0), text="gain of the feedforward (5.3.3)")
 
     joint_area = Parameter("m^2", JOINT_AREA, (1e-9, 1e-2), text="bore area of a joint cylinder in its model")
-    line_pressure = Parameter(
-        "Pa/rad", LINE, (1.0, 1e9), text="pressure of a line for one rad of its pump in its model"
-    )
+    line_pressure = Parameter("Pa/rad", LINE, (1.0, 1e9), text="pressure of a line for one rad of its pump in its model")
 
     begun = Memory()
     wanted = Memory()
@@ -108,9 +106,7 @@ class SumDifference(Pid):
         memory.wanted = memory.wanted + (goal - memory.wanted) * min(sample.period / parameter.smoothing, 1.0)
         memory.lacking = memory.lacking + (memory.wanted - half) * sample.period
         both = (
-            parameter.regulate
-            * (memory.wanted - memory.start + parameter.mean_ki * memory.lacking)
-            / parameter.line_pressure
+            parameter.regulate * (memory.wanted - memory.start + parameter.mean_ki * memory.lacking) / parameter.line_pressure
         )
         turn = pid + ahead
         return both + turn, both - turn, pid, ahead

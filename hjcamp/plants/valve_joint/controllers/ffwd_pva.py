@@ -30,9 +30,7 @@ class FfwdPva(Pva):
     kp = Parameter("1/rad", 3.3, (0.0, 1e3), text="duty for one rad of error")
     ka = Parameter("s^2/rad", 5.7e-5, (0.0, 1.0), text="duty for one rad/s^2")
     gain = Parameter("1", 1.67, (0.0, 10.0), text="factor on the feedforward: short pulses lose water to compression")
-    model_coulomb = Parameter(
-        "N", 1.22, (0.0, 60.0), text="Coulomb friction of its model: the new joint's first state (4.5.1)"
-    )
+    model_coulomb = Parameter("N", 1.22, (0.0, 60.0), text="Coulomb friction of its model: the new joint's first state (4.5.1)")
 
     @classmethod
     def plan(

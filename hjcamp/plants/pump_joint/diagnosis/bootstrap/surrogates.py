@@ -61,9 +61,7 @@ def match_scatter(views: Views, fit: Fit, scatter: RepetitionScatter, rounds: in
         missing = max(float(np.nanmean(floor[:, SUM] ** 2 - found[:, SUM] ** 2)), -0.5 * scatter.pressure_drift**2)
         scatter = replace(
             scatter,
-            friction_between=min(scatter.friction_between, 0.06)
-            if number == 0
-            else scatter.friction_between * ratio**0.5,
+            friction_between=min(scatter.friction_between, 0.06) if number == 0 else scatter.friction_between * ratio**0.5,
             friction_within=scatter.friction_within * ratio,
             pressure_drift=float(np.sqrt(max(scatter.pressure_drift**2 + 0.5 * missing, 0.0))),
         )

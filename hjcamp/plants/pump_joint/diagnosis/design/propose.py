@@ -97,13 +97,9 @@ def propose(
     least = measured.least if measured is not None else _least(views[0], rivals[0])
     fitters = [Fitter(one, Features(one.evidence), least) for one in views]
     if len(fitters) > 1:
-        contests = every_contest(
-            rivals, models, fitters, bench.effects, old, lambda: tick("setting rivals against each other")
-        )
+        contests = every_contest(rivals, models, fitters, bench.effects, old, lambda: tick("setting rivals against each other"))
     else:
-        contests = contests_with_nothing(
-            rivals, fitters[0], bench.effects, lambda: tick("setting effects against nothing")
-        )
+        contests = contests_with_nothing(rivals, fitters[0], bench.effects, lambda: tick("setting effects against nothing"))
     report("choosing", 0.97)
     arena = Arena(contests, fitters[0].least, SIMULATED, repetitions)
     chosen = choose(arena, [trials[k].choice.cost for k in kept], tests)

@@ -50,9 +50,7 @@ class Products:
         own = np.arange(len(self.stiff))
         free = np.zeros(len(own), dtype=np.bool_)
         stiff, pull = np.diag(self.stiff), np.zeros((1, len(own)))
-        return project(
-            self.products, self.cross[None], self.square[None], least, own, free, stiff, pull, weight, ROUNDS
-        )[0][0]
+        return project(self.products, self.cross[None], self.square[None], least, own, free, stiff, pull, weight, ROUNDS)[0][0]
 
 
 @dataclass(frozen=True)

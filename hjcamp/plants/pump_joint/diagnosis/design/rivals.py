@@ -42,17 +42,13 @@ def check_names(names: Sequence[str], library: Mapping[str, type[Effect]]) -> li
     if len(set(names)) < len(names):
         raise UsageError(f"--rivals {','.join(names)}: name each rival once")
     if len(names) > MOST_NAMED:
-        raise UsageError(
-            f"--rivals: {len(names)} rivals; name at most {MOST_NAMED}, or none to set all apart from nothing"
-        )
+        raise UsageError(f"--rivals: {len(names)} rivals; name at most {MOST_NAMED}, or none to set all apart from nothing")
     if list(names) == [NOTHING]:
         raise UsageError(f"--rivals {NOTHING}: name an effect as well")
     return [*names, NOTHING] if len(names) == 1 else list(names)
 
 
-def rivals_by_name(
-    names: Sequence[str], library: Mapping[str, type[Effect]], values: Mapping[str, float]
-) -> list[Rival]:
+def rivals_by_name(names: Sequence[str], library: Mapping[str, type[Effect]], values: Mapping[str, float]) -> list[Rival]:
     """Return "nothing" or effects at their default amplitudes on the plant with ``values``, all alike likely."""
     base = {one.name: values.get(one.name, PumpJoint.parameters[one.name].default) for one in base_unknowns()}
     rivals = []

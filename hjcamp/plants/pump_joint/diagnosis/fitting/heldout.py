@@ -127,8 +127,7 @@ class Local:
         It weighs effects; what is told of errors is on the scale of `scale`, which has no forces and no windows.
         """
         errors = [
-            judged_error(self.fitter.features, self.refitted(fold.train).mean_square, floor, fold.held_out)
-            for fold in parts
+            judged_error(self.fitter.features, self.refitted(fold.train).mean_square, floor, fold.held_out) for fold in parts
         ]
         return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
 
@@ -178,9 +177,7 @@ class Local:
     def sizes(self) -> Array:
         """What a share of the value of each unknown is on the fitted scale (unknowns,)."""
         places = read(self.fit.candidate, self.unknowns).tolist()
-        return np.array(
-            [1.0 if one.logarithmic else abs(at) for one, at in zip(self.unknowns, places, strict=True)]
-        )
+        return np.array([1.0 if one.logarithmic else abs(at) for one, at in zip(self.unknowns, places, strict=True)])
 
     @cached_property
     def _spread(self) -> Array:

@@ -78,9 +78,7 @@ class Unexplained:
     def sentence(self, model: str) -> str:
         """Return what ``model`` lacks in words: the slope of the curve where it is straight, else its range."""
         parts = {"": self.even, " and turns with the direction of motion": self.odd}
-        kind, curve = max(
-            parts.items(), key=lambda item: float(np.ptp(_seen(item[1]))) if _seen(item[1]).size else -1.0
-        )
+        kind, curve = max(parts.items(), key=lambda item: float(np.ptp(_seen(item[1]))) if _seen(item[1]).size else -1.0)
         if not _seen(curve).size:
             kind, curve = "", np.where(np.isfinite(self.forward), self.forward, self.backward)
         name = self.driver.replace("_", " ")

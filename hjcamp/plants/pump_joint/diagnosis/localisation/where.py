@@ -151,9 +151,7 @@ def quantities(features: Features, seen: Array) -> list[Quantity]:
     plain = {name: column for name, column in drivers.items() if name != "time_at_rest"}
     return [
         Quantity("joint", seen[:, SLIDING], valid[:, SLIDING], plain, VARIABLES["joint"]),
-        Quantity(
-            "joint", seen[:, BREAKAWAY], valid[:, BREAKAWAY], {"time_at_rest": before, **plain}, ("time_at_rest",)
-        ),
+        Quantity("joint", seen[:, BREAKAWAY], valid[:, BREAKAWAY], {"time_at_rest": before, **plain}, ("time_at_rest",)),
         Quantity("lines", slopes[:, 0], whole, plain, VARIABLES["lines"]),
         Quantity("lines", slopes[:, 1], whole, plain, VARIABLES["lines"][2:]),
     ]

@@ -21,7 +21,7 @@ from hjcamp.plants.pump_joint.diagnosis.measured.signals import (
     slider_motion,
     smooth,
     yielding,
-)  # fmt: skip
+)
 from hjcamp.records.log import TestLog
 
 Array = NDArray[np.float64]
@@ -75,9 +75,7 @@ def prepare_test(log: TestLog) -> TestEvidence:
     arm = columns["arm_deg"] * DEGREE
     if len(arm) < 10 * STRIDE:
         raise UsageError(f"{name}: {counted(len(arm), 'sample')} in the command phase; at least {10 * STRIDE} are needed")
-    pump = (
-        columns["pump_deg"] * DEGREE if "pump_deg" in columns else hardware.pump_motion(columns["command_deg"] * DEGREE)
-    )
+    pump = columns["pump_deg"] * DEGREE if "pump_deg" in columns else hardware.pump_motion(columns["command_deg"] * DEGREE)
     pick = slice(0, None, STRIDE)
     half = STRIDE // 2
     travel, velocity, acceleration = slider_motion(arm, hardware.values["pulley_radius"], STRIDE)

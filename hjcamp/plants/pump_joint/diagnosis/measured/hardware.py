@@ -33,9 +33,7 @@ class Hardware:
 
         names = ("pump_gain", "pump_a2", "pump_a1", "pump_a0")
         numerator, denominator = _pump_filter(*(self.values[name] for name in names))
-        late = np.interp(
-            np.arange(len(command)) * 1e-3 - self.values["pump_delay"], np.arange(len(command)) * 1e-3, command
-        )
+        late = np.interp(np.arange(len(command)) * 1e-3 - self.values["pump_delay"], np.arange(len(command)) * 1e-3, command)
         pushed = np.convolve(late - command[0], numerator)[: len(command)]
         bands = np.asfortranarray(np.repeat(denominator[:, None], len(command), axis=1))
         moved = dtbtrs(bands, pushed, uplo="L", diag="U")[0]

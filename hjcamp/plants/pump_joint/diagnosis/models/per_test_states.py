@@ -69,9 +69,7 @@ def step_within(value: float, bounds: tuple[float, float]) -> float:
     return step if value + step <= high else -step
 
 
-def own_moves(
-    residual: Array, response: Array, edges: NDArray[np.int64], least: float, room: tuple[float, float]
-) -> Array:
+def own_moves(residual: Array, response: Array, edges: NDArray[np.int64], least: float, room: tuple[float, float]) -> Array:
     r"""Return by how much the value of each test (tests,) differs from the common one.
 
     .. math:: x_t = \arg\min_x \sum_c \log\bigl(\langle (r_{tc} + x\,d_{tc})^2 \rangle + l^2\bigr)
@@ -81,8 +79,7 @@ def own_moves(
     """
     counts = np.diff(edges)[:, None]
     square, cross, own = (
-        np.add.reduceat(product, edges[:-1], axis=0) / counts
-        for product in (residual**2, residual * response, response**2)
+        np.add.reduceat(product, edges[:-1], axis=0) / counts for product in (residual**2, residual * response, response**2)
     )
     moves = np.zeros(len(counts))
     for _ in range(ROUNDS):

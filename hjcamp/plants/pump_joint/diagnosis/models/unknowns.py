@@ -81,11 +81,7 @@ def beside_known(candidate: Candidate, unknowns: Sequence[Unknown]) -> Array:
 
 def effect_unknowns(effect: type[Effect]) -> list[Unknown]:
     """Return the parameters of one effect that all tests share."""
-    return [
-        Unknown(effect.name, name, parameter)
-        for name, parameter in effect.parameters.items()
-        if not parameter.each_test
-    ]
+    return [Unknown(effect.name, name, parameter) for name, parameter in effect.parameters.items() if not parameter.each_test]
 
 
 def read(candidate: Candidate, unknowns: Sequence[Unknown]) -> Array:

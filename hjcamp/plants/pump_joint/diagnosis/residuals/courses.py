@@ -56,9 +56,7 @@ class Courses:
             "zeros": np.zeros((n, 1)),
         }
 
-    def course(
-        self, part: slice, driven: Array, observed: Array, restarts: str, scatter: Array | None = None
-    ) -> Course:
+    def course(self, part: slice, driven: Array, observed: Array, restarts: str, scatter: Array | None = None) -> Course:
         """Return a part of all tests as a course that restarts in each of its "windows", "samples" or "tests" alone."""
         columns, marks = self.columns, self._marks
         return Course(

@@ -92,10 +92,7 @@ class Replay:
         order = {test: place for place, test in enumerate(self.pump)}
         conditions = list(self.evidence.conditions.values())
         shared = [[order[i] for i in tests if i in order] for tests in conditions]
-        return {
-            name: floor_of(left, shared if name == CHANNELS[3] else conditions)
-            for name, (left, _) in self.series.items()
-        }
+        return {name: floor_of(left, shared if name == CHANNELS[3] else conditions) for name, (left, _) in self.series.items()}
 
 
 def channel_error(residual: Sequence[Array], measured: Sequence[Array], floor: float | None) -> ChannelError | None:

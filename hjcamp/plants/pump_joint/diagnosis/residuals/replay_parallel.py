@@ -29,8 +29,7 @@ def follow(model: Simulator, p: Array, course: Course, crew: Crew, tolerance: fl
 
     found = list(crew.together(one, [slice(*pair) for pair in pairwise(edges)]))
     readings, ideal, forces = (
-        np.concatenate(column)
-        for column in zip(*((part.readings, part.ideal, part.forces) for part in found), strict=True)
+        np.concatenate(column) for column in zip(*((part.readings, part.ideal, part.forces) for part in found), strict=True)
     )
     return Followed(readings, ideal, forces, sum(part.steps for part in found))
 
@@ -46,7 +45,5 @@ def parts(restart: NDArray[np.int64], count: int) -> list[int]:
 
 def cut(course: Course, part: slice) -> Course:
     """Return a part of a course."""
-    columns: dict[str, Any] = {
-        one.name: getattr(course, one.name)[part] for one in fields(course) if one.name != "period"
-    }
+    columns: dict[str, Any] = {one.name: getattr(course, one.name)[part] for one in fields(course) if one.name != "period"}
     return replace(course, **columns)

@@ -102,9 +102,7 @@ class Views:
             radius = chosen.get("radius", weight["radius"])
             values["gravity_load.radius"] = radius
             values["gravity_load.rest_angle"] = chosen.get("rest_angle", weight["rest_angle"])
-            values["gravity_load.load_mass"] = (
-                chosen.get("load_mass", 0.0) + weight["load_mass"] * weight["radius"] / radius
-            )
+            values["gravity_load.load_mass"] = chosen.get("load_mass", 0.0) + weight["load_mass"] * weight["radius"] / radius
         return model.vector(values)
 
     def _key(self, model: Simulator, p: Array, outputs: Sequence[str]) -> tuple[frozenset[str], bytes]:

@@ -131,17 +131,13 @@ class Group:
     shifts: Array
 
 
-def all_gains(
-    gram: Gram, residual: Array, known: Known, groups: Sequence[Group], rounds: int = 3
-) -> tuple[Array, list[Array]]:
+def all_gains(gram: Gram, residual: Array, known: Known, groups: Sequence[Group], rounds: int = 3) -> tuple[Array, list[Array]]:
     """Return the gains (groups,) of each group of columns over the base columns alone, and its coefficients.
 
     The first columns are the base parameters. What lets a parameter go back to where it was known to be gains by that, too.
     """
     cross, square = gram.with_residual(residual)
-    gains, coefficients = gains_of_each(
-        gram, cross[None], square[None], Known(known.stiff, known.away[None]), groups, rounds
-    )
+    gains, coefficients = gains_of_each(gram, cross[None], square[None], Known(known.stiff, known.away[None]), groups, rounds)
     return gains[0], [found[0] for found in coefficients]
 
 
@@ -155,9 +151,7 @@ def gains_of_each(
 
     def fitted(columns: NDArray[np.int64], positive: NDArray[np.bool_], moves: Array) -> tuple[Array, Array]:
         stiff, pull = known.surplus(moves)
-        loss, found, _ = project(
-            gram.products, cross, square, gram.least, columns, positive, stiff, pull, train, rounds
-        )
+        loss, found, _ = project(gram.products, cross, square, gram.least, columns, positive, stiff, pull, train, rounds)
         return loss.sum(axis=1) + known.squared(found @ moves), found
 
     free = np.zeros(count, dtype=np.bool_)

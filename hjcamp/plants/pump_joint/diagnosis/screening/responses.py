@@ -46,9 +46,7 @@ class Probe:
         values = [float(factor) * height for factor, height in zip(coefficients, self.heights, strict=True)]
         if not self.angle:
             return {name: value for name, value in zip(self.lifted, values, strict=True) if name}
-        whole = sum(
-            value * complex(math.cos(turn), math.sin(turn)) for value, turn in zip(values, self.turns, strict=True)
-        )
+        whole = sum(value * complex(math.cos(turn), math.sin(turn)) for value, turn in zip(values, self.turns, strict=True))
         return {self.lifted[0]: abs(whole), self.angle: math.atan2(whole.imag, whole.real)}
 
 

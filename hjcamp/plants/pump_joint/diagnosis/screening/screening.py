@@ -114,9 +114,7 @@ def by_gain(
     return {name: sorted(rows, key=lambda row: -row[2]) for name, rows in found.items()}
 
 
-def screen(
-    fitter: Fitter, about: Fit, effects: Sequence[type[Effect]], names: Collection[str] | None = None
-) -> Screening:
+def screen(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]], names: Collection[str] | None = None) -> Screening:
     """Return the predicted gain of every effect beside the base parameters and the effects already in the model.
 
     With ``names`` only these are looked at, with an empty collection only what is in the model already. Where the base has
@@ -152,9 +150,7 @@ def with_static_friction(candidate: Candidate) -> Candidate | None:
     return candidate.with_base(lost) if lost else None
 
 
-def _screen_about(
-    fitter: Fitter, about: Fit, effects: Sequence[type[Effect]], names: Collection[str] | None
-) -> Screening:
+def _screen_about(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]], names: Collection[str] | None) -> Screening:
     floor = fitter.features.floor(about.features)
     here = base_unknowns()
     for effect in effects:
@@ -215,9 +211,7 @@ def starts_of(screening: Screening, effect: type[Effect]) -> list[tuple[int, ...
     return [(rank,) for rank in ranks] if strength_is_a_shape(effect) else [tuple(ranks)]
 
 
-def fit_effect(
-    fitter: Fitter, screening: Screening, effect: type[Effect], effects: Sequence[type[Effect]], steps: int
-) -> Fit:
+def fit_effect(fitter: Fitter, screening: Screening, effect: type[Effect], effects: Sequence[type[Effect]], steps: int) -> Fit:
     """Return the joint fit of one more effect, the best of those from its starts."""
     fits = [fit_from(fitter, screening, effect, effects, steps, ranks) for ranks in starts_of(screening, effect)]
     return min(fits, key=lambda fit: fit.loss)
@@ -267,9 +261,7 @@ def asks(candidate: Candidate, effects: Sequence[type[Effect]]) -> float:
     """Return what a model asks: the surprise of its base parameters and of the sizes of its effects, where something is
     known of them, and 2 for each amplitude and shape.
     """
-    named = [
-        (effect.parameters, candidate.effects[effect.name]) for effect in effects if effect.name in candidate.effects
-    ]
+    named = [(effect.parameters, candidate.effects[effect.name]) for effect in effects if effect.name in candidate.effects]
     number = sum(one.shape or one.off is not None for known, _ in named for one in known.values())
     unusual = sum(known[name].unusual(value) ** 2 for known, given in named for name, value in given.items())
     return float(np.sum(surprise(candidate, base_unknowns()) ** 2)) + 2.0 * number + unusual

@@ -43,11 +43,7 @@ class StepFitter:
 
     def step(self, screening: Screening, null: Null, number: int) -> Step | None:
         """Return the fits of the most promising effects and of those that look the same as the best of them."""
-        ranked = [
-            name
-            for name in sorted(screening.gains, key=lambda name: -screening.gains[name])
-            if name in screening.ranked
-        ]
+        ranked = [name for name in sorted(screening.gains, key=lambda name: -screening.gains[name]) if name in screening.ranked]
         # The first step shows what comes nearest, where none of it can count as it is predicted.
         asked = {name: self.least_gain(name) for name in ranked}
         enough = {name: max(null.needed(), least if number or self.work.hasty else 0.0) for name, least in asked.items()}
@@ -59,9 +55,7 @@ class StepFitter:
         fits = self._survivors(screening, ranked[: self.work.survivors], share, enough)
         best = min(fits, key=lambda name: fits[name].loss)
         rivals = dict.fromkeys([*alike(screening, best, SAME), *same_as(self.effects, best)])
-        self._fit(
-            screening, [name for name in rivals if name in screening.ranked and name not in fits], fits, share + 0.1
-        )
+        self._fit(screening, [name for name in rivals if name in screening.ranked and name not in fits], fits, share + 0.1)
         self._settle(screening, fits)
         best = min(fits, key=lambda name: fits[name].loss)
         here = unknowns_of(fits[best].candidate, self.effects)
@@ -93,9 +87,7 @@ class StepFitter:
         for name, fit in zip(names, self.fitter.crew.each(_settle_one, context, range(len(names))), strict=True):
             fits[name] = fit
 
-    def _survivors(
-        self, screening: Screening, names: list[str], share: float, enough: Mapping[str, float]
-    ) -> dict[str, Fit]:
+    def _survivors(self, screening: Screening, names: list[str], share: float, enough: Mapping[str, float]) -> dict[str, Fit]:
         """Return the fits of the most promising effects, without those that no gain can be hoped of.
 
         More than twice the prediction does not count (`at_most`), so that what cannot reach ``enough`` is never taken, and

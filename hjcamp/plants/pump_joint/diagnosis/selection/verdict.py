@@ -74,9 +74,7 @@ def judge(
     if np.any(excess > 1.0):
         worst = int(np.argmax(excess))
         over = float(null.over(final.mean_square)[worst])
-        return Verdict(
-            "outside_library", [], f"the best model leaves {over:.2f} x the rig's own scatter in {CHANNELS[worst]}"
-        )
+        return Verdict("outside_library", [], f"the best model leaves {over:.2f} x the rig's own scatter in {CHANNELS[worst]}")
     for effect in named:
         for driver in effect.exact_in:
             for kind, size in against(views, features, final, effect.name, driver).items():
@@ -140,9 +138,7 @@ def rivals_of(step: Step, taken: Sequence[Step], steps: Sequence[Step] = ()) -> 
     """
     others = {other.best for other in taken if other is not step}
     for later in [other for other in steps if other.screening.about is step.fits[step.best]]:
-        others |= {
-            name for name in later.fits if name in step.fits and later.gain_of(name) > APART * step.gain_of(name)
-        }
+        others |= {name for name in later.fits if name in step.fits and later.gain_of(name) > APART * step.gain_of(name)}
     weights = {name: weight for name, weight in step.weights.items() if name not in others}
     total = sum(weights.values())
     rivals = [name for name, weight in weights.items() if weight > 0.5 * (1 - POSTERIOR) * total]
