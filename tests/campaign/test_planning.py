@@ -131,8 +131,9 @@ def test_conditions_can_be_picked(composer: Composer) -> None:
 
 
 def test_without_a_campaign_one_condition_runs(composer: Composer) -> None:
-    made = plan(composer, None, "trajectory=mixed", "controller=ffwd_pid", "effects.leakage=null".replace("eff", "+eff"))
+    made = plan(composer, None, "trajectory=mixed", "controller=ffwd_pid", "+effects.leakage={}")
     assert (made.campaign, [one.name for one in made.conditions]) == ("single", ["mixed__ffwd_pid"])
+    assert list(made.conditions[0].config["effects"]) == ["leakage"]
 
 
 def test_a_controller_knows_only_its_own_model(composer: Composer) -> None:

@@ -58,23 +58,23 @@ class Mine(Effect):
         {body}
 '''
 BODIES = {
-    "a list": ("return [x]", 14, "it gives a list; a number is needed"),
-    "nothing": ("x = 2.0", 11, "it gives nothing; a number is needed"),
-    "sometimes a text": ("return x if arm_angle < 1e9 else [x]", 14, "numba cannot compile it: Cannot unify"),
+    "a list": ("return [x]", 13, "it gives a list; a number is needed"),
+    "nothing": ("x = 2.0", 10, "it gives nothing; a number is needed"),
+    "sometimes a text": ("return x if arm_angle < 1e9 else [x]", 13, "numba cannot compile it: Cannot unify"),
     "a type that changes": (
         "x = x if arm_angle < 1e9 else 'a'\n        return x + 1.0",
-        14,
+        13,
         "numba cannot compile it: ",
     ),
-    "a bytecode": ("a, *b = (x, x)\n        return a", 14, "numba cannot compile it: Use of unsupported opcode"),
+    "a bytecode": ("a, *b = (x, x)\n        return a", 13, "numba cannot compile it: Use of unsupported opcode"),
     "an empty dictionary": (
         "y = {}\n        return x",
-        14,
+        13,
         "numba cannot compile it: Cannot infer the type of variable",
     ),
-    "an end": ("raise SystemExit(0)", 14, "SystemExit: 0"),
-    "a wrong call": ("return abs(x, x)", 14, "TypeError: abs() takes exactly one argument"),
-    "endless": ("while x > 0.0:\n            x += 1.0\n        return x", 11, "did not end within 0.3 s"),
+    "an end": ("raise SystemExit(0)", 13, "SystemExit: 0"),
+    "a wrong call": ("return abs(x, x)", 13, "TypeError: abs() takes exactly one argument"),
+    "endless": ("while x > 0.0:\n            x += 1.0\n        return x", 10, "did not end within 0.3 s"),
 }
 
 
@@ -150,7 +150,7 @@ def test_commands_say_it_before_they_compile(
     mine(empty_folder / "effects", BODIES["a list"][0])
     assert cli.run(list(command)) in (1, 2)
     said = capsys.readouterr()
-    assert "mine.py: line 14: effect mine, method 'load_force': it gives a list" in said.out + said.err
+    assert "mine.py: line 13: effect mine, method 'load_force': it gives a list" in said.out + said.err
     assert "internal error" not in said.out + said.err
 
 

@@ -141,7 +141,7 @@ def test_an_effect_that_never_ends_at_certain_values(empty_folder: Path) -> None
     assert cli.run(["plan", "+effects.slow={}", "repetitions=1"]) == 0, "what ends where it is tried is taken"
     words = ["run", "+effects.slow={}", "repetitions=2", "workers=1", "run_dir=one"]
     script = (
-        f"from hjcamp import cli\nfrom hjcamp.model import term_checks\nterm_checks.KERNEL_S = 2.0\n"
+        f"from hjcamp import cli\nfrom hjcamp.model.language import term_checks\nterm_checks.KERNEL_S = 2.0\n"
         f"raise SystemExit(cli.run({words}))\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(hjcamp.__file__).parents[1])}

@@ -19,7 +19,7 @@ MODULES = (
 START = {
     "live page": "from hjcamp.live.process import LiveAsk, _started, _let_go\n"
     "process, address = _started(0)\nprint(address)\nprocess.stdin.close()\n_let_go(process)",
-    "compiled ahead": "from hjcamp.model import compiled_ahead as one\nprocess = one._started()\n"
+    "compiled ahead": "from hjcamp.model.compile import compiled_ahead as one\nprocess = one._started()\n"
     "print(process.communicate(b'', 60), process.returncode)",
     "helpers": "import os\nfrom hjcamp.workers.processes import Helpers\n"
     "import tempfile\nhelpers = Helpers(1, os.getpid)\nprint(list(helpers.each(max, 1, [1, 2, 3])))\nhelpers.close()",
