@@ -19,9 +19,9 @@ import typer
 
 from hjcamp.children import keep_children_safe
 from hjcamp.commands import COMPLETING, PLAIN, Commands
-from hjcamp.commands._page_end import CALL
-from hjcamp.commands._session import free_standard_output
-from hjcamp.commands._streams import begin_in_utf8, memory_is_short, take_streams
+from hjcamp.commands.shared.page_end import CALL
+from hjcamp.commands.shared.session import free_standard_output
+from hjcamp.commands.shared.streams import begin_in_utf8, memory_is_short, take_streams
 from hjcamp.errors import HjcampError, text_of, visible
 from hjcamp.storage import shown_path
 
@@ -72,7 +72,7 @@ def main() -> None:
 
 def answer_bash() -> int:
     """Answer bash's request for completions; returns the exit code."""
-    from hjcamp.commands._complete_bash import complete_for_bash
+    from hjcamp.commands.shared.complete_bash import complete_for_bash
 
     return complete_for_bash(run)
 

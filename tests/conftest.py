@@ -14,7 +14,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import pytest
 from answer_schemas import check_answer
 
-from hjcamp.commands import _session
+from hjcamp.commands.shared import session
 from hjcamp.configuration.composer import Composer
 
 
@@ -49,12 +49,12 @@ def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture(scope="session", autouse=True)
 def every_answer_meets_its_schema() -> Iterator[None]:
     """Hold whatever a command answers in any test against its schema, whether or not the answer is written."""
-    write = _session.write_answer
+    write = session.write_answer
 
     def checked(path: Path | None, answer: dict[str, Any]) -> None:
         check_answer(answer)
         write(path, answer)
 
-    _session.write_answer = checked
+    session.write_answer = checked
     yield
-    _session.write_answer = write
+    session.write_answer = write

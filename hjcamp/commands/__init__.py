@@ -84,5 +84,5 @@ def load(path: Path) -> Any:
     app = typer.Typer(**PLAIN)
     module.register(app)
     if COMPLETING in os.environ:
-        importlib.import_module(f"{__name__}._complete").add_completions(app)
+        importlib.import_module(f"{__name__}.shared.complete").add_completions(app)
     return typer.main.get_group(app).commands[path.stem.rstrip("_")]

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.analyses.data import Data
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 
 
 def register(app: typer.Typer) -> None:
@@ -26,8 +26,8 @@ def add(
     json: AnswerFile = None,
 ) -> None:
     """Add effects to a model: fit them, save the model, and show the error fall on tests that were not used."""
-    from hjcamp.commands._session import check_answer_file
     from hjcamp.commands.any_plant import calls
+    from hjcamp.commands.shared.session import check_answer_file
     from hjcamp.known_plants import usual_plant
     from hjcamp.storage import named_file
 

@@ -9,7 +9,7 @@ import typer
 
 from hjcamp.analyses.comparing import check_models
 from hjcamp.analyses.data import Data
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.storage import check_place
 
 
@@ -32,8 +32,8 @@ def compare(
     ] = None,
 ) -> None:
     """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
-    from hjcamp.commands._session import check_answer_file, folder_for, no_logs
     from hjcamp.commands.any_plant import calls
+    from hjcamp.commands.shared.session import check_answer_file, folder_for, no_logs
     from hjcamp.known_plants import usual_plant
 
     names = model or ["published"]

@@ -9,7 +9,7 @@ import typer
 
 from hjcamp.analyses.data import Data
 from hjcamp.analyses.diagnosing import Asked
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError
 
 
@@ -46,8 +46,8 @@ def diagnose(
     ] = False,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
-    from hjcamp.commands._session import check_answer_file, folder_for, no_logs
     from hjcamp.commands.any_plant import calls
+    from hjcamp.commands.shared.session import check_answer_file, folder_for, no_logs
     from hjcamp.known_plants import usual_plant
 
     if workers is not None and workers < 1:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import HjcampError, UsageError
 
 if TYPE_CHECKING:
@@ -33,15 +33,15 @@ def doctor(
 ) -> None:
     """Check this installation: versions, folders, caches, the rig's driver; exit code 1 where something is broken."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, write_answer
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
+    from hjcamp.commands.shared.wrapped import print_wrapped
 
     check_answer_file(json)
     console = make_console()
     if detach and not warm:
         raise UsageError("--detach goes with --warm")
     if detach:
-        from hjcamp.commands._warm import start
+        from hjcamp.commands.shared.warm import start
 
         print_wrapped(console, [start()], 2)
         write_answer(json, {"schema": SCHEMA, "findings": [], "broken": 0, "compiled": []})
@@ -66,7 +66,7 @@ def doctor(
 
 def compile_kernels(console: Console) -> Iterator[tuple[str, float]]:
     """Compile what is not compiled yet, saying what (and yielding it); nothing is written but the cache of kernels."""
-    from hjcamp.commands._warm import alone
+    from hjcamp.commands.shared.warm import alone
     from hjcamp.known_plants import usual_plant
 
     with alone():

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError, counted
 from hjcamp.known_plants import DEFAULT
 
@@ -59,7 +59,7 @@ def effects(
     json: AnswerFile = None,
 ) -> None:
     """Show the effect library, or one effect, with --figure in a picture; write and test an effect of one's own."""
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     if on and (words or [])[:1] != ["new"]:
         raise UsageError(f"--on is for a new effect: {USAGE}")
@@ -81,7 +81,7 @@ def effects(
         case ["new" | "test", *_]:
             raise UsageError(f"give one name: {USAGE}")
         case [name, *overrides]:
-            from hjcamp.commands._session import check_picture
+            from hjcamp.commands.shared.session import check_picture
             from hjcamp.known_plants import plant_called
 
             own = plant_called(plant or DEFAULT).room_of("effects")
@@ -102,7 +102,7 @@ def effects(
 def write_catalogue(folder: Path) -> None:
     """Write the catalogue as pages."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._catalogue import write_pages
+    from hjcamp.commands.shared.catalogue import write_pages
 
     written = write_pages(folder)
     make_console().print(f"  {counted(len(written), 'page')}  {written[-1]}", markup=False, soft_wrap=True)
@@ -113,7 +113,7 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
     from rich.table import Table
 
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._answers import effect_row
+    from hjcamp.commands.shared.answers import effect_row
     from hjcamp.effects import effect_files, imposed_files, library_of
     from hjcamp.model.declare.port import KINDS
 
@@ -175,7 +175,7 @@ def show_effect(name: str, plant: str = "") -> dict[str, Any]:
     from rich.table import Table
 
     from hjcamp.campaign.console import bold, make_console
-    from hjcamp.commands._answers import effect_row
+    from hjcamp.commands.shared.answers import effect_row
 
     effect = shown_effect(name, plant)
     console = make_console()
@@ -212,7 +212,7 @@ def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = Non
     from hjcamp.campaign.console import make_console
 
     if begun is not None:
-        from hjcamp.commands._effect_from import write_from_diagnosis
+        from hjcamp.commands.shared.effect_from import write_from_diagnosis
         from hjcamp.effects import effect_files, imposed_files, load_effects
 
         taken = {*effect_files([]), *imposed_files(), *load_effects([])}

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError, unknown
 
 
@@ -26,8 +26,8 @@ def explain(
 ) -> None:
     """Say what a word of the answers means, in one sentence, or what one of a plant's file takes: path, contact, State."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, write_answer
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
+    from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.effects import effect_files
     from hjcamp.report.glossary import ALSO, WORDS, plain_word
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError, counted
 from hjcamp.storage import shown_path
 
@@ -37,7 +37,7 @@ def history(
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.finding import FOLDERS, find_runs
     from hjcamp.campaign.history import history_rows, moments_of, read_words
-    from hjcamp.commands._session import check_answer_file, check_picture, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, check_picture, write_answer
     from hjcamp.report.pictures.history import draw_history
 
     if folder is not None and not folder.is_dir():

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError, counted
 from hjcamp.known_plants import DEFAULT
 from hjcamp.storage import check_place
@@ -58,7 +58,7 @@ def import_table(
 ) -> None:
     """Turn measurements from elsewhere into test logs."""
     from hjcamp.analyses.data import joined
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.diagnosis.data.tests import FEWEST_SAMPLES
     from hjcamp.model.checks.plant_checks import other_period
     from hjcamp.records.elsewhere.import_map import read_import_map

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.commands import PLAIN
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import HjcampError, counted, visible
 
 EXPORT, VIEW = Path("export"), Path("view")
@@ -33,8 +33,8 @@ def register(app: typer.Typer) -> None:
 
 def info(paths: Paths, json: AnswerFile = None) -> None:
     """Show what logs hold: samples, duration, fields, metadata."""
-    from hjcamp.commands._answers import log_rows
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.answers import log_rows
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import span
     from hjcamp.records.recover import verify_log
@@ -59,8 +59,8 @@ def verify(paths: Paths, json: AnswerFile = None) -> None:
     """Check that logs are whole, meet the contract and are plausible, each and as a set; exit code 1 where one is not."""
     from collections import Counter
 
-    from hjcamp.commands._answers import log_rows
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.answers import log_rows
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.known_plants import DEFAULT
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import span
@@ -99,7 +99,7 @@ def recover(
     json: AnswerFile = None,
 ) -> None:
     """Write what is whole in a damaged log to a new one."""
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.records.recover import recover_log
     from hjcamp.storage import check_place, keep_within
 
@@ -123,7 +123,7 @@ def export(
     json: AnswerFile = None,
 ) -> None:
     """Write logs as tables for other programs, one file each, with units and metadata."""
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.records.find import find_logs
     from hjcamp.records.read import read_log
     from hjcamp.records.views.exporting import export_logs
@@ -146,8 +146,8 @@ def view(
     """Show logs in a viewer with a layout of their plant: curves by panel, phases as states or events."""
     import shlex
 
-    from hjcamp.commands._session import check_answer_file, write_answer
-    from hjcamp.commands._view import begin_viewer, prepare_view
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
+    from hjcamp.commands.shared.view import begin_viewer, prepare_view
     from hjcamp.records.find import find_logs
     from hjcamp.storage import own_folder
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError
 from hjcamp.storage import check_place, shown_path
 
@@ -38,7 +38,7 @@ def ls(
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.finding import FOLDERS, find_runs
     from hjcamp.campaign.listing import USUAL, in_order, rows_of
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     if folder is not None and not folder.is_dir():
         raise UsageError(f"--folder {shown_path(folder)}: there is no such folder")

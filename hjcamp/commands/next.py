@@ -38,8 +38,8 @@ def next_(
     from hjcamp.analyses.data import Data
     from hjcamp.analyses.diagnosing import Asked
     from hjcamp.campaign.new_file import new_campaign
-    from hjcamp.commands._session import check_answer_file, folder_for
     from hjcamp.commands.any_plant import calls
+    from hjcamp.commands.shared.session import check_answer_file, folder_for
     from hjcamp.known_plants import usual_plant
 
     check_answer_file(json)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import counted
 
 
@@ -40,7 +40,7 @@ def paper(
     standard uncertainty, s over the root of n; ...Std the deviation of the tests, ...N their number.
     """
     from hjcamp.campaign.console import bold, make_console
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.errors import UsageError
     from hjcamp.report.paper.figures import formats_of, style_of
     from hjcamp.report.paper.folder import write_paper

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.commands._complete import complete_override
-from hjcamp.commands._duration import duration_text
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.complete import complete_override
+from hjcamp.commands.shared.duration import duration_text
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError, counted
 
 if TYPE_CHECKING:
@@ -32,11 +32,11 @@ def plan(
     multirun: Annotated[bool, typer.Option("--multirun", "-m", help="The plan of a sweep.")] = False,
 ) -> None:
     """Show what a run would do: conditions, tests, duration, configuration. Nothing is run or written."""
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     check_answer_file(json)
     if multirun:
-        from hjcamp.commands._sweep_plan import show_sweep
+        from hjcamp.commands.shared.sweep_plan import show_sweep
 
         if json is not None or condition is not None or cfg:
             raise UsageError("-m shows the jobs of a sweep; --json, --condition and --cfg show one run: give one value each")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hjcamp.campaign.console import bold
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def plants(
     json: AnswerFile = None,
 ) -> None:
     """Show the plants, or one of them; write and test a plant of one's own."""
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     check_answer_file(json)
     match words or []:
@@ -59,7 +59,7 @@ def show_list() -> dict[str, Any]:
     from rich.table import Table
 
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._answers import plant_row
+    from hjcamp.commands.shared.answers import plant_row
     from hjcamp.effects import library_of
     from hjcamp.known_plants import plants_beside_faults
 
@@ -82,8 +82,8 @@ def show_list() -> dict[str, Any]:
 def show_plant(name: str, figure: Path | None) -> dict[str, Any]:
     """Print one plant: states, inputs, parameters, lines, places, and which effects fit."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._answers import plant_answer
-    from hjcamp.commands._session import check_picture
+    from hjcamp.commands.shared.answers import plant_answer
+    from hjcamp.commands.shared.session import check_picture
     from hjcamp.effects import library_of
     from hjcamp.known_plants import find_plant
     from hjcamp.model.checks.plant_checks import check_plant
@@ -184,7 +184,7 @@ def _import_map(console: Console, plant: type[Plant]) -> None:
 def write_new(name: str) -> Path:
     """Write the template of a plant into ./plants."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._plant_template import write_template
+    from hjcamp.commands.shared.plant_template import write_template
     from hjcamp.known_plants import plants_beside_faults
 
     path = write_template(name, Path("plants"), plants_beside_faults()[0])

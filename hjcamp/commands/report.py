@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import HjcampError, UsageError, counted
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def report(
     """Make tables and the report page of a run folder or of logs, beside the published values."""
     from hjcamp.campaign.console import bold, make_console
     from hjcamp.campaign.further_pictures import further_pictures
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.report.answer import report_answer
     from hjcamp.report.build import AGAINST, build_report
     from hjcamp.report.check import check as check_cells

@@ -32,7 +32,7 @@ def resume(
     from hjcamp.campaign.folder import open_folder
     from hjcamp.campaign.going_on import StopRule
     from hjcamp.campaign.one_run import finish_run
-    from hjcamp.commands._live import live as live_of
+    from hjcamp.commands.shared.live import live as live_of
     from hjcamp.live.process import LiveAsk
 
     if port and not live:

@@ -15,7 +15,7 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.commands._complete import complete_override
+from hjcamp.commands.shared.complete import complete_override
 from hjcamp.errors import HjcampError, UsageError
 
 SEARCH_PATH = "hydra.searchpath"
@@ -40,7 +40,7 @@ def run(
     """Run a campaign: every condition, every repetition, then tables and report. All of Hydra's command line."""
     if arguments and arguments[0] in ("--help", "-h"):
         arguments = ["--help"]
-    from hjcamp.commands._live import live, take_live
+    from hjcamp.commands.shared.live import live, take_live
 
     left, asked = take_live(arguments or [])
     with live(asked):

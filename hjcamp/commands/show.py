@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -25,9 +25,9 @@ def show(run: Annotated[Path, typer.Argument(help="The run folder.")], json: Ans
     from hjcamp.campaign.console import bold, make_console
     from hjcamp.campaign.finding import FoundRun
     from hjcamp.campaign.folder import open_folder
-    from hjcamp.commands._answers import run_answer
-    from hjcamp.commands._session import check_answer_file, write_answer
     from hjcamp.commands.plan import common_choices
+    from hjcamp.commands.shared.answers import run_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     check_answer_file(json)
     folder = open_folder(run)

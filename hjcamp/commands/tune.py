@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hjcamp.campaign.console import bold
-from hjcamp.commands._complete import complete_override
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.complete import complete_override
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError, counted
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def tune(
     sought from those of Table 5.3.1 (--from simulation) and written to conf/controller/gains/CASE.yaml.
     """
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.known_plants import usual_plant
 
     check_answer_file(json)

@@ -28,7 +28,7 @@ def command(*words: str | Path) -> str:
     hjcamp.errors.UsageError: unknown command 'siezing'; did you mean 'sizing'? ...
     """
     from hjcamp.commands import command_files, load
-    from hjcamp.commands._session import free_standard_output
+    from hjcamp.commands.shared.session import free_standard_output
 
     files = command_files()
     name, *given = [str(word) for word in words] or [""]

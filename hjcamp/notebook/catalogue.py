@@ -194,7 +194,7 @@ def new_plant(name: str) -> Path:
     >>> hjcamp.new_plant("my_axis").as_posix()
     'plants/my_axis.py'
     """
-    from hjcamp.commands._plant_template import write_template
+    from hjcamp.commands.shared.plant_template import write_template
     from hjcamp.known_plants import plants_beside_faults
 
     return write_template(name, Path("plants"), plants_beside_faults()[0])

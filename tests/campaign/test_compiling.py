@@ -16,7 +16,7 @@ from rich.progress import Progress
 import hjcamp.campaign.progress as progress
 from hjcamp import cli
 from hjcamp.campaign.compiling import Doing, Kernels, kernels_of, status
-from hjcamp.commands._session import progress_of
+from hjcamp.commands.shared.session import progress_of
 from hjcamp.configuration.composer import Composer
 from hjcamp.model.compile.kernel_cache import cache_folder, is_compiled, kernel_name
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from hjcamp import locks
-from hjcamp.commands import _warm
+from hjcamp.commands.shared import warm
 from hjcamp.known_plants import usual_plant
 
 if TYPE_CHECKING:
@@ -38,15 +38,15 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
             assert options["start_new_session"] and options["stdout"] is subprocess.DEVNULL
             calls.append(command)
 
-    monkeypatch.setattr(_warm.subprocess, "Popen", Noted)
+    monkeypatch.setattr(warm.subprocess, "Popen", Noted)
     return calls
 
 
 def test_it_is_started_once(call: Call, cache: Path, started: list[list[str]]) -> None:
     answer = call("doctor", "--warm", "--detach")
     assert answer.code == 0 and "process 4321" in answer.out and "kill 4321" in answer.out
-    assert started == [[sys.executable, "-m", "hjcamp.commands._warm"]]
-    held = locks.take(cache / _warm.LOCK, "77\n")
+    assert started == [[sys.executable, "-m", "hjcamp.commands.shared.warm"]]
+    held = locks.take(cache / warm.LOCK, "77\n")
     assert held is not None
     try:
         assert "process 77 is compiling" in call("doctor", "--warm", "--detach").out and len(started) == 1
@@ -63,7 +63,7 @@ def test_detach_alone_is_refused(call: Call, started: list[list[str]]) -> None:
 def test_nothing_is_started_where_nothing_is_kept(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, started: list[list[str]]
 ) -> None:
-    monkeypatch.setattr(_warm, "cache_folder", lambda: tmp_path / f"{_warm.TEMPORARY}x" / "kernels")
+    monkeypatch.setattr(warm, "cache_folder", lambda: tmp_path / f"{warm.TEMPORARY}x" / "kernels")
     answer = call("doctor", "--warm", "--detach")
     assert answer.code == 0 and "cannot be written" in answer.out and not started
 
@@ -75,18 +75,18 @@ def test_the_process_compiles_for_a_diagnosis_first_and_waits_for_another(
     order: list[str] = []
     monkeypatch.setattr(room, "side_by_side", lambda work: ((order.append(name), 0.0) for name, _, _ in work))
     monkeypatch.setattr(room, "tasks", lambda: [("next, a", print, ()), ("diagnose, b", print, ()), ("run c", print, ())])
-    monkeypatch.setattr(_warm, "LOOK_EVERY_S", 0.01)
-    monkeypatch.setattr(_warm.os, "nice", lambda more: more)
-    held = locks.take(_warm.cache_folder() / _warm.LOCK, "77\n")
+    monkeypatch.setattr(warm, "LOOK_EVERY_S", 0.01)
+    monkeypatch.setattr(warm.os, "nice", lambda more: more)
+    held = locks.take(warm.cache_folder() / warm.LOCK, "77\n")
     assert held is not None
-    other = threading.Thread(target=_warm.main, args=(cache,))
+    other = threading.Thread(target=warm.main, args=(cache,))
     other.start()
     time.sleep(0.1)
     assert not order, "never two at once"
     locks.release(held)
     other.join(20.0)
     assert order == ["diagnose, b", "next, a", "run c"]
-    assert not _warm.at_work()
+    assert not warm.at_work()
 
 
 def test_the_tour_waits_for_what_it_needs_alone(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,13 +94,13 @@ def test_the_tour_waits_for_what_it_needs_alone(cache: Path, monkeypatch: pytest
 
     room, looks = usual_plant().own_room("kernels"), iter([["a"], ["a"], []])
     monkeypatch.setattr(room, "missing", lambda effects: next(looks))
-    monkeypatch.setattr(_warm, "LOOK_EVERY_S", 0.01)
-    _warm.wait(make_console())
+    monkeypatch.setattr(warm, "LOOK_EVERY_S", 0.01)
+    warm.wait(make_console())
     assert next(looks) == ["a"], "nobody compiles: nothing is looked at"
-    held = locks.take(_warm.cache_folder() / _warm.LOCK, "77\n")
+    held = locks.take(warm.cache_folder() / warm.LOCK, "77\n")
     assert held is not None
     try:
-        _warm.wait(make_console())
+        warm.wait(make_console())
     finally:
         locks.release(held)
     assert next(looks, None) is None

@@ -14,7 +14,7 @@ import pytest
 
 from hjcamp import cli
 from hjcamp.commands import command_files, load
-from hjcamp.commands._complete_bash import whole_words
+from hjcamp.commands.shared.complete_bash import whole_words
 
 ROOT = Path(__file__).parents[2]
 

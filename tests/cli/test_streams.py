@@ -90,7 +90,8 @@ def test_a_choice_that_puts_itself_elsewhere_is_named(empty_folder: Path, group:
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="asks Linux")
 def test_little_memory_is_told_from_a_mistake() -> None:
-    code = "import resource, sys\nfrom hjcamp.commands._streams import LIBRARY_BYTES, memory_is_short\nassert not memory_is_short()\n"
+    code = "import resource, sys\nfrom hjcamp.commands.shared.streams import LIBRARY_BYTES, memory_is_short\n"
+    code += "assert not memory_is_short()\n"
     code += "used = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
     code += "resource.setrlimit(resource.RLIMIT_AS, (used + LIBRARY_BYTES // 2,) * 2)\nassert memory_is_short()\n"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from gauge import PLANT
 
-from hjcamp.commands._plant_template import write_template
+from hjcamp.commands.shared.plant_template import write_template
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hjcamp.commands._effect_from import begun_from
 from hjcamp.commands.any_plant.law_words import free_law
+from hjcamp.commands.shared.effect_from import begun_from
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.candidates.nonparametric_terms import values_of
 from hjcamp.diagnosis.data.tests import measured_tests

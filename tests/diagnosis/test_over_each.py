@@ -10,8 +10,8 @@ import pytest
 from flywheel import GAIN, INERTIA, PERIOD, PLANT, VISCOUS
 
 from hjcamp.analyses.data import silent
-from hjcamp.commands._effect_from import begun_from
 from hjcamp.commands.any_plant.verdict_words import Words
+from hjcamp.commands.shared.effect_from import begun_from
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.candidates.nonparametric_terms import courses_of_each
 from hjcamp.diagnosis.data.tests import Measured, measured_tests

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hjcamp.commands._effect_from import begun_from
+from hjcamp.commands.shared.effect_from import begun_from
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.nonparametric_laws import ENDS, KNOT, gain_over
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hjcamp import cli
-from hjcamp.commands._plant_template import write_template
+from hjcamp.commands.shared.plant_template import write_template
 from hjcamp.effects import load_effects
 from hjcamp.effects._begun import Begun, Table
 from hjcamp.effects._curve_template import curve_template

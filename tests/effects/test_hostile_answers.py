@@ -14,8 +14,8 @@ import pytest
 from test_begun_from_a_diagnosis import SPRING, joint
 
 from hjcamp import cli
-from hjcamp.commands._effect_from import write_from_diagnosis
-from hjcamp.commands._plant_template import write_template
+from hjcamp.commands.shared.effect_from import write_from_diagnosis
+from hjcamp.commands.shared.plant_template import write_template
 from hjcamp.effects import load_effects
 from hjcamp.effects._written import check_effect_file
 from hjcamp.errors import UsageError

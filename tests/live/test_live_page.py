@@ -24,7 +24,7 @@ from hjcamp.backends.recording import Recording, Samples
 from hjcamp.campaign.ends import Ends, condition_line, followed_error
 from hjcamp.campaign.outcome import Outcome
 from hjcamp.cli import run
-from hjcamp.commands._live import take_live
+from hjcamp.commands.shared.live import take_live
 from hjcamp.errors import UsageError
 from hjcamp.live.feed import ROOM, Feed, current_feed
 from hjcamp.live.history import MOST_ROWS, History

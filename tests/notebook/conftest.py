@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.commands._plant_template import write_template
+from hjcamp.commands.shared.plant_template import write_template
 from hjcamp.records.elsewhere.importing import import_files
 
 SAMPLES = Path(__file__).parents[2] / "docs" / "own_plant"

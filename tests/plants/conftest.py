@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from wheel_plant import DRIVER, DRY_WHEEL, WHEEL
 
-from hjcamp.commands._plant_template import TEMPLATE
+from hjcamp.commands.shared.plant_template import TEMPLATE
 
 TANKS = '''"""Two tanks, one above the other."""
 

@@ -15,7 +15,7 @@ import pytest
 from answer_schemas import check_answer
 
 from hjcamp.cli import run
-from hjcamp.commands._view import PROGRAMS, prepare_view
+from hjcamp.commands.shared.view import PROGRAMS, prepare_view
 from hjcamp.errors import UsageError
 from hjcamp.records.log import TestLog
 from hjcamp.records.views.rerun_view import events_of

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hjcamp import cli
-from hjcamp.commands import _catalogue
+from hjcamp.commands.shared import catalogue
 from hjcamp.effects import effect_files
 from hjcamp.known_plants import find_plant
 from hjcamp.model.declare.effect import Effect
@@ -73,7 +73,7 @@ def test_the_picture_of_an_effect_shows_what_it_changes(name: str, plant: str) -
 
     library = library_of(plant, folders=[])
     effect = library.effects[library.names[name][0]]
-    svg = _catalogue.picture_of(effect, find_plant(plant, folders=[]))
+    svg = catalogue.picture_of(effect, find_plant(plant, folders=[]))
     assert "without" in svg and "with" in svg and "change" in svg and "time (s)" in svg
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.commands._corner import Estimate, how_well_known, known_rows
+from hjcamp.commands.shared.corner import Estimate, how_well_known, known_rows
 from hjcamp.report.pictures.corner import MOST, RADII, correlation_of, draw_corner, ellipse
 
 

@@ -17,7 +17,7 @@ from rich.table import Table
 from hjcamp import cli
 from hjcamp.campaign.console import bold, make_console
 from hjcamp.campaign.progress import progress_bar
-from hjcamp.commands._streams import Visible
+from hjcamp.commands.shared.streams import Visible
 from hjcamp.errors import visible
 from hjcamp.records.write import write_log
 from hjcamp.report.formats import IN_LATEX, escape_csv, escape_latex, escape_markdown

@@ -6,7 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from hjcamp.commands._page_end import CALL, made_from, next_steps
+from hjcamp.commands.shared.page_end import CALL, made_from, next_steps
 
 
 def logs(folder: Path) -> list[Any]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
     """Say which effect the model of a plant misses; the answer is that of ``hjcamp diagnose``."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import folder_for, keep_answer, progress_of, write_answer
+    from hjcamp.commands.shared.session import folder_for, keep_answer, progress_of, write_answer
 
     console = make_console()
     with progress_of(console) as report:
@@ -44,7 +44,7 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
 def compare(data: Data, names: list[str], json: Path | None, into: Path | None, mcap: Path | None = None) -> None:
     """Predict measured tests of a plant with one or more models."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import folder_for, progress_of, tell_of_views, write_answer
+    from hjcamp.commands.shared.session import folder_for, progress_of, tell_of_views, write_answer
 
     console = make_console()
     with progress_of(console) as report:
@@ -72,15 +72,15 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
 def add(there: list[Path], names_and_paths: list[str], name: str, model: str, json: Path | None) -> None:
     """Fit effects of a plant, save the model, and show the error on chapters that were not used; ``there`` are its logs."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import progress_of, write_answer
+    from hjcamp.commands.shared.session import progress_of, write_answer
 
     data = Data(there)
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.analyses.adding import add as add_effects
         from hjcamp.analyses.adding import library_of_data
-        from hjcamp.commands._effects_and_paths import split
         from hjcamp.commands.any_plant.words import print_addition
+        from hjcamp.commands.shared.effects_and_paths import split
 
         names, paths = split(names_and_paths, library_of_data(data), data.plant)
         done = add_effects(data, names, name, model, report)
@@ -92,7 +92,7 @@ def add(there: list[Path], names_and_paths: list[str], name: str, model: str, js
 
 def _tell_of_own(console: Console, data: Data) -> None:
     """Say what is wrong with effects of the user's own at the plant of these tests."""
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.effects import faults_of_own
 
     print_wrapped(console, faults_of_own(data.measured.plant), 8, "own")
@@ -103,7 +103,7 @@ def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool,
     if only:
         raise UsageError(f"--only {only[0]}: it chooses logs of {DEFAULT}; of plant {data.plant_name} name the logs themselves")
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import progress_of, write_answer
+    from hjcamp.commands.shared.session import progress_of, write_answer
 
     console = make_console()
     with progress_of(console) as report:
@@ -139,9 +139,9 @@ def propose(
 
     from hjcamp.analyses.proposing import propose_for_plant
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import folder_for, progress_of, write_answer
     from hjcamp.commands.any_plant import next_answer as said
     from hjcamp.commands.any_plant.next_campaign import written_campaign
+    from hjcamp.commands.shared.session import folder_for, progress_of, write_answer
     from hjcamp.report.pictures.next import draw_predictions
     from hjcamp.storage import whole_file
 
@@ -183,7 +183,7 @@ def _check_words(data: Data, words: list[str], rivals: list[str], named: list[st
 
 def _kept_answers(data: Data, json: Path | None) -> list[Path]:
     """Return where a diagnosis of these logs may have kept its answer."""
-    from hjcamp.commands._session import folder_for
+    from hjcamp.commands.shared.session import folder_for
 
     places = [folder_for("diagnose", data.paths, answer) for answer in (json, None)]
     return [folder / "answer.json" for folder in dict.fromkeys(places)]

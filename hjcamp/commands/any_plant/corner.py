@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from hjcamp.commands._corner import Estimate
     from hjcamp.commands.any_plant.verdict_words import Words
+    from hjcamp.commands.shared.corner import Estimate
 
 
 def fitted_parameters(words: Words) -> tuple[list[Estimate], Any]:
     """Return every fitted parameter of the model found, and how the curvature of the fit correlates them (k, k)."""
-    from hjcamp.commands._corner import Estimate
+    from hjcamp.commands.shared.corner import Estimate
     from hjcamp.diagnosis.estimation.intervals import covariance_of, intervals
     from hjcamp.report.pictures.corner import correlation_of
 

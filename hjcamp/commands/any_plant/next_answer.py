@@ -204,8 +204,8 @@ def _beyond(one: Beyond) -> str:
 
 def tell(console: Console, done: PlantProposed, picture: Path | None, campaign: Path | None, lines: list[str]) -> None:
     """Print the sentence, the table, and what to do next."""
-    from hjcamp.commands._wrapped import print_wrapped
     from hjcamp.commands.any_plant.words import table
+    from hjcamp.commands.shared.wrapped import print_wrapped
 
     proposal = done.proposal
     if done.reused:

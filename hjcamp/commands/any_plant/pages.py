@@ -35,13 +35,13 @@ REPEATED = (
 
 def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -> list[Path]:
     """Write the pictures and the page of a diagnosis, with the commands that go on; return their paths, the page last."""
-    from hjcamp.commands._corner import how_well_known
-    from hjcamp.commands._effect_links import equations_of, links, write_effect_pages
-    from hjcamp.commands._page_end import made_from, next_steps
     from hjcamp.commands.any_plant import words as said
     from hjcamp.commands.any_plant.corner import fitted_parameters
     from hjcamp.commands.any_plant.evidence import evidence_pictures
     from hjcamp.commands.any_plant.verdict_words import CANDIDATES
+    from hjcamp.commands.shared.corner import how_well_known
+    from hjcamp.commands.shared.effect_links import equations_of, links, write_effect_pages
+    from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.floor_words import worst_table
@@ -96,10 +96,10 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
 
 def write_comparison(found: PlantComparison, folder: Path, following: Sequence[str] = ()) -> list[Path]:
     """Write the pictures and the page of a comparison, with the commands that go on; return their paths, the page last."""
-    from hjcamp.commands._page_end import made_from, next_steps
     from hjcamp.commands.any_plant import words as said
     from hjcamp.commands.any_plant.explorer import exploration_of
     from hjcamp.commands.any_plant.head_words import over_windows
+    from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.records.log import observed
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.exploration import channel_label, names_of

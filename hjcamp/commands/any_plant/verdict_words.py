@@ -307,7 +307,7 @@ class Words:
 
 def print_diagnosis(console: Console, words: Words) -> None:
     """Print the answer."""
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
 
     analysis = words.analysis
     print_head(console, analysis)

@@ -193,7 +193,7 @@ CALIBRATED = ("parameter", "declared", "here", "95 %")
 
 def print_comparison(console: Console, found: Comparison) -> None:
     """Print the errors of the models."""
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.diagnosis.results.answer import calibration
 
     print_head(console, found.analysis)
@@ -328,7 +328,7 @@ def whole_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]] | 
 
 def print_addition(console: Console, found: Addition, names: Sequence[str], path: Path) -> None:
     """Print what was fitted and how the error fell."""
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.diagnosis.results.addition import answer
 
     content = answer(found, path.stem, str(path))
@@ -378,7 +378,7 @@ def helped(found: Addition, content: Mapping[str, Any]) -> list[str]:
 
 def print_calibration(console: Console, analysis: Analysis, rows: Mapping[str, Mapping[str, Any]]) -> None:
     """Print the base parameters as declared and as fitted."""
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
 
     print_head(console, analysis)
     table(console, CALIBRATED, calibration_table(rows))

@@ -20,8 +20,8 @@ BAR = 30
 def add(there: list[Path], effects_and_paths: list[str], name: str, model: str, json: Path | None) -> None:
     """Fit effects, save the model, and show the error on tests that were not used."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._effects_and_paths import split
-    from hjcamp.commands._session import progress_of, write_answer
+    from hjcamp.commands.shared.effects_and_paths import split
+    from hjcamp.commands.shared.session import progress_of, write_answer
     from hjcamp.configuration.saved_model import check_new_name
     from hjcamp.effects import load_effects
     from hjcamp.plants.pump_joint.analyses.adding import add as add_effects
@@ -41,7 +41,7 @@ def add(there: list[Path], effects_and_paths: list[str], name: str, model: str, 
 
 
 def _print(console: Console, found: Addition, path: Path, model: str, name: str, repeated: bool) -> None:
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.plants.pump_joint.answers.diagnose_words import parameters_told
     from hjcamp.plants.pump_joint.answers.error_words import over, print_errors
 

@@ -19,7 +19,7 @@ BAR = 30
 def compare(data: Data, names: list[str], json: Path | None, into: Path | None, mcap: Path | None = None) -> None:
     """Replay measured tests with models; print, write the answer, the pictures and the page."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import folder_for, progress_of, tell_of_views, write_answer
+    from hjcamp.commands.shared.session import folder_for, progress_of, tell_of_views, write_answer
     from hjcamp.plants.pump_joint.analyses.comparing import compare_joint
     from hjcamp.plants.pump_joint.analyses.evidence import evidence_in
 
@@ -84,7 +84,7 @@ def _print(console: Console, found: Comparison, files: list[Path]) -> None:
 
 
 def _say(console: Console, lines: list[str]) -> None:
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
 
     print_wrapped(console, lines, 11)
 

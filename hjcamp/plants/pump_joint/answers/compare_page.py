@@ -61,7 +61,7 @@ def places_in_words(one: Compared) -> list[str]:
 
 def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = ()) -> list[Path]:
     """Write overlay, where, horizon and the page that holds them, with the commands that go on; return their paths, the page last."""
-    from hjcamp.commands._page_end import made_from, next_steps
+    from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.plants.pump_joint.answers.compare_explorer import exploration_of
     from hjcamp.plants.pump_joint.answers.compare_map import PALE_SAID, maps_of
     from hjcamp.plants.pump_joint.answers.error_words import over_words

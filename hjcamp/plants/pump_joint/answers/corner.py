@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from hjcamp.commands._corner import Estimate
+    from hjcamp.commands.shared.corner import Estimate
     from hjcamp.plants.pump_joint.diagnosis.fitting.heldout import Local
 
 
 def fitted_parameters(local: Local) -> tuple[list[Estimate], Any]:
     """Return every fitted parameter of a fit, and how the curvature of its loss correlates them (k, k)."""
-    from hjcamp.commands._corner import Estimate
+    from hjcamp.commands.shared.corner import Estimate
     from hjcamp.report.pictures.corner import correlation_of
     from hjcamp.report.units import label
 

@@ -24,7 +24,7 @@ SHOWN = 6
 def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
     """Say what the model misses; print, write the answer, the pictures and the page."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import folder_for, keep_answer, progress_of, write_answer
+    from hjcamp.commands.shared.session import folder_for, keep_answer, progress_of, write_answer
     from hjcamp.plants.pump_joint.analyses.diagnosing import diagnose_joint
 
     console = make_console()
@@ -51,7 +51,7 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
 
 def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:
     """Say before anything is computed what these tests lack: for a verdict, and for a floor."""
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.plants.pump_joint.diagnosis.selection.verdict import lacks
     from hjcamp.report.floor_words import NO_FLOOR
 
@@ -90,7 +90,7 @@ def next_command(content: dict[str, Any], paths: list[Path], model: str = "publi
 
 
 def _print(console: Console, told: Told) -> None:
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.plants.pump_joint.answers.diagnose_words import APART, CALIBRATED, cut
     from hjcamp.plants.pump_joint.answers.error_words import print_errors
 
@@ -130,7 +130,7 @@ def _print(console: Console, told: Told) -> None:
 
 
 def _candidates(console: Console, told: Told) -> None:
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.plants.pump_joint.answers.diagnose_words import CANDIDATES, LEFT
 
     if rows := told.candidates(SHOWN):

@@ -23,8 +23,8 @@ def write_pictures(told: Told, folder: Path, following: Sequence[str] = ()) -> l
 
     Returns their paths, the page last.
     """
-    from hjcamp.commands._corner import how_well_known
-    from hjcamp.commands._effect_links import write_effect_pages
+    from hjcamp.commands.shared.corner import how_well_known
+    from hjcamp.commands.shared.effect_links import write_effect_pages
     from hjcamp.plants.pump_joint.answers.corner import fitted_parameters
     from hjcamp.plants.pump_joint.answers.evidence import evidence_pictures
     from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
@@ -51,9 +51,9 @@ def write_pictures(told: Told, folder: Path, following: Sequence[str] = ()) -> l
 
 
 def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path, following: Sequence[str]) -> str:
-    from hjcamp.commands._effect_links import equations_of, links
-    from hjcamp.commands._page_end import made_from, next_steps
     from hjcamp.commands.any_plant.pages import BAND, CORRELATIONS, REPEATED
+    from hjcamp.commands.shared.effect_links import equations_of, links
+    from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.plants.pump_joint.answers.diagnose_words import CALIBRATED, CANDIDATES, LEFT
     from hjcamp.plants.pump_joint.answers.error_words import error_table, over
     from hjcamp.report import discrepancy_page as page

@@ -25,7 +25,7 @@ def propose(
     """Propose tests, and write them as a campaign."""
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.new_file import new_campaign, write_campaign
-    from hjcamp.commands._session import folder_for, progress_of, write_answer
+    from hjcamp.commands.shared.session import folder_for, progress_of, write_answer
     from hjcamp.plants.pump_joint.diagnosis.design.campaign_file import campaign_content
 
     began = time.perf_counter()

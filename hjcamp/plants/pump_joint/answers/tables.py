@@ -25,7 +25,7 @@ def diagnose_tables(
     """Say what the model misses, judged by tables alone; the folder of the answer keeps every finished fit."""
     from hjcamp.analyses.diagnosing import check_seed, considered
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, keep_answer, progress_of, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, keep_answer, progress_of, write_answer
 
     began = time.perf_counter()
     check_answer_file(json)
@@ -86,7 +86,7 @@ def folder_of(tables: Sequence[str], effort: str, seed: int, others: Sequence[st
 
 def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
     from hjcamp.analyses.data import free_model_name
-    from hjcamp.commands._wrapped import print_wrapped
+    from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.plants.pump_joint.tables.page import best_of, few_told, verdict_told
 
     word, told = content["verdict"].upper(), verdict_told(content)
@@ -119,7 +119,7 @@ def print_errors(console: Console, content: Mapping[str, Any], fitted: str = "fi
 def compare_tables(words: Sequence[str], names: Sequence[str], json: Path | None) -> None:
     """Simulate the conditions of tables with saved models, as ``hjcamp run`` would, and show the error of each."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, progress_of, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, progress_of, write_answer
 
     check_answer_file(json)
     console = make_console()
@@ -141,7 +141,7 @@ def add_table(path: Path, name: str, json: Path | None) -> None:
     """Save the model of a table's diagnosis under a name."""
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.provenance import git_label, utc_now
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.configuration.saved_model import check_new_name, rounded, write_content
     from hjcamp.plants.pump_joint.configuration import check_model
     from hjcamp.plants.pump_joint.tables.answer import read_answer

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ def budget(
     from hjcamp.analyses.diagnosing import check_seed
     from hjcamp.campaign.compiling import Doing, kernels_of, status
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, check_picture, write_answer
     from hjcamp.commands.plan import compose_plan
+    from hjcamp.commands.shared.session import check_answer_file, check_picture, write_answer
     from hjcamp.plants.pump_joint.figures.budget import draw_budget
     from hjcamp.plants.pump_joint.studies.budget import budget as work
     from hjcamp.plants.pump_joint.studies.retune import gains_of

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from hjcamp.commands import PLAIN
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import HjcampError
 
 COUNT_DOWN_S = 3
@@ -95,7 +95,7 @@ def check(
     from hjcamp.backends import before_moving, compile_ahead
     from hjcamp.campaign.compiling import kernels_of, status
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer, free
     from hjcamp.plants.pump_joint.rig.check import Finding, check_rig
@@ -137,7 +137,7 @@ def check(
 
 def unlock(json: AnswerFile = None) -> None:
     """Say who holds each rig of this computer. A lock ends with its process, so there is nothing to remove."""
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.plants.pump_joint.rig.lock import describe, is_free, lock_folder, read_holder
 
     check_answer_file(json)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.commands._session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def sizing(
     output: Annotated[Path, typer.Option(help="With figures: the folder for them.")] = Path("sizing"),
 ) -> None:
     """The formulas of chapter 3 beside the print; whether this joint can do a task, and which limit stops it; figures."""
-    from hjcamp.commands._session import check_answer_file, write_answer
+    from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     match words or []:
         case []:

@@ -37,7 +37,7 @@ def tour(
 ) -> None:
     """A few minutes with sample logs: find the effect that hides in them, add it, see the error fall, open the answer."""
     from hjcamp.campaign.console import make_console
-    from hjcamp.commands._warm import wait
+    from hjcamp.commands.shared.warm import wait
     from hjcamp.plants.pump_joint.tour.kinds import Tour
     from hjcamp.plants.pump_joint.tour.spindle import SPINDLE
     from hjcamp.plants.pump_joint.tour.steps import JOINT

@@ -17,7 +17,7 @@ def show_sweep(overrides: list[str], folder: Path | None) -> None:
     from hjcamp.campaign.console import make_console
     from hjcamp.campaign.planning import composed_plan
     from hjcamp.campaign.sweep import read_sweep
-    from hjcamp.commands._duration import duration_text
+    from hjcamp.commands.shared.duration import duration_text
     from hjcamp.configuration.composer import Composer, free
     from hjcamp.configuration.overrides import parse_overrides
     from hjcamp.configuration.trust import check_overrides
